@@ -1,0 +1,62 @@
+# Everything here needs Python 3.11 or newer with venv, and make; the rest is installed into .venv.
+# Another interpreter: make test PYTHON=python3.13
+
+PYTHON ?= python3
+BIN := .venv/bin
+NOTEBOOKS := $(wildcard examples/notebooks/*.ipynb)
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
+
+export MPLBACKEND ?= Agg
+
+.DELETE_ON_ERROR:
+.PHONY: help demo test lint docs bench validate clean
+
+help:
+	@echo "make demo      drive the paper's scenarios; report, figures and summary.json in out/"
+	@echo "make test      all that CI runs: lint, types, docs, tests, examples, notebooks"
+	@echo "make lint      ruff, mypy and the import contract alone"
+	@echo "make docs      the documentation, in docs/_build/html"
+	@echo "make bench     the table of run times"
+	@echo "make validate  the tests with the full number of random cases (long)"
+	@echo "make clean     remove what was built; .venv stays"
+
+demo: .venv/demo.stamp
+	$(BIN)/python examples/paper_scenarios.py --out out
+
+test: lint docs
+	$(BIN)/python -m pytest --doctest-modules $(if $(NOTEBOOKS),--nbmake) cca_core tests $(NOTEBOOKS)
+
+lint: .venv/dev.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+docs: .venv/dev.stamp
+	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --fresh-env docs docs/_build/html
+
+bench: .venv/dev.stamp
+	$(ONE_THREAD) $(BIN)/python -m pytest --benchmark-only --benchmark-sort=name tests/bench
+
+validate: .venv/dev.stamp
+	CCA_HYPOTHESIS_PROFILE=full $(BIN)/python -m pytest tests
+
+clean:
+	rm -rf out build dist docs/_build docs/generated .benchmarks .hypothesis .import_linter_cache .mypy_cache \
+	    .pytest_cache .ruff_cache
+	find cca_core examples tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The stamps make installation happen once, and again when pyproject.toml changes.
+.venv/demo.stamp: pyproject.toml
+	@echo "installing into .venv ..."
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot]"
+	@touch $@
+
+# --group needs pip 25.1
+.venv/dev.stamp: pyproject.toml
+	@echo "installing into .venv, with all extras and the developer tools (1.5 GB) ..."
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
+	@$(BIN)/python -m pip install --quiet --editable ".[all]" --group dev
+	@touch $@

@@ -1,0 +1,63 @@
+"""Checks of arguments at the library's boundary; each raises `InputError` naming the argument."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cca_core.errors import InputError
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+Mask = np.ndarray[Any, np.dtype[np.bool_]]
+Index = np.ndarray[Any, np.dtype[np.intp]]
+
+
+def check_real(
+    name: str,
+    value: object,
+    *,
+    above: float = -math.inf,
+    least: float = -math.inf,
+    most: float = math.inf,
+    infinite: bool = False,
+) -> float:
+    """Return `value` as float if it is a real number with above < value and least <= value <= most."""
+    try:
+        number = float(value)  # type: ignore[arg-type]  # anything may come from outside
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a real number, was {value!r}") from None
+    if not (math.isfinite(number) or (infinite and not math.isnan(number))):
+        raise InputError(f"{name} must be finite, was {number}")
+    if number <= above:
+        raise InputError(f"{name} must be greater than {above:g}, was {number:g}")
+    if not least <= number <= most:
+        bounds = f"at least {least:g}" if number < least else f"at most {most:g}"
+        raise InputError(f"{name} must be {bounds}, was {number:g}")
+    return number
+
+
+def check_array(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
+    """Return a float64 copy of `value` if it is finite and has `shape` (None: any length)."""
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be an array of real numbers, was {type(value).__name__}") from None
+    fits = array.ndim == len(shape) and all(
+        want is None or want == have for want, have in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        wanted = "(" + ", ".join("n" if want is None else str(want) for want in shape) + ")"
+        raise InputError(f"{name} must have shape {wanted}, had {array.shape}")
+    if not np.isfinite(array).all():
+        where = np.argwhere(~np.isfinite(array))[0]
+        raise InputError(f"{name} must be finite, was {array[tuple(where)]} at {where.tolist()}")
+    return array
+
+
+def check_points(name: str, value: ArrayLike, least: int) -> Array:
+    """Return a float64 copy of `value` if it is a finite (n, 2) array with n >= `least`."""
+    points = check_array(name, value, (None, 2))
+    if len(points) < least:
+        raise InputError(f"{name} must have at least {least} points, had {len(points)}")
+    return points

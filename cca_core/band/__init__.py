@@ -1,0 +1,17 @@
+"""Elastic band: eqs 3-10 of the paper, and a band that a car can drive."""
+
+from cca_core.band.forces import external_force
+from cca_core.band.relax import Band, relax_band
+from cca_core.band.stiffness import (
+    BandStiffness,
+    balancing_force,
+    deformed,
+    displacement,
+    internal_force,
+    stiffness_matrix,
+)
+
+__all__ = [
+    "Band", "BandStiffness", "balancing_force", "deformed", "displacement", "external_force",
+    "internal_force", "relax_band", "stiffness_matrix",
+]  # fmt: skip

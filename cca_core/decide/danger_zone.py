@@ -1,0 +1,113 @@
+"""Danger zone of a vehicle on the lane beside: eq 11 as printed, and its general form."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cca_core._checks import Array, check_array, check_real
+from cca_core.errors import InputError
+
+
+def danger_zone_end(
+    X_1: ArrayLike, v_adj: ArrayLike, v_ego: ArrayLike, t_maneuver: float, x_safety: float
+) -> Array:
+    """End point X_2 of the danger zone, eq 11 as printed.
+
+    Parameters
+    ----------
+    X_1 : array_like, shape (...)
+        Start of the adjacent vehicle's body along the road [m].
+    v_adj, v_ego : array_like, shape (...)
+        Speeds along the road [m/s].
+    t_maneuver : float
+        Duration of the manoeuvre [s].
+    x_safety : float
+        Additional distance [m].
+
+    Returns
+    -------
+    X_2 : ndarray, shape (...)
+        X_1 + (v_adj - v_ego) t_maneuver + x_safety [m].
+
+    Raises
+    ------
+    InputError
+        If `t_maneuver` is negative or not finite.
+
+    Notes
+    -----
+    Right only for a faster vehicle in the same direction with its front bumper at X_1; use `danger_zone`
+    for decisions.
+
+    Examples
+    --------
+    >>> float(danger_zone_end(0.0, 30.0, 20.0, 4.0, 10.0))
+    50.0
+    """
+    duration = check_real("t_maneuver", t_maneuver, least=0.0)
+    relative = np.asarray(v_adj, dtype=np.float64) - np.asarray(v_ego, dtype=np.float64)
+    end: Array = np.asarray(X_1, dtype=np.float64) + relative * duration + x_safety
+    return end
+
+
+def danger_zone(
+    rear: ArrayLike,
+    front: ArrayLike,
+    v_adj: ArrayLike,
+    *,
+    times: ArrayLike,
+    ego_travel: ArrayLike,
+    x_safety: float = 7.0,
+    margin: ArrayLike = 0.0,
+    a_bound: float = 0.0,
+) -> Array:
+    """Stretch of road in which the ego may not begin a manoeuvre because of a vehicle on the lane beside.
+
+    Parameters
+    ----------
+    rear, front : array_like, shape (...)
+        Least and largest path coordinate of the adjacent vehicle's body now, relative to the ego [m].
+    v_adj : array_like, shape (...)
+        Its speed along the path [m/s], negative if it comes towards the ego.
+    times : array_like, shape (n,)
+        Times from now [s] from the beginning of the manoeuvre until the ego's body has left the lane again.
+    ego_travel : array_like, shape (n,)
+        Distance that the ego will have driven at those times [m].
+    x_safety : float
+        Distance kept in front of and behind the vehicle [m].
+    margin : array_like, shape (...)
+        Further distance for position error and message age [m].
+    a_bound : float
+        Largest acceleration of the vehicle, either way, that is provided for [m/s^2].
+
+    Returns
+    -------
+    zone : ndarray, shape (..., 2)
+        Rear and front end of the zone [m], relative to the ego: the ego's body must not touch it.
+
+    Raises
+    ------
+    InputError
+        If `times` and `ego_travel` differ in shape or are empty, or a value is out of range.
+
+    Notes
+    -----
+    Eq (11) of the paper made general: the vehicle's body as the ego sees it during the whole manoeuvre,
+    [min_t (rear + v_adj t - travel) - x_s, max_t (front + v_adj t - travel) + x_s]. For constant
+    speeds the extremes lie at both ends; for a faster vehicle behind the front end is X_2 of eq 11.
+
+    Examples
+    --------
+    >>> danger_zone(-44.5, -40.0, 30.0, times=[0.0, 4.0], ego_travel=[0.0, 80.0], x_safety=10.0)
+    array([-54.5,  10. ])
+    """
+    t = check_array("times", times, (None,))
+    driven = check_array("ego_travel", ego_travel, (None,))
+    if t.shape != driven.shape or not len(t) or t.min() < 0.0:
+        raise InputError("times and ego_travel must have the same length, times must not be negative")
+    x_safety = check_real("x_safety", x_safety, least=0.0)
+    a_bound = check_real("a_bound", a_bound, least=0.0)
+    relative = np.asarray(v_adj, dtype=np.float64)[..., None] * t - driven
+    grown = x_safety + np.asarray(margin, dtype=np.float64)[..., None] + 0.5 * a_bound * t**2
+    start = np.asarray(rear, dtype=np.float64) + (relative - grown).min(axis=-1)
+    end = np.asarray(front, dtype=np.float64) + (relative + grown).max(axis=-1)
+    return np.stack((start, end), axis=-1)

@@ -1,0 +1,377 @@
+"""Ways around what stands in the way: where to swerve, the band to drive, whether the lane beside is free."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cca_core._checks import Array, Mask, check_real
+from cca_core.band import Band, relax_band
+from cca_core.band.relax import Side
+from cca_core.decide import Candidate, danger_zone
+from cca_core.errors import Status
+from cca_core.follow import SpeedSettings, arrival_times
+from cca_core.path import Lane, Path, Road, interpolate_path
+from cca_core.predict import predict_along, travel
+from cca_core.vehicle import RemoteVehicle, VehicleParams
+
+__all__ = ["Ego", "Evasion", "EvasionSettings", "Neighbour", "plan_evasion"]
+
+_HORIZON = 600.0  # farthest point at which a pass may end [m]
+_TAIL = 60.0  # the reference goes on along the route behind the window [m]
+_BEHIND = 2.0  # a window starts this far behind the car [m]
+_NODES = 140  # in a window, at most; never closer than 1 m
+_QUINTIC = 5.7735  # peak of the second derivative of the quintic step
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EvasionSettings:
+    """How the ego passes others.
+
+    Parameters
+    ----------
+    lateral_acceleration : float
+        Peak lateral acceleration that a swerve aims at [m/s^2]: the knob from smooth (2) to fast (3.5). A
+        swerve by w takes sqrt(5.77 w / a) seconds.
+    clearance : float
+        Distance kept between boxes [m].
+    lead_time : float
+        Time to contact with a vehicle in front at which the ego is fully beside its path [s].
+    preparation : float
+        Time before a swerve becomes due [s].
+    x_safety : float
+        Distance kept to vehicles on the lane beside [m], eq 11.
+    known_range : float
+        Distance up to which all vehicles are known by their messages [m]. Beyond it a vehicle at the speed
+        limit is assumed on the lane beside; 0 makes that lane never free, infinity trusts silence.
+    speed_floor : float
+        Least speed advantage over a vehicle to be passed [m/s].
+
+    Raises
+    ------
+    InputError
+        If a value is out of range.
+    """
+
+    lateral_acceleration: float = 2.0
+    clearance: float = 1.0
+    lead_time: float = 1.0
+    preparation: float = 0.25
+    x_safety: float = 7.0
+    known_range: float = 300.0
+    speed_floor: float = 2.0
+
+    def __post_init__(self) -> None:
+        check_real("lateral_acceleration", self.lateral_acceleration, above=0.0)
+        for name in ("clearance", "lead_time", "preparation", "x_safety", "speed_floor"):
+            check_real(name, getattr(self, name), least=0.0)
+        check_real("known_range", self.known_range, least=0.0, infinite=True)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Neighbour:
+    """A remote vehicle in path coordinates.
+
+    Parameters
+    ----------
+    remote : RemoteVehicle
+        The vehicle.
+    s, d : float
+        Its place along and beside the route [m], d left positive.
+    v_s : float
+        Its speed along the route [m/s], negative if it comes towards the ego.
+    """
+
+    remote: RemoteVehicle
+    s: float
+    d: float
+    v_s: float
+
+    @property
+    def half_length(self) -> float:
+        """Half its length with two standard deviations of its place [m]."""
+        return 0.5 * self.remote.length + 2.0 * self.remote.sigma_along
+
+    @property
+    def half_width(self) -> float:
+        """Half its width with two standard deviations of its place [m]."""
+        return 0.5 * self.remote.width + 2.0 * self.remote.sigma_across
+
+    def advance(self, t: Array) -> Array:
+        """Place along the route at times from now.
+
+        Parameters
+        ----------
+        t : ndarray, shape (n,)
+            Times from now [s].
+
+        Returns
+        -------
+        s : ndarray, shape (n,)
+            Path coordinate of its centre [m].
+        """
+        direction = math.copysign(1.0, self.v_s)
+        return self.s + direction * travel(abs(self.v_s), self.remote.a_x, t)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ego:
+    """The ego as evasions see it: its place on the route and how it intends to drive.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        Its parameters.
+    s : float
+        Path coordinate of its centre of gravity [m].
+    v_x, v_target : float
+        Speed now and wanted [m/s].
+    speed : SpeedSettings
+        How it accelerates.
+    history : ndarray, shape (n, 2)
+        Path coordinate [m] and time from now [s], both increasing, of where it has been in the manoeuvre.
+    """
+
+    vehicle: VehicleParams
+    s: float
+    v_x: float
+    v_target: float
+    speed: SpeedSettings
+    history: Array
+
+    def times(self, s: Array) -> Array:
+        """When the ego is where on the route, in the past as recorded.
+
+        Parameters
+        ----------
+        s : ndarray, shape (n,)
+            Path coordinates [m].
+
+        Returns
+        -------
+        t : ndarray, shape (n,)
+            Times from now [s].
+        """
+        t = arrival_times(self.v_x, self.v_target, s - self.s, self.speed)
+        if len(self.history) > 1:
+            past = (s < self.s) & (s >= self.history[0, 0])
+            t[past] = np.interp(s[past], self.history[:, 0], self.history[:, 1])
+        return t
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Evasion:
+    """A swerve that could be driven.
+
+    Parameters
+    ----------
+    side : {"left", "right"}
+        Side of the route to which it swerves.
+    start, end : float
+        Window on the route [m]; at both ends the band lies on the route.
+    band : Band
+        The bent route between them.
+    reference : Path
+        What the steering follows: the band, then the route.
+    candidate : Candidate
+        The same for the choice of action.
+    """
+
+    side: Side
+    start: float
+    end: float
+    band: Band
+    reference: Path
+    candidate: Candidate
+
+
+def plan_evasion(
+    ego: Ego,
+    road: Road,
+    blockers: Sequence[Neighbour],
+    others: Sequence[Neighbour],
+    side: Side,
+    settings: EvasionSettings,
+    ongoing: Evasion | None = None,
+    at_once: bool = False,
+) -> Evasion | Candidate:
+    """Plan a swerve around what blocks the route.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego on its route.
+    road : Road
+        Route, lanes and edges.
+    blockers : sequence of Neighbour
+        Vehicles in the way, nearest first; at least one.
+    others : sequence of Neighbour
+        All other vehicles.
+    side : {"left", "right"}
+        Side to pass on.
+    settings : EvasionSettings
+        Clearance, comfort and caution.
+    ongoing : Evasion, optional
+        The manoeuvre that is being driven: its window is kept, only its end may move on, and the lane
+        beside is not asked for again.
+    at_once : bool
+        Whether the swerve begins now even if there would be time to drive on.
+
+    Returns
+    -------
+    evasion : Evasion or Candidate
+        The swerve; a bare candidate with its obstruction where no band could be drawn.
+    """
+    leads = [settings.lead_time * max(max(ego.v_x, ego.v_target) - b.v_s, 0.0) for b in blockers]
+    contact = [_contact(ego, b, settings.clearance, lead) for b, lead in zip(blockers, leads, strict=True)]
+    first, last = contact[0]
+    if ongoing is None and not first < last < _HORIZON:
+        return Candidate(
+            side=side,
+            obstruction=f"{blockers[0].remote.id} would not be passed in {_HORIZON:.0f} m",
+        )
+    beside = road.lane_at(road.own_lane.left + 0.1 if side == "left" else road.own_lane.right - 0.1)
+    half_width = 0.5 * ego.vehicle.width
+    offset = blockers[0].half_width + half_width + settings.clearance
+    offset += blockers[0].d if side == "left" else -blockers[0].d
+    if (
+        beside is None
+        and offset > (road.own_lane.left if side == "left" else -road.own_lane.right) - half_width
+    ):
+        return Candidate(side=side, obstruction="there is no lane")
+    duration = math.sqrt(_QUINTIC * max(offset, 0.5) / settings.lateral_acceleration)
+    v_out, v_back = _speed_after(ego, first), _speed_after(ego, last)
+    needed = v_out * (duration + settings.preparation)
+    delay = 0.0 if at_once else max(first - needed, 0.0)
+    start, end = ego.s - _BEHIND + delay, ego.s + last + v_back * duration
+    if not at_once:
+        start += v_out * settings.preparation
+    if ongoing is not None:
+        start, end = ongoing.start, ongoing.end
+    for begins, ends in contact:  # no room to return before the next one: stay out
+        if begins < ends < _HORIZON and ego.s + begins - v_back * duration < end:
+            end = max(end, ego.s + ends + v_back * duration)
+    if end > road.path.end:
+        return Candidate(side=side, obstruction="the route ends before the pass does")
+    n = 1 + min(_NODES, max(20, math.ceil(end - start)))
+    s = np.linspace(start, end, n)
+    t = ego.times(s)
+    right = road.own_lane.right if side == "left" or beside is None else beside.right
+    left = road.own_lane.left if side == "right" or beside is None else beside.left
+    band = relax_band(
+        road.path.position(s),
+        [predict_along(o.remote, road.path, o.s, o.d, t) for o in (*blockers, *others)],
+        side=side,
+        vehicle=ego.vehicle,
+        clearance=settings.clearance,
+        lead=[*leads, *(0.0 for _ in others)],
+        corridor=(right + half_width, left - half_width),
+    )
+    outside = _outside(band.displacement, road.own_lane, half_width)
+    leaves = bool(outside.any())
+    until = float(t[np.flatnonzero(outside)[-1]]) + ego.vehicle.length / max(v_back, 1.0) if leaves else 0.0
+    zone, obstruction = None, "" if band.status is Status.OK else band.message
+    if leaves and ongoing is None and not obstruction:
+        # a waiting ego goes only when the lane is free now, a driving one must find it free on entering it
+        begins = 0.0 if at_once else max(float(t[np.argmax(outside)]), 0.0)
+        span = np.linspace(begins, until, 24)
+        zone, obstruction = _lane_beside(ego, road, beside, [*others, *blockers[1:]], span, settings)
+    candidate = Candidate(
+        side=side, obstruction=obstruction, lead_in=first, needed=needed,
+        duration=until, zone=zone, cost=float(np.abs(band.displacement).max()),
+    )  # fmt: skip
+    return Evasion(
+        side=side, start=start, end=end, band=band, candidate=candidate,
+        reference=_reference(road.path, s, band),
+    )  # fmt: skip
+
+
+def _contact(ego: Ego, other: Neighbour, clearance: float, lead: float) -> tuple[float, float]:
+    """First and last distance ahead at which the ego must be beside the other; infinite if nowhere."""
+    x = np.arange(-_BEHIND, _HORIZON, 1.0)
+    apart = other.advance(ego.times(ego.s + x)) - (ego.s + x + ego.vehicle.box_offset)
+    reach = 0.5 * ego.vehicle.length + other.half_length + clearance
+    abeam = np.flatnonzero((apart >= -reach) & (apart <= reach + lead))
+    if not len(abeam):
+        return math.inf, math.inf
+    last = float(x[abeam[-1]])
+    return float(x[abeam[0]]), last if abeam[-1] < len(x) - 1 else math.inf
+
+
+def _speed_after(ego: Ego, distance: float) -> float:
+    ahead = min(max(distance, 0.0), _HORIZON)
+    reached = math.sqrt(ego.v_x**2 + 2.0 * ego.speed.a_max * ahead)
+    return max(min(reached, max(ego.v_target, ego.v_x)), 1.0)
+
+
+def _outside(u: Array, own: Lane, half_width: float) -> Mask:
+    """Where the ego's body is not wholly inside its own lane."""
+    outside: Mask = (u + half_width > own.left) | (u - half_width < own.right)
+    return outside
+
+
+def _reference(path: Path, s: Array, band: Band) -> Path:
+    ahead = np.arange(s[-1] + 2.0, s[-1] + _TAIL, 2.0)
+    position, tangent, _ = path.derivatives(np.append(ahead, s[0]))
+    return interpolate_path(
+        np.vstack((band.nodes, position[:-1])),
+        start=float(s[0]), start_tangent=tangent[-1], end_tangent=tangent[-2],
+    )  # fmt: skip
+
+
+def _lane_beside(
+    ego: Ego,
+    road: Road,
+    lane: Lane | None,
+    others: Sequence[Neighbour],
+    times: Array,
+    settings: EvasionSettings,
+) -> tuple[tuple[float, float] | None, str]:
+    """Danger zone that comes nearest to the ego's body, and the obstruction if it touches it."""
+    if lane is None:
+        return None, "there is no lane"
+    if settings.known_range == 0.0:
+        return None, "the lane is not known to be free"
+    grid = np.arange(0.0, _HORIZON, 2.0)
+    driven = np.interp(times, ego.times(ego.s + grid), grid)
+    half = 0.5 * ego.vehicle.length
+    worst: tuple[tuple[float, float] | None, str] = (None, "")
+    least = math.inf
+    for name, rear, front, v_s, margin in _vehicles_on(lane, ego, road, others, settings.known_range):
+        zone = danger_zone(
+            rear,
+            front,
+            v_s,
+            times=times,
+            ego_travel=driven,
+            x_safety=settings.x_safety,
+            margin=margin,
+        )
+        gap = max(float(zone[0]) - half, -half - float(zone[1]))
+        if gap < least:
+            least, blocked = gap, f"{name} is in the way" if gap <= 0.0 else ""
+            worst = (float(zone[0]), float(zone[1])), blocked
+    return worst
+
+
+def _vehicles_on(
+    lane: Lane, ego: Ego, road: Road, others: Sequence[Neighbour], known_range: float
+) -> list[tuple[str, float, float, float, float]]:
+    """Name, rear and front relative to the ego, speed along the road and margin of all on a lane."""
+    centre = ego.s + ego.vehicle.box_offset
+    found = [
+        (
+            o.remote.id,
+            o.s - o.half_length - centre,
+            o.s + o.half_length - centre,
+            o.v_s,
+            abs(o.v_s) * o.remote.age,
+        )
+        for o in others
+        if o.d + o.half_width > lane.right + 0.2 and o.d - o.half_width < lane.left - 0.2
+    ]
+    if math.isfinite(known_range):
+        edge, v = (known_range, -road.speed_limit) if lane.direction < 0 else (-known_range, road.speed_limit)
+        found.append(("a vehicle out of range", edge, edge, v, 0.0))
+    return found

@@ -1,0 +1,23 @@
+"""Follow a path: single-track model, preview steering, speed."""
+
+from cca_core.follow.bicycle import (
+    SingleTrack,
+    single_track,
+    steady_sideslip,
+    steady_steering,
+    steady_yaw_rate,
+)
+from cca_core.follow.preview import PreviewController, PreviewGains
+from cca_core.follow.speed import (
+    SpeedSettings,
+    arrival_times,
+    cruise_acceleration,
+    follow_acceleration,
+    required_deceleration,
+)
+
+__all__ = [
+    "PreviewController", "PreviewGains", "SingleTrack", "SpeedSettings", "arrival_times",
+    "cruise_acceleration", "follow_acceleration", "required_deceleration", "single_track",
+    "steady_sideslip", "steady_steering", "steady_yaw_rate",
+]  # fmt: skip

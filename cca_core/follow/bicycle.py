@@ -1,0 +1,138 @@
+"""Linear single-track model with the lateral error at a preview point as output."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cca_core._checks import Array, check_real
+from cca_core.vehicle import VehicleParams
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SingleTrack:
+    """Continuous-time model x' = A x + B delta + E rho with x = [beta, r, e_psi, e_y].
+
+    Parameters
+    ----------
+    A : ndarray, shape (4, 4)
+        Dynamics; rates [1/s] of states in rad, rad/s and m.
+    B : ndarray, shape (4,)
+        Input: road-wheel angle [rad], left positive.
+    E : ndarray, shape (4,)
+        Disturbance: path curvature [1/m], left turn positive.
+    """
+
+    A: Array
+    B: Array
+    E: Array
+
+
+def single_track(vehicle: VehicleParams, v_x: float, l_s: float) -> SingleTrack:
+    """Linear single-track model on a path, with preview.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        Geometry, inertia and tyres.
+    v_x : float
+        Forward speed [m/s], positive.
+    l_s : float
+        Preview distance in front of the centre of gravity [m], not negative.
+
+    Returns
+    -------
+    model : SingleTrack
+        States: sideslip beta [rad], yaw rate r [rad/s], heading error e_psi [rad] and lateral error at the
+        preview point e_y = h + l_s e_psi [m], left positive.
+
+    Raises
+    ------
+    InputError
+        If `v_x` is not positive or `l_s` is negative.
+
+    Notes
+    -----
+    beta' and r' are the textbook single-track model with axle stiffnesses;
+    e_psi' = r - v rho and e_y' = v beta + l_s r + v e_psi - l_s v rho.
+    """
+    v = check_real("v_x", v_x, above=0.0)
+    l_s = check_real("l_s", l_s, least=0.0)
+    m, inertia = vehicle.m, vehicle.I_z
+    moment = vehicle.C_r * vehicle.l_r - vehicle.C_f * vehicle.l_f
+    damping = vehicle.C_f * vehicle.l_f**2 + vehicle.C_r * vehicle.l_r**2
+    A = np.array(
+        [
+            [-(vehicle.C_f + vehicle.C_r) / (m * v), moment / (m * v * v) - 1.0, 0.0, 0.0],
+            [moment / inertia, -damping / (inertia * v), 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [v, l_s, v, 0.0],
+        ]
+    )
+    B = np.array([vehicle.C_f / (m * v), vehicle.C_f * vehicle.l_f / inertia, 0.0, 0.0])
+    E = np.array([0.0, 0.0, -v, -l_s * v])
+    return SingleTrack(A=A, B=B, E=E)
+
+
+def steady_steering(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) -> Array:
+    """Road-wheel angle that holds a curvature.
+
+    Parameters
+    ----------
+    kappa : array_like, shape (...)
+        Curvature [1/m], left turn positive.
+    v_x : array_like, shape (...)
+        Forward speed [m/s].
+    vehicle : VehicleParams
+        Geometry, mass and tyres.
+
+    Returns
+    -------
+    delta : ndarray, shape (...)
+        rho (L + K v^2) [rad], left positive, K the understeer gradient.
+    """
+    gain = vehicle.wheelbase + vehicle.understeer_gradient * np.square(v_x)
+    return np.asarray(kappa, dtype=np.float64) * gain
+
+
+def steady_sideslip(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) -> Array:
+    """Sideslip angle in a steady turn.
+
+    Parameters
+    ----------
+    kappa : array_like, shape (...)
+        Curvature [1/m], left turn positive.
+    v_x : array_like, shape (...)
+        Forward speed [m/s].
+    vehicle : VehicleParams
+        Geometry, mass and tyres.
+
+    Returns
+    -------
+    beta : ndarray, shape (...)
+        rho (l_r - l_f m v^2 / (C_r L)) [rad], left positive.
+    """
+    slope = vehicle.l_f * vehicle.m / (vehicle.C_r * vehicle.wheelbase)
+    return np.asarray(kappa, dtype=np.float64) * (vehicle.l_r - slope * np.square(v_x))
+
+
+def steady_yaw_rate(delta: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) -> Array:
+    """Yaw rate in a steady turn.
+
+    Parameters
+    ----------
+    delta : array_like, shape (...)
+        Road-wheel angle [rad], left positive.
+    v_x : array_like, shape (...)
+        Forward speed [m/s].
+    vehicle : VehicleParams
+        Geometry, mass and tyres.
+
+    Returns
+    -------
+    r : ndarray, shape (...)
+        v delta / (L + K v^2) [rad/s], left turn positive.
+    """
+    v = np.asarray(v_x, dtype=np.float64)
+    rate: Array = v * np.asarray(delta) / (vehicle.wheelbase + vehicle.understeer_gradient * v**2)
+    return rate

@@ -1,0 +1,174 @@
+"""Speed: cruise, follow a leader at a time gap, brake; and when the ego arrives where."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cca_core._checks import Array, check_real
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedSettings:
+    """Limits and gaps of the speed controller.
+
+    Parameters
+    ----------
+    a_max : float
+        Largest acceleration [m/s^2].
+    b_comfort : float
+        Deceleration of a planned approach [m/s^2], positive.
+    b_max : float
+        Largest deceleration [m/s^2], positive.
+    standstill_gap : float
+        Bumper-to-bumper gap behind a standing leader [m].
+    time_gap : float
+        Additional gap behind a moving leader [s].
+    jerk : float
+        Largest change of acceleration in normal driving [m/s^3].
+    jerk_emergency : float
+        Largest change of acceleration when braking hard [m/s^3].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite and positive.
+    """
+
+    a_max: float = 2.0
+    b_comfort: float = 1.5
+    b_max: float = 7.0
+    standstill_gap: float = 3.0
+    time_gap: float = 1.5
+    jerk: float = 3.0
+    jerk_emergency: float = 12.65
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            check_real(name, getattr(self, name), above=0.0)
+
+
+def cruise_acceleration(v_x: float, v_target: float, settings: SpeedSettings) -> float:
+    """Acceleration towards a wanted speed.
+
+    Parameters
+    ----------
+    v_x, v_target : float
+        Speed now and wanted [m/s].
+    settings : SpeedSettings
+        Limits.
+
+    Returns
+    -------
+    a_x : float
+        Acceleration [m/s^2], between -b_comfort and a_max.
+    """
+    return min(max(v_target - v_x, -settings.b_comfort), settings.a_max)
+
+
+def follow_acceleration(
+    v_x: float, gap: float, v_lead: float, settings: SpeedSettings, a_lead: float = 0.0
+) -> float:
+    """Acceleration that closes up to a leader and then keeps its speed at the wanted gap.
+
+    Parameters
+    ----------
+    v_x : float
+        Own speed [m/s].
+    gap : float
+        Bumper-to-bumper gap [m].
+    v_lead : float
+        The leader's speed [m/s].
+    settings : SpeedSettings
+        Limits and gaps.
+    a_lead : float
+        The leader's acceleration [m/s^2].
+
+    Returns
+    -------
+    a_x : float
+        Acceleration [m/s^2], at least -b_max; not limited above.
+
+    Notes
+    -----
+    The wanted speed is v_lead plus what can be shed at `b_comfort` over the surplus gap
+    e = gap - standstill_gap - time_gap v_lead: sqrt(2 b (e - e0/2)) far away, linear within e0, continuous
+    with its slope. If more than `b_comfort` is needed to stay clear of a braking leader, that is added.
+    """
+    b = settings.b_comfort
+    surplus = gap - settings.standstill_gap - settings.time_gap * v_lead
+    linear = b / _RATE**2
+    if surplus > linear:
+        shed = math.sqrt(2.0 * b * (surplus - 0.5 * linear))
+        slope = b / shed
+    else:
+        shed, slope = _RATE * surplus, _RATE
+    wanted = v_lead + shed
+    approach = slope * (v_lead - v_x) + 2.0 * _RATE * (wanted - v_x)
+    need = required_deceleration(v_x, gap, v_lead, settings, a_lead)
+    if need > 2.0 * b:
+        approach = min(approach, -need)
+    return max(approach, -settings.b_max)
+
+
+def required_deceleration(
+    v_x: float, gap: float, v_lead: float, settings: SpeedSettings, a_lead: float = 0.0
+) -> float:
+    """Least constant deceleration that keeps the standstill gap to a leader.
+
+    Parameters
+    ----------
+    v_x : float
+        Own speed [m/s].
+    gap : float
+        Bumper-to-bumper gap [m].
+    v_lead : float
+        The leader's speed [m/s]; negative if it comes towards the ego.
+    settings : SpeedSettings
+        Gaps.
+    a_lead : float
+        The leader's acceleration [m/s^2]; braking is taken to last until standstill.
+
+    Returns
+    -------
+    b : float
+        Deceleration [m/s^2], not negative; infinite if the gap is used up.
+    """
+    room = gap - settings.standstill_gap
+    need = 0.0
+    if v_x > v_lead:
+        closing = v_x - max(v_lead, 0.0)
+        need = closing**2 / (2.0 * room) if room > 0.0 else math.inf
+    if a_lead < -0.5 and v_x > 0.0:
+        stopping_room = room + max(v_lead, 0.0) ** 2 / (-2.0 * a_lead)
+        need = max(need, v_x**2 / (2.0 * stopping_room) if stopping_room > 0.0 else math.inf)
+    return need
+
+
+def arrival_times(v_x: float, v_target: float, distances: Array, settings: SpeedSettings) -> Array:
+    """When the ego reaches places ahead if it drives freely.
+
+    Parameters
+    ----------
+    v_x, v_target : float
+        Speed now and wanted [m/s].
+    distances : ndarray, shape (n,)
+        Distances ahead [m]; negative ones lie behind, at constant speed.
+    settings : SpeedSettings
+        Acceleration and deceleration used until the wanted speed is reached.
+
+    Returns
+    -------
+    t : ndarray, shape (n,)
+        Times from now [s].
+    """
+    v = max(v_x, 0.5)
+    target = max(v_target, 0.5)
+    a = settings.a_max if target > v else -settings.b_comfort
+    ramp = (target * target - v * v) / (2.0 * a)
+    on_ramp = np.clip(distances, 0.0, ramp)
+    t: Array = (np.sqrt(v * v + 2.0 * a * on_ramp) - v) / a
+    return t + np.minimum(distances, 0.0) / v + np.maximum(distances - ramp, 0.0) / target
+
+
+_RATE = 0.35  # closing rate near the wanted gap [1/s]

@@ -1,0 +1,11 @@
+"""Roads: from GPS to metres, from waypoints to a smooth curve, lanes along it."""
+
+from cca_core.path.files import Waypoints, read_waypoints
+from cca_core.path.fit import fit_path, interpolate_path
+from cca_core.path.local_frame import LocalFrame
+from cca_core.path.path import Path
+from cca_core.path.road import Lane, Road
+
+__all__ = [
+    "Lane", "LocalFrame", "Path", "Road", "Waypoints", "fit_path", "interpolate_path", "read_waypoints",
+]  # fmt: skip

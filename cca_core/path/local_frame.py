@@ -1,0 +1,146 @@
+"""True east-north-up coordinates on the WGS 84 ellipsoid."""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cca_core._checks import Array, check_array, check_real
+from cca_core.errors import InputError
+
+_A = 6378137.0  # semi-major axis [m], WGS 84
+_F = 1.0 / 298.257223563  # flattening
+_E2 = _F * (2.0 - _F)
+_REACH = 1.0e6  # farther than this the tangent plane is no map any more [m]
+
+
+class LocalFrame:
+    """East-north-up plane that touches WGS 84 at one point.
+
+    Parameters
+    ----------
+    lat0, lon0 : float
+        Origin [deg], latitude in -90..90 and longitude in -180..180.
+
+    Raises
+    ------
+    InputError
+        If the origin is not on the ellipsoid.
+
+    Notes
+    -----
+    Points are taken on the ellipsoid (height 0), turned to earth-centred coordinates and rotated into the
+    plane at the origin; x is east, y is north. The height below the plane is dropped, so distances shrink
+    by 1 - (D / 6371 km)^2 / 2 with distance D from the origin.
+
+    Examples
+    --------
+    >>> LocalFrame(45.0, 14.0).to_local(45.001, 14.0).round(3)
+    array([  0.   , 111.132])
+    """
+
+    def __init__(self, lat0: float, lon0: float) -> None:
+        self.lat0 = check_real("lat0", lat0, least=-90.0, most=90.0)
+        self.lon0 = check_real("lon0", lon0, least=-180.0, most=180.0)
+        lat, lon = math.radians(self.lat0), math.radians(self.lon0)
+        self._origin = _to_ecef(np.array(lat), np.array(lon))
+        self._axes = np.array(
+            [
+                [-math.sin(lon), math.cos(lon), 0.0],
+                [-math.sin(lat) * math.cos(lon), -math.sin(lat) * math.sin(lon), math.cos(lat)],
+                [math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)],
+            ]
+        )
+
+    def __repr__(self) -> str:
+        return f"LocalFrame(lat0={self.lat0}, lon0={self.lon0})"
+
+    def to_local(self, lat: ArrayLike, lon: ArrayLike) -> Array:
+        """Project geodetic positions into the plane.
+
+        Parameters
+        ----------
+        lat, lon : array_like, shape (...)
+            Geodetic latitude and longitude [deg].
+
+        Returns
+        -------
+        xy : ndarray, shape (..., 2)
+            East and north [m].
+
+        Raises
+        ------
+        InputError
+            If a value is not finite or out of range, the shapes differ, or a point lies so far from the
+            origin that latitude and longitude are probably mixed up.
+        """
+        lat, lon = _geodetic(lat, lon)
+        enu = (_to_ecef(np.radians(lat), np.radians(lon)) - self._origin) @ self._axes.T
+        far = np.hypot(enu[..., 0], enu[..., 1]).max(initial=0.0)
+        if far > _REACH or enu[..., 2].min(initial=0.0) < -_REACH:
+            raise InputError(
+                f"lat, lon must lie near the origin ({self.lat0:g}, {self.lon0:g}) deg, "
+                f"one is {far / 1e3:.0f} km away; are latitude and longitude mixed up?"
+            )
+        return np.ascontiguousarray(enu[..., :2])
+
+    def to_geodetic(self, xy: ArrayLike) -> tuple[Array, Array]:
+        """Find the geodetic positions that `to_local` maps onto the given points.
+
+        Parameters
+        ----------
+        xy : array_like, shape (..., 2)
+            East and north [m].
+
+        Returns
+        -------
+        lat, lon : ndarray, shape (...)
+            Geodetic latitude and longitude [deg].
+
+        Raises
+        ------
+        InputError
+            If a value is not finite, the shape is wrong, or a point is farther away than 1000 km.
+        """
+        xy = np.asarray(xy, dtype=np.float64)
+        if xy.ndim == 0 or xy.shape[-1] != 2:
+            raise InputError(f"xy must have shape (..., 2), had {xy.shape}")
+        if not np.isfinite(xy).all() or np.abs(xy).max(initial=0.0) > _REACH:
+            raise InputError("xy must be finite and within 1000 km of the origin")
+        # the height above the plane that puts the point on the ellipsoid: line up (m) against the quadric
+        scale = np.array([1.0, 1.0, 1.0 / (1.0 - _E2)])
+        foot, up = self._origin + xy @ self._axes[:2], self._axes[2]
+        a = np.sum(up * up * scale)
+        b = np.sum(foot * up * scale, axis=-1)
+        c = np.sum(foot * foot * scale, axis=-1) - _A**2
+        point = foot + ((-b + np.sqrt(b * b - a * c)) / a)[..., None] * up
+        lat = np.arctan2(point[..., 2], (1.0 - _E2) * np.hypot(point[..., 0], point[..., 1]))
+        return np.degrees(lat), np.degrees(np.arctan2(point[..., 1], point[..., 0]))
+
+
+def _geodetic(lat: ArrayLike, lon: ArrayLike) -> tuple[Array, Array]:
+    values = []
+    for name, value, most in (("lat", lat, 90.0), ("lon", lon, 180.0)):
+        array = np.asarray(value, dtype=np.float64)
+        array = check_array(name, array, (None,) * array.ndim)
+        worst = np.abs(array).max(initial=0.0)
+        if worst > most:
+            hint = "; are latitude and longitude mixed up?" if name == "lat" and worst <= 180.0 else ""
+            raise InputError(f"{name} must be within +-{most:g} deg, was {worst:g}{hint}")
+        values.append(array)
+    if values[0].shape != values[1].shape:
+        raise InputError(f"lon must have the shape of lat {values[0].shape}, had {values[1].shape}")
+    return values[0], values[1]
+
+
+def _to_ecef(lat: Array, lon: Array) -> Array:
+    """Earth-centred coordinates [m] of points on the ellipsoid; angles in rad."""
+    n = _A / np.sqrt(1.0 - _E2 * np.sin(lat) ** 2)
+    return np.stack(
+        (
+            n * np.cos(lat) * np.cos(lon),
+            n * np.cos(lat) * np.sin(lon),
+            n * (1.0 - _E2) * np.sin(lat),
+        ),
+        axis=-1,
+    )

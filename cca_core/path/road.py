@@ -1,0 +1,110 @@
+"""Lanes along a path."""
+
+from dataclasses import dataclass
+
+from cca_core._checks import check_real
+from cca_core.errors import InputError
+from cca_core.path.path import Path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lane:
+    """One lane beside or on the route.
+
+    Parameters
+    ----------
+    d : float
+        Lateral coordinate of its centre line [m], left of the route positive.
+    width : float
+        Width [m].
+    direction : int
+        Direction of travel [-]: 1 along the route, -1 against it.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, the width is not positive, or the direction is neither 1 nor -1.
+    """
+
+    d: float
+    width: float = 3.5
+    direction: int = 1
+
+    def __post_init__(self) -> None:
+        check_real("d", self.d)
+        check_real("width", self.width, above=0.0)
+        if self.direction not in (1, -1):
+            raise InputError(f"direction must be 1 or -1, was {self.direction!r}")
+
+    @property
+    def right(self) -> float:
+        """Lateral coordinate of the right border [m]."""
+        return self.d - 0.5 * self.width
+
+    @property
+    def left(self) -> float:
+        """Lateral coordinate of the left border [m]."""
+        return self.d + 0.5 * self.width
+
+
+class Road:
+    """A route with its lanes and edges.
+
+    Parameters
+    ----------
+    path : Path
+        The route: the centre line of the ego's own lane.
+    lanes : sequence of Lane, optional
+        All lanes; one of them must contain d = 0. Without lanes the road is the own lane, 3.5 m wide.
+    speed_limit : float
+        Legal speed [m/s].
+
+    Raises
+    ------
+    InputError
+        If `path` is not a `Path`, no lane contains the route, or the speed limit is not positive.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        lanes: list[Lane] | tuple[Lane, ...] | None = None,
+        speed_limit: float = 36.0,
+    ) -> None:
+        if not isinstance(path, Path):
+            raise InputError(f"path must be a Path, was {type(path).__name__}")
+        self.path = path
+        self.lanes = (Lane(d=0.0),) if lanes is None else tuple(sorted(lanes, key=lambda lane: lane.d))
+        self.speed_limit = check_real("speed_limit", speed_limit, above=0.0)
+        own = self.lane_at(0.0)
+        if own is None or own.direction != 1:
+            raise InputError("lanes must have one with direction 1 that contains the route (d = 0)")
+        self.own_lane = own
+
+    def __repr__(self) -> str:
+        return f"Road({self.path!r}, {len(self.lanes)} lanes, {self.speed_limit:g} m/s)"
+
+    @property
+    def right_edge(self) -> float:
+        """Lateral coordinate of the right edge of the road [m]."""
+        return min(lane.right for lane in self.lanes)
+
+    @property
+    def left_edge(self) -> float:
+        """Lateral coordinate of the left edge of the road [m]."""
+        return max(lane.left for lane in self.lanes)
+
+    def lane_at(self, d: float) -> Lane | None:
+        """Lane at a lateral coordinate.
+
+        Parameters
+        ----------
+        d : float
+            Lateral coordinate [m], left positive.
+
+        Returns
+        -------
+        lane : Lane or None
+            The lane that contains it, None off the road.
+        """
+        return next((lane for lane in self.lanes if lane.right <= d <= lane.left), None)

@@ -1,0 +1,336 @@
+"""One cycle: decide, bend the route, follow it."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cca_core._checks import Array, check_real
+from cca_core.band import Band
+from cca_core.band.relax import Side
+from cca_core.decide import Action, Candidate, Decision, Leader, choose_action
+from cca_core.errors import InputError, Status
+from cca_core.evasion import Ego, Evasion, EvasionSettings, Neighbour, plan_evasion
+from cca_core.follow import (
+    PreviewController,
+    SpeedSettings,
+    cruise_acceleration,
+    follow_acceleration,
+    required_deceleration,
+)
+from cca_core.path import Path, Road
+from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
+
+__all__ = ["Command", "Planner"]
+
+_IN_THE_WAY = 0.3  # lateral gap to the route below which a vehicle blocks it [m]
+_OFF_ROUTE = 15.0  # farther from the route than this the planner does not know where it is [m]
+_SIDES: tuple[Side, Side] = ("left", "right")
+_SLOWED = -0.5  # acceleration asked for by a leader from which on a way around it is looked for [m/s^2]
+_PERIOD = 0.1  # between two looks at the same vehicles [s]
+_FALLBACK_BRAKE = 4.0  # [m/s^2]
+_CURVE_ACCELERATION = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Command:
+    """What the car is to do now, and why.
+
+    Parameters
+    ----------
+    delta : float
+        Road-wheel angle [rad], left positive.
+    a_x : float
+        Acceleration [m/s^2], forward positive.
+    decision : Decision
+        The action with its reason.
+    band : Band or None
+        The bent route while evading.
+    reference : Path
+        The path that is steered along.
+    status : Status
+        `Status.OK`, or how far down the ladder this command is.
+    dropped : tuple of (str, str)
+        Remote vehicles that could not be used, each with the reason.
+    """
+
+    delta: float
+    a_x: float
+    decision: Decision
+    band: Band | None
+    reference: Path
+    status: Status
+    dropped: tuple[tuple[str, str], ...] = field(default=())
+
+
+class Planner:
+    """Cooperative collision avoidance of one vehicle.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        The ego.
+    road : Road or Path
+        Route and lanes; a bare path is one lane of 3.5 m.
+    cruise_speed : float
+        Wanted speed [m/s].
+    evasion : EvasionSettings, optional
+        How others are passed.
+    speed : SpeedSettings, optional
+        How the ego accelerates, follows and brakes.
+    controller : PreviewController, optional
+        Steering law; the default is made for `vehicle`.
+
+    Raises
+    ------
+    InputError
+        If an argument has the wrong type or is out of range. After that, `step` never raises.
+    """
+
+    def __init__(
+        self,
+        vehicle: VehicleParams,
+        road: Road | Path,
+        *,
+        cruise_speed: float,
+        evasion: EvasionSettings | None = None,
+        speed: SpeedSettings | None = None,
+        controller: PreviewController | None = None,
+        _leader_only: bool = False,
+    ) -> None:
+        if not isinstance(vehicle, VehicleParams):
+            raise InputError(f"vehicle must be VehicleParams, was {type(vehicle).__name__}")
+        self.vehicle = vehicle
+        self.road = road if isinstance(road, Road) else Road(road)
+        self.cruise_speed = check_real("cruise_speed", cruise_speed, above=0.0)
+        self.evasion = evasion or EvasionSettings()
+        self.speed = speed or SpeedSettings()
+        self._controller = controller or PreviewController(vehicle)
+        self._leader_only = _leader_only
+        self._cap = _speed_cap(self.road, min(self.cruise_speed, self.road.speed_limit), self.speed)
+        self._t = -math.inf
+        self._s: float | None = None
+        self._command: Command | None = None
+        self._places: dict[str, float] = {}
+        self._seen: dict[str, float] = {}
+        self._events: frozenset[tuple[str, str]] = frozenset()
+        self._decided = -math.inf
+        self._decision = Decision(action=Action.KEEP, reason="starting")
+        self._maneuver: Evasion | None = None
+        self._history: list[tuple[float, float]] = []
+        self._status = Status.OK
+
+    def step(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
+        """Compute steering and acceleration for this cycle.
+
+        Parameters
+        ----------
+        t : float
+            Time [s], increasing from call to call.
+        state : VehicleState
+            The ego's motion now.
+        remotes : iterable of RemoteVehicle
+            What is known of other vehicles, dead-reckoned to `t`.
+
+        Returns
+        -------
+        command : Command
+            Steering, acceleration, and why. It never raises and never holds NaN: inputs that cannot be
+            used are dropped with a reason, or lead to braking with `Status.INVALID_INPUT`.
+        """
+        defect = self._defect(t, state)
+        if defect:
+            return self._give_up(defect)
+        dt = min(t - self._t, 0.1)
+        self._t = t
+        path = self.road.path
+        near = self._s if self._s is not None else float(path.project((state.x, state.y))[0])
+        s, d, heading, _ = path.foot_point(state.x, state.y, near)
+        if not abs(d) < _OFF_ROUTE or math.cos(state.psi - heading) < 0.0:
+            return self._give_up(f"the ego is not on its route (d = {d:.1f} m)")
+        self._s = s
+        neighbours, dropped = self._locate(remotes)
+        blockers = self._blockers(neighbours, s)
+        v_target = float(np.interp(s, *self._cap))
+        leader = self._leader(blockers, s, state.v_x)
+        if self._maneuver is not None:
+            self._history.append((s, t))
+            if s >= self._maneuver.end:
+                self._maneuver, self._history = None, []
+                self._decision = Decision(action=Action.KEEP, reason="back on the route")
+                self._decided = -math.inf
+        if not self._decision.action.evades:
+            self._status = Status.OK
+        if self._is_news(t, neighbours):
+            ego = Ego(
+                vehicle=self.vehicle, s=s, v_x=max(state.v_x, 0.0), v_target=v_target, speed=self.speed,
+                history=np.array(self._history).reshape(-1, 2) - (0.0, t),
+            )  # fmt: skip
+            self._decide(ego, leader, blockers, neighbours)
+        a_x = self._acceleration(state.v_x, v_target, leader, dt)
+        reference = path if self._maneuver is None else self._maneuver.reference
+        delta = self._controller.steer(state, reference)
+        self._command = Command(
+            delta=delta, a_x=a_x, decision=self._decision, reference=reference, status=self._status,
+            band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,
+        )  # fmt: skip
+        return self._command
+
+    def _defect(self, t: object, state: object) -> str:
+        """Why the arguments of a step cannot be used, empty if they can."""
+        if not (isinstance(t, (int, float)) and math.isfinite(t) and t > self._t):
+            return f"t must be finite and increase, was {t!r} after {self._t:g}"
+        if not isinstance(state, VehicleState):
+            return f"state must be a VehicleState, was {type(state).__name__}"
+        return ""
+
+    def _is_news(self, t: float, neighbours: list[Neighbour]) -> bool:
+        """Whether something was measured since the last decision; at most once a period, at once if new."""
+        seen = {n.remote.id: t - n.remote.age for n in neighbours}
+        events = frozenset((n.remote.id, event) for n in neighbours for event in n.remote.events)
+        fresh = any(abs(seen[id_] - self._seen.get(id_, -math.inf)) > 1e-3 for id_ in seen)
+        due = fresh and t - self._decided >= _PERIOD - 1e-6
+        if not (due or seen.keys() != self._seen.keys() or events != self._events):
+            return False
+        self._seen, self._events, self._decided = seen, events, t
+        return True
+
+    def _locate(
+        self, remotes: Iterable[RemoteVehicle]
+    ) -> tuple[list[Neighbour], tuple[tuple[str, str], ...]]:
+        """Remote vehicles in path coordinates, the younger of two with one id; and those dropped."""
+        usable: dict[str, RemoteVehicle] = {}
+        dropped = []
+        for remote in remotes:
+            defect = remote.defect
+            if defect is not None:
+                dropped.append((str(remote.id), defect))
+            elif remote.id not in usable or remote.age < usable[remote.id].age:
+                usable[remote.id] = remote
+        path, places = self.road.path, {}
+        neighbours = []
+        for remote in usable.values():
+            near = self._places.get(remote.id)
+            if near is None:
+                near = float(path.project((remote.x, remote.y))[0])
+            s, d, heading, _ = path.foot_point(remote.x, remote.y, near)
+            places[remote.id] = s
+            v_s = remote.v_x * math.cos(remote.psi - heading)
+            neighbours.append(Neighbour(remote=remote, s=s, d=d, v_s=v_s))
+        self._places = places
+        return neighbours, tuple(dropped)
+
+    def _blockers(self, neighbours: list[Neighbour], s: float) -> list[Neighbour]:
+        """Vehicles on the route whose front is not behind the ego's rear, nearest first."""
+        reach = 0.5 * self.vehicle.width + _IN_THE_WAY
+        rear = s + self.vehicle.box_offset - 0.5 * self.vehicle.length
+        found = [n for n in neighbours if abs(n.d) < reach + n.half_width and n.s + n.half_length > rear]
+        return sorted(found, key=lambda n: n.s)
+
+    def _leader(self, blockers: list[Neighbour], s: float, v_x: float) -> Leader | None:
+        front = s + self.vehicle.box_offset + 0.5 * self.vehicle.length
+        for n in blockers:
+            if n.s <= s:
+                continue
+            gap = n.s - n.half_length - front
+            need = required_deceleration(v_x, gap, n.v_s, self.speed, n.remote.a_x)
+            follow = follow_acceleration(v_x, gap, n.v_s, self.speed, n.remote.a_x)
+            return Leader(
+                id=n.remote.id,
+                gap=gap,
+                v_x=n.v_s,
+                required_deceleration=need,
+                follow_acceleration=follow,
+            )
+        return None
+
+    def _decide(
+        self,
+        ego: Ego,
+        leader: Leader | None,
+        blockers: list[Neighbour],
+        neighbours: list[Neighbour],
+    ) -> None:
+        """Renew the manoeuvre that is under way, or choose whether to begin one."""
+        if self._maneuver is not None:
+            self._renew(ego, self._maneuver, neighbours)
+            return
+        plans: dict[str, Evasion] = {}
+        candidates: list[Candidate] = []
+        waiting = self._decision.action in (Action.FOLLOW, Action.BRAKE)
+        if leader is not None and (waiting or leader.follow_acceleration < _SLOWED):
+            ahead = [b for b in blockers if b.s > ego.s]
+            others = [] if self._leader_only else [n for n in neighbours if n not in ahead]
+            if leader.v_x > ego.v_target - self.evasion.speed_floor:
+                candidates.append(Candidate(side="left", obstruction=f"{leader.id} is almost as fast"))
+            else:
+                for side in _SIDES:
+                    plan = plan_evasion(ego, self.road, ahead, others, side, self.evasion, at_once=waiting)
+                    if isinstance(plan, Evasion):
+                        plans[side] = plan
+                        plan = plan.candidate
+                    candidates.append(plan)
+        self._decision = choose_action(
+            leader, candidates, previous=self._decision.action, follow_below=_SLOWED
+        )
+        if self._decision.action.evades:
+            side = "left" if self._decision.action is Action.EVADE_LEFT else "right"
+            self._maneuver = plans[side]
+            self._history = [
+                (self._maneuver.start, self._t - (ego.s - self._maneuver.start) / max(ego.v_x, 1.0))
+            ]
+            self._history.append((ego.s, self._t))
+
+    def _renew(self, ego: Ego, maneuver: Evasion, neighbours: list[Neighbour]) -> None:
+        """Bend the band again for what is known now; keep the old one if that fails, and say so."""
+        reach = _IN_THE_WAY + 0.5 * self.vehicle.width
+        passing = [
+            n for n in neighbours
+            if abs(n.d) < reach + n.half_width and n.s + n.half_length > maneuver.start
+        ]  # fmt: skip
+        if not passing:
+            return
+        passing.sort(key=lambda n: n.s)
+        others = [] if self._leader_only else [n for n in neighbours if n not in passing]
+        plan = plan_evasion(ego, self.road, passing, others, maneuver.side, self.evasion, maneuver)
+        if isinstance(plan, Evasion) and plan.band.status is Status.OK:
+            self._maneuver = plan
+            self._status = Status.OK
+        else:
+            self._status = Status.FALLBACK
+
+    def _acceleration(self, v_x: float, v_target: float, leader: Leader | None, dt: float) -> float:
+        wanted = cruise_acceleration(v_x, v_target, self.speed)
+        action = self._decision.action
+        if leader is not None:
+            if action is Action.BRAKE:
+                wanted = -min(max(leader.required_deceleration, _FALLBACK_BRAKE), self.speed.b_max)
+            elif action is Action.FOLLOW or (action.evades and self._status is not Status.OK):
+                wanted = min(wanted, leader.follow_acceleration)
+        last = 0.0 if self._command is None else self._command.a_x
+        jerk = self.speed.jerk_emergency if wanted < -2.0 * self.speed.b_comfort else self.speed.jerk
+        return min(max(wanted, last - jerk * dt), last + jerk * dt)
+
+    def _give_up(self, reason: str) -> Command:
+        """Hold the steering and brake: the lowest rung of the ladder."""
+        last = self._command
+        self._command = Command(
+            delta=0.0 if last is None else last.delta, a_x=-_FALLBACK_BRAKE,
+            decision=Decision(action=Action.BRAKE, reason=reason), band=None,
+            reference=self.road.path, status=Status.INVALID_INPUT,
+        )  # fmt: skip
+        return self._command
+
+
+def _speed_cap(road: Road, cruise: float, settings: SpeedSettings) -> tuple[Array, Array]:
+    """Highest speed along the route: cruise, bends, and standstill at its end (a backward pass)."""
+    path = road.path
+    s = np.linspace(path.start, path.end, max(2, math.ceil(path.length / 2.0)))
+    kappa = np.abs(path.curvature(s))
+    squared = np.minimum(cruise**2, _CURVE_ACCELERATION / np.maximum(kappa, 1e-9))
+    squared[-1] = 0.0
+    climb = 2.0 * settings.b_comfort * s
+    # v_i^2 <= v_j^2 + 2 b (s_j - s_i) for all j >= i
+    squared = np.minimum.accumulate((squared + climb)[::-1])[::-1] - climb
+    return s, np.sqrt(np.maximum(squared, 0.0))

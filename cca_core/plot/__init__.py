@@ -1,0 +1,1 @@
+"""Pictures of paths, bands and runs (matplotlib, extra ``plot``)."""

@@ -1,0 +1,171 @@
+"""What happened in a run: the log of every cycle, and its metrics."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.decide import Action
+from cca_core.geometry import Boxes, box_gap
+from cca_core.sim.scenario import Scenario
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Log:
+    """One run, cycle by cycle.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was run.
+    plant : str
+        Name of the ego's plant.
+    seed : int
+        Seed of all that was drawn.
+    t : ndarray, shape (n,)
+        Time [s].
+    ego : ndarray, shape (n, 8)
+        x [m], y [m], psi [rad], v_x [m/s], v_y [m/s], r [rad/s], delta [rad], a_x [m/s^2].
+    a_y : ndarray, shape (n,)
+        Lateral acceleration of the centre of gravity [m/s^2], left positive.
+    command : ndarray, shape (n, 2)
+        Road-wheel angle [rad] and acceleration [m/s^2] asked for.
+    place : ndarray, shape (n, 2)
+        Ego in path coordinates s, d [m].
+    tracking : ndarray, shape (n,)
+        Lateral error to the reference that was steered along [m], left positive.
+    users : ndarray, shape (n, n_users, 4)
+        x [m], y [m], psi [rad], v_x [m/s] of the others' body centres.
+    user_places : ndarray, shape (n, n_users, 2)
+        The others in path coordinates s, d [m].
+    decisions : tuple of (float, str, str)
+        Time [s], action and reason at each change of action.
+    fallback : ndarray of bool, shape (n,)
+        Whether the command was less than what was wished.
+    cycle_us : ndarray, shape (n,)
+        Wall-clock time of each planner cycle [us]; the only field that differs between equal runs.
+    wall_s : float
+        Wall-clock time of the whole run [s].
+    """
+
+    scenario: Scenario
+    plant: str
+    seed: int
+    t: Array
+    ego: Array
+    a_y: Array
+    command: Array
+    place: Array
+    tracking: Array
+    users: Array
+    user_places: Array
+    decisions: tuple[tuple[float, str, str], ...]
+    fallback: "np.ndarray[Any, np.dtype[np.bool_]]"
+    cycle_us: Array
+    wall_s: float
+
+    def gaps(self) -> Array:
+        """Signed distance between the ego's box and each other's.
+
+        Returns
+        -------
+        gaps : ndarray, shape (n, n_users)
+            Distance [m], negative where the boxes overlap.
+        """
+        return box_gap(*self.bodies())
+
+    def bodies(self) -> tuple[Boxes, Boxes]:
+        """Boxes of the ego and of the others.
+
+        Returns
+        -------
+        ego, others : Boxes
+            Fields of shape (n, 1) and (n, n_users).
+        """
+        vehicle, users = self.scenario.vehicle, self.scenario.users
+        x, y, psi = self.ego[:, 0:1], self.ego[:, 1:2], self.ego[:, 2:3]
+        ego = Boxes(
+            x + vehicle.box_offset * np.cos(psi), y + vehicle.box_offset * np.sin(psi), psi,
+            np.array(vehicle.length), np.array(vehicle.width),
+        )  # fmt: skip
+        others = Boxes(
+            self.users[..., 0], self.users[..., 1], self.users[..., 2],
+            np.array([u.length for u in users]), np.array([u.width for u in users]),
+        )  # fmt: skip
+        return ego, others
+
+    def time_to_collision(self) -> Array:
+        """Time until the ego would touch a vehicle in its way if both kept their speed.
+
+        Returns
+        -------
+        ttc : ndarray, shape (n,)
+            Least over all vehicles that overlap the ego sideways and come closer [s]; else infinite.
+        """
+        vehicle, users = self.scenario.vehicle, self.scenario.users
+        size = np.array([(u.length, u.width) for u in users]).reshape(-1, 2)
+        along = self.user_places[..., 0] - self.place[:, None, 0]
+        beside = np.abs(self.user_places[..., 1] - self.place[:, None, 1])
+        gap = np.abs(along) - 0.5 * (vehicle.length + size[:, 0])
+        v_s = self.users[..., 3] * np.array([u.direction for u in users])
+        closing = (self.ego[:, None, 3] - v_s) * np.sign(along)
+        relevant = (beside < 0.5 * (vehicle.width + size[:, 1])) & (closing > 0.1) & (gap > 0.0)
+        ttc = np.where(relevant, gap / np.where(relevant, closing, 1.0), np.inf)
+        least: Array = ttc.min(axis=1, initial=np.inf)
+        return least
+
+    @property
+    def actions(self) -> list[str]:
+        """Names of the actions in order, each as often as it was begun."""
+        return [name for _, name, _ in self.decisions]
+
+    def summary(self) -> dict[str, Any]:
+        """Key figures of the run.
+
+        Returns
+        -------
+        summary : dict
+            One entry of ``summary.json``: outcome, gaps [m], time to collision [s], accelerations [m/s^2],
+            tracking error [m], actions with their times [s], cycle times [us].
+        """
+        gaps = self.gaps()
+        collided = bool((gaps <= 0.0).any())
+        hit = self.scenario.users[int(np.argmin(gaps.min(axis=0)))].id if collided else None
+        jerk = np.abs(np.diff(self.ego[:, 7])) / np.diff(self.t)
+        evading = _evading(self)
+        return {
+            "scenario": self.scenario.name,
+            "case": self.scenario.case,
+            "v2v": self.scenario.v2v,
+            "plant": self.plant,
+            "seed": self.seed,
+            "collided": collided,
+            "collided_with": hit,
+            "min_gap_m": _rounded(gaps.min(initial=np.inf)),
+            "min_ttc_s": _rounded(self.time_to_collision().min()),
+            "max_abs_ay_mps2": _rounded(np.abs(self.a_y).max()),
+            "max_decel_mps2": _rounded(max(0.0, -self.ego[:, 7].min())),
+            "max_jerk_mps3": _rounded(jerk.max()),
+            "max_tracking_error_m": _rounded(np.abs(self.tracking).max()),
+            "max_offset_m": _rounded(np.abs(self.place[:, 1]).max()),
+            "evading_s": _rounded(float(np.sum(np.diff(self.t)[evading[:-1]]))),
+            "actions": [[round(t, 2), name] for t, name, _ in self.decisions],
+            "duration_s": _rounded(self.t[-1]),
+            "realtime_factor": _rounded(self.t[-1] / self.wall_s, 1),
+            "cycle_us": {
+                "median": _rounded(np.median(self.cycle_us), 0),
+                "p99": _rounded(np.percentile(self.cycle_us, 99.0), 0),
+                "max": _rounded(self.cycle_us.max(), 0),
+            },
+        }
+
+
+def _evading(log: Log) -> "np.ndarray[Any, np.dtype[np.bool_]]":
+    begins = [t for t, _, _ in log.decisions]
+    index = np.searchsorted(begins, log.t, side="right") - 1
+    return np.array([Action(log.decisions[i][1]).evades for i in index])
+
+
+def _rounded(value: Any, digits: int = 3) -> float | None:
+    return round(float(value), digits) if np.isfinite(value) else None

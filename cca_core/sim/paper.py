@@ -1,0 +1,79 @@
+"""The paper's manoeuvring scenario: weave past slow cars, wait for a faster or an oncoming one."""
+
+import math
+from dataclasses import replace
+
+from cca_core.errors import InputError
+from cca_core.evasion import EvasionSettings
+from cca_core.path import Lane, Path, Road
+from cca_core.sim.scenario import RoadUser, Scenario
+from cca_core.vehicle import VehicleParams
+
+CASES = ("1-fast", "1-smooth", "2", "3")
+"""Cases of the manoeuvring scenario; the two tunings of case 1 are those of Fig. 15."""
+
+_LANE = 3.5  # width [m]
+
+
+def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) -> Scenario:
+    """One case of the paper's fourth scenario (Figs 13-19).
+
+    Parameters
+    ----------
+    case : {"1-fast", "1-smooth", "2", "3"}
+        Case 1 weaves past three slow vehicles on the right, left and right; in cases 2 and 3 the ego passes
+        a first slow car at once and before the second waits for a faster car from behind on the left
+        lane (2) or an oncoming one (3).
+    path : Path
+        Centre line of the ego's lane; about 1.3 km from `start` on.
+    start : float
+        Where the ego starts on it [m].
+    v2v : bool
+        Whether messages are exchanged.
+
+    Returns
+    -------
+    scenario : Scenario
+        Speeds and gaps are engineering choices: the paper gives none.
+
+    Raises
+    ------
+    InputError
+        If the case is unknown or the road too short.
+    """
+    if case not in CASES:
+        raise InputError(f"case must be one of {', '.join(CASES)}, was {case!r}")
+    cruise, slow = (25.0, 17.0) if case == "2" else (20.0, 12.0)
+    if case in ("1-fast", "1-smooth"):
+        others = [
+            ("R1", 70.0, 0.0, slow, 1),
+            ("R2", 120.0, _LANE, slow, 1),
+            ("R3", 170.0, 0.0, slow, 1),
+        ]
+        duration = 32.0
+    else:
+        others = [("R1", 70.0, 0.0, slow, 1), ("R2", 180.0, 0.0, slow, 1)]
+        others.append(("A", -205.0, _LANE, 35.0, 1) if case == "2" else ("A", 850.0, _LANE, 20.0, -1))
+        duration = 38.0
+    reach = start + cruise * duration + 100.0
+    if path.end < reach:
+        raise InputError(f"path must reach {reach:.0f} m for case {case}, ended at {path.end:.0f} m")
+    users = tuple(
+        RoadUser(
+            id=name, s=start + x, d=d, v_x=v, direction=direction,
+            reaction=1.15 if name == "A" else math.inf,
+        )
+        for name, x, d, v, direction in others
+    )  # fmt: skip
+    lanes = (
+        Lane(d=0.0, width=_LANE),
+        Lane(d=_LANE, width=_LANE, direction=-1 if case == "3" else 1),
+    )
+    return Scenario(
+        name="maneuver", case=case, road=Road(path, lanes, speed_limit=36.0),
+        vehicle=replace(VehicleParams.bmw_320i(), length=4.5, width=1.8),
+        start=start, v_x=cruise, cruise_speed=cruise, users=users, duration=duration, v2v=v2v,
+        evasion=EvasionSettings(
+            lateral_acceleration=3.5 if case == "1-fast" else 2.0, known_range=math.inf
+        ),
+    )  # fmt: skip

@@ -1,0 +1,240 @@
+"""Vehicles: the ego's parameters and state, and what is known of another vehicle."""
+
+import math
+from dataclasses import dataclass, fields
+from typing import Self
+
+from cca_core._checks import check_real
+from cca_core.errors import InputError
+
+__all__ = ["RemoteVehicle", "VehicleParams", "VehicleState"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleParams:
+    """Geometry, inertia and tyres of a car.
+
+    Parameters
+    ----------
+    m : float
+        Mass [kg].
+    I_z : float
+        Yaw inertia about the centre of gravity [kg m^2].
+    l_f, l_r : float
+        Centre of gravity to front and rear axle [m].
+    C_f, C_r : float
+        Cornering stiffness per axle [N/rad], positive.
+    length, width : float
+        Body box [m].
+    box_offset : float
+        Centre of gravity to centre of the body box [m], forward positive.
+    mu : float
+        Tyre-road friction coefficient [-].
+    delta_max : float
+        Largest road-wheel angle [rad].
+    delta_rate_max : float
+        Largest rate of the road-wheel angle [rad/s].
+    steering_lag : float
+        Time constant of the steering actuator [s].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or outside its range.
+    """
+
+    m: float
+    I_z: float
+    l_f: float
+    l_r: float
+    C_f: float
+    C_r: float
+    length: float
+    width: float
+    box_offset: float = 0.0
+    mu: float = 0.9
+    delta_max: float = 0.6
+    delta_rate_max: float = 0.6
+    steering_lag: float = 0.1
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name == "box_offset":
+                check_real("box_offset", value, least=-5.0, most=5.0)
+            elif field.name == "steering_lag":
+                check_real("steering_lag", value, least=0.0)
+            else:
+                check_real(field.name, value, above=0.0)
+
+    @property
+    def wheelbase(self) -> float:
+        """Distance between the axles [m]."""
+        return self.l_f + self.l_r
+
+    @property
+    def understeer_gradient(self) -> float:
+        """Understeer gradient K of delta = rho (L + K v^2) [s^2/m]; positive understeers."""
+        return self.m / self.wheelbase * (self.l_r / self.C_f - self.l_f / self.C_r)
+
+    @classmethod
+    def bmw_320i(cls) -> Self:
+        """BMW 320i, vehicle 2 of the CommonRoad vehicle models [1]_.
+
+        Returns
+        -------
+        vehicle : VehicleParams
+            Body 4.508 m x 1.610 m; neutral steer in the linear range.
+
+        References
+        ----------
+        .. [1] M. Althoff, G. Wuersching, *CommonRoad: Vehicle Models*, package
+           commonroad-vehicle-models 3.0.2.
+        """
+        return cls(
+            m=1093.3, I_z=1791.6, l_f=1.156, l_r=1.423, C_f=129.7e3, C_r=105.4e3,
+            length=4.508, width=1.610,
+        )  # fmt: skip
+
+    @classmethod
+    def ford_escort(cls) -> Self:
+        """Ford Escort, vehicle 1 of the CommonRoad vehicle models; body 4.298 m x 1.674 m.
+
+        Returns
+        -------
+        vehicle : VehicleParams
+            Compact car; source as for `bmw_320i`.
+        """
+        return cls(
+            m=1225.9, I_z=1538.9, l_f=0.884, l_r=1.509, C_f=166.2e3, C_r=97.4e3,
+            length=4.298, width=1.674,
+        )  # fmt: skip
+
+    @classmethod
+    def vw_vanagon(cls) -> Self:
+        """VW Vanagon, vehicle 3 of the CommonRoad vehicle models; body 4.569 m x 1.844 m.
+
+        Returns
+        -------
+        vehicle : VehicleParams
+            Van; source as for `bmw_320i`.
+        """
+        return cls(
+            m=1478.9, I_z=2473.1, l_f=1.151, l_r=1.321, C_f=170.0e3, C_r=148.1e3,
+            length=4.569, width=1.844,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleState:
+    """Planar motion of the ego at its centre of gravity (ISO 8855).
+
+    Parameters
+    ----------
+    x, y : float
+        Position in the local frame [m].
+    psi : float
+        Heading [rad], counter-clockwise from +x.
+    v_x : float
+        Forward speed [m/s], not negative (down to -0.5 m/s is taken as sensor noise at standstill).
+    v_y : float
+        Sideways speed [m/s], left positive.
+    r : float
+        Yaw rate [rad/s], left positive.
+    delta : float
+        Road-wheel angle [rad], left positive.
+    a_x : float
+        Forward acceleration [m/s^2].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, or the speed is below -0.5 m/s.
+    """
+
+    x: float
+    y: float
+    psi: float
+    v_x: float
+    v_y: float = 0.0
+    r: float = 0.0
+    delta: float = 0.0
+    a_x: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(
+            self.x + self.y + self.psi + self.v_x + self.v_y + self.r + self.delta + self.a_x
+        ):
+            for field in fields(self):
+                check_real(field.name, getattr(self, field.name))
+        if self.v_x < -0.5:
+            raise InputError(f"v_x must be at least -0.5 m/s (forward driving), was {self.v_x:g}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RemoteVehicle:
+    """What is known of another vehicle now, at the centre of its body box.
+
+    It is a record of what somebody else said, so it accepts any value: `defect` tells whether it can be
+    used, and the planner drops what cannot, with that reason.
+
+    Parameters
+    ----------
+    id : str
+        Sender, or track of the sensor.
+    x, y : float
+        Position in the local frame now (dead-reckoned by `age`) [m].
+    psi : float
+        Heading [rad], counter-clockwise from +x.
+    v_x : float
+        Forward speed [m/s].
+    a_x : float
+        Forward acceleration [m/s^2].
+    r : float
+        Yaw rate [rad/s], left positive.
+    length, width : float
+        Body box [m].
+    age : float
+        Time since the values were measured [s].
+    sigma_along, sigma_across : float
+        Standard deviation of the position along and across the heading [m].
+    events : frozenset of str
+        Event flags it sends, such as ``"hard_braking"``.
+    source : str
+        ``"v2v"`` or ``"sensor"``.
+    """
+
+    id: str
+    x: float
+    y: float
+    psi: float
+    v_x: float
+    a_x: float = 0.0
+    r: float = 0.0
+    length: float = 4.5
+    width: float = 1.8
+    age: float = 0.0
+    sigma_along: float = 0.0
+    sigma_across: float = 0.0
+    events: frozenset[str] = frozenset()
+    source: str = "v2v"
+
+    @property
+    def defect(self) -> str | None:
+        """Why this record cannot be used, in words, or None if it can."""
+        for name in _REMOTE_NUMBERS:
+            value = getattr(self, name)
+            if not isinstance(value, (int, float)) or not math.isfinite(value):
+                return f"{name} is not finite ({value!r})"
+        if not (0.0 < self.length <= 40.0 and 0.0 < self.width <= 5.0):
+            return f"size {self.length:g} m x {self.width:g} m is not that of a road vehicle"
+        if not -20.0 <= self.v_x <= 100.0:
+            return f"speed {self.v_x:g} m/s is not that of a road vehicle"
+        if self.age < 0.0 or self.sigma_along < 0.0 or self.sigma_across < 0.0:
+            return "age or sigma is negative"
+        return None
+
+
+_REMOTE_NUMBERS = (
+    "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across",
+)  # fmt: skip

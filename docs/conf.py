@@ -1,0 +1,38 @@
+"""Sphinx configuration; the site is built offline and asks for nothing from the network."""
+
+from importlib.metadata import version as installed_version
+from importlib.resources import files
+
+project = "cca_core"
+author = "cca_core contributors"
+copyright = author
+version = release = installed_version("cca-core")
+
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.viewcode",
+    "numpydoc",
+    "myst_nb",
+]
+exclude_patterns = ["_build"]
+
+# MathJax is copied from the installed package that carries it, never loaded from a CDN.
+mathjax = files("mathjax") / "static" / "mathjax"
+mathjax_path = "tex-svg.js"
+
+html_theme = "furo"
+html_title = f"{project} {version}"
+html_static_path = [str(mathjax / "es5" / "tex-svg.js"), str(mathjax / "LICENSE")]
+html_copy_source = False
+
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+
+nb_execution_mode = "auto"
+nb_execution_raise_on_error = True
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # numpydoc says it, with shape and unit
+numpydoc_show_class_members = False
