@@ -55,6 +55,20 @@ def check_array(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> A
     return array
 
 
+def check_any(name: str, value: ArrayLike, ends_with: tuple[int, ...] = ()) -> Array:
+    """Return `value` as finite float64 array of any shape that ends with the given lengths."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be an array of real numbers, was {value!r}") from None
+    if array.shape[array.ndim - len(ends_with) :] != ends_with or array.ndim < len(ends_with):
+        wanted = ", ".join(["...", *map(str, ends_with)])
+        raise InputError(f"{name} must have shape ({wanted}), had {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError(f"{name} must be finite, had {array[~np.isfinite(array)][0]}")
+    return array
+
+
 def check_points(name: str, value: ArrayLike, least: int) -> Array:
     """Return a float64 copy of `value` if it is a finite (n, 2) array with n >= `least`."""
     points = check_array(name, value, (None, 2))

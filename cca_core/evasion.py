@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -22,6 +23,7 @@ _HORIZON = 600.0  # farthest point at which a pass may end [m]
 _TAIL = 60.0  # the reference goes on along the route behind the window [m]
 _BEHIND = 2.0  # a window starts this far behind the car [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
+_STRAY = 0.2  # a body this far over the line is not yet on the lane [m]
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 
 
@@ -34,6 +36,8 @@ class EvasionSettings:
     lateral_acceleration : float
         Peak lateral acceleration that a swerve aims at [m/s^2]: the knob from smooth (2) to fast (3.5). A
         swerve by w takes sqrt(5.77 w / a) seconds.
+    lateral_limit : float
+        Lateral acceleration above which a swerve is not driven [m/s^2].
     clearance : float
         Distance kept between boxes [m].
     lead_time : float
@@ -45,6 +49,8 @@ class EvasionSettings:
     known_range : float
         Distance up to which all vehicles are known by their messages [m]. Beyond it a vehicle at the speed
         limit is assumed on the lane beside; 0 makes that lane never free, infinity trusts silence.
+    stale_after : float
+        Age from which on a vehicle's messages are no longer believed and its lane is not free [s].
     speed_floor : float
         Least speed advantage over a vehicle to be passed [m/s].
 
@@ -55,16 +61,19 @@ class EvasionSettings:
     """
 
     lateral_acceleration: float = 2.0
+    lateral_limit: float = 4.0
     clearance: float = 1.0
     lead_time: float = 1.0
     preparation: float = 0.25
     x_safety: float = 7.0
     known_range: float = 300.0
+    stale_after: float = 1.0
     speed_floor: float = 2.0
 
     def __post_init__(self) -> None:
         check_real("lateral_acceleration", self.lateral_acceleration, above=0.0)
-        for name in ("clearance", "lead_time", "preparation", "x_safety", "speed_floor"):
+        check_real("lateral_limit", self.lateral_limit, above=0.0)
+        for name in ("clearance", "lead_time", "preparation", "x_safety", "stale_after", "speed_floor"):
             check_real(name, getattr(self, name), least=0.0)
         check_real("known_range", self.known_range, least=0.0, infinite=True)
 
@@ -81,22 +90,44 @@ class Neighbour:
         Its place along and beside the route [m], d left positive.
     v_s : float
         Its speed along the route [m/s], negative if it comes towards the ego.
+    half_length, half_width : float
+        Half its extent along and across the route [m], with two standard deviations of its place.
     """
 
     remote: RemoteVehicle
     s: float
     d: float
     v_s: float
+    half_length: float
+    half_width: float
 
-    @property
-    def half_length(self) -> float:
-        """Half its length with two standard deviations of its place [m]."""
-        return 0.5 * self.remote.length + 2.0 * self.remote.sigma_along
+    @classmethod
+    def seen_from(cls, remote: RemoteVehicle, s: float, d: float, angle: float, kappa: float) -> Self:
+        """Turn a vehicle at a place on the route into path coordinates.
 
-    @property
-    def half_width(self) -> float:
-        """Half its width with two standard deviations of its place [m]."""
-        return 0.5 * self.remote.width + 2.0 * self.remote.sigma_across
+        Parameters
+        ----------
+        remote : RemoteVehicle
+            The vehicle.
+        s, d : float
+            Its foot point and lateral coordinate [m].
+        angle : float
+            Its heading relative to the route [rad], counter-clockwise.
+        kappa : float
+            Curvature of the route there [1/m].
+
+        Returns
+        -------
+        neighbour : Neighbour
+            The vehicle along and across the route.
+        """
+        cos, sin = math.cos(angle), math.sin(angle)
+        along = 0.5 * remote.length + 2.0 * remote.sigma_along
+        across = 0.5 * remote.width + 2.0 * remote.sigma_across
+        return cls(
+            remote=remote, s=s, d=d, v_s=remote.v_x * cos / max(1.0 - d * kappa, 0.1),
+            half_length=along * abs(cos) + across * abs(sin), half_width=along * abs(sin) + across * abs(cos),
+        )  # fmt: skip
 
     def advance(self, t: Array) -> Array:
         """Place along the route at times from now.
@@ -185,6 +216,22 @@ class Evasion:
     reference: Path
     candidate: Candidate
 
+    def offset_at(self, s: float) -> float:
+        """Lateral coordinate of the swerve.
+
+        Parameters
+        ----------
+        s : float
+            Path coordinate [m].
+
+        Returns
+        -------
+        d : float
+            Displacement of the band there [m], left positive; 0 outside the window.
+        """
+        u = self.band.displacement
+        return float(np.interp(s, np.linspace(self.start, self.end, len(u)), u))
+
 
 def plan_evasion(
     ego: Ego,
@@ -213,10 +260,10 @@ def plan_evasion(
     settings : EvasionSettings
         Clearance, comfort and caution.
     ongoing : Evasion, optional
-        The manoeuvre that is being driven: its window is kept, only its end may move on, and the lane
-        beside is not asked for again.
+        The manoeuvre that is being driven: its window is kept, only its end may move on.
     at_once : bool
-        Whether the swerve begins now even if there would be time to drive on.
+        Whether the swerve begins now even if there would be time to drive on; of an ongoing one, whether it
+        could still be given up, so that the lane beside must still be free.
 
     Returns
     -------
@@ -240,7 +287,9 @@ def plan_evasion(
         and offset > (road.own_lane.left if side == "left" else -road.own_lane.right) - half_width
     ):
         return Candidate(side=side, obstruction="there is no lane")
-    duration = math.sqrt(_QUINTIC * max(offset, 0.5) / settings.lateral_acceleration)
+    bend = np.abs(road.path.curvature(np.linspace(ego.s, ego.s + min(last, _HORIZON), 20))).max()
+    spare = settings.lateral_acceleration - max(ego.v_x, ego.v_target) ** 2 * float(bend)
+    duration = math.sqrt(_QUINTIC * max(offset, 0.5) / max(spare, 0.5 * settings.lateral_acceleration))
     v_out, v_back = _speed_after(ego, first), _speed_after(ego, last)
     needed = v_out * (duration + settings.preparation)
     delay = 0.0 if at_once else max(first - needed, 0.0)
@@ -267,16 +316,22 @@ def plan_evasion(
         clearance=settings.clearance,
         lead=[*leads, *(0.0 for _ in others)],
         corridor=(right + half_width, left - half_width),
+        curvature_limit=settings.lateral_limit / max(ego.v_x, ego.v_target, 1.0) ** 2,
     )
-    outside = _outside(band.displacement, road.own_lane, half_width)
+    found = band.status is Status.OK
+    outside = (
+        _outside(band.displacement, road.own_lane, half_width) if found else _between(s - ego.s, first, last)
+    )
     leaves = bool(outside.any())
     until = float(t[np.flatnonzero(outside)[-1]]) + ego.vehicle.length / max(v_back, 1.0) if leaves else 0.0
-    zone, obstruction = None, "" if band.status is Status.OK else band.message
-    if leaves and ongoing is None and not obstruction:
+    zone, obstruction = None, ""
+    if leaves and (ongoing is None or at_once):
         # a waiting ego goes only when the lane is free now, a driving one must find it free on entering it
-        begins = 0.0 if at_once else max(float(t[np.argmax(outside)]), 0.0)
+        begins = 0.0 if at_once and ongoing is None else max(float(t[np.argmax(outside)]), 0.0)
         span = np.linspace(begins, until, 24)
         zone, obstruction = _lane_beside(ego, road, beside, [*others, *blockers[1:]], span, settings)
+    if not found:
+        obstruction = obstruction or band.message
     candidate = Candidate(
         side=side, obstruction=obstruction, lead_in=first, needed=needed,
         duration=until, zone=zone, cost=float(np.abs(band.displacement).max()),
@@ -303,6 +358,11 @@ def _speed_after(ego: Ego, distance: float) -> float:
     ahead = min(max(distance, 0.0), _HORIZON)
     reached = math.sqrt(ego.v_x**2 + 2.0 * ego.speed.a_max * ahead)
     return max(min(reached, max(ego.v_target, ego.v_x)), 1.0)
+
+
+def _between(x: Array, first: float, last: float) -> Mask:
+    between: Mask = (x >= first) & (x <= last)
+    return between
 
 
 def _outside(u: Array, own: Lane, half_width: float) -> Mask:
@@ -338,6 +398,9 @@ def _lane_beside(
     half = 0.5 * ego.vehicle.length
     worst: tuple[tuple[float, float] | None, str] = (None, "")
     least = math.inf
+    stale = [o.remote.id for o in others if _is_on(o, lane) and o.remote.age > settings.stale_after]
+    if stale:
+        return None, f"nothing is heard of {stale[0]} any more"
     for name, rear, front, v_s, margin in _vehicles_on(lane, ego, road, others, settings.known_range):
         zone = danger_zone(
             rear,
@@ -355,6 +418,12 @@ def _lane_beside(
     return worst
 
 
+def _is_on(other: Neighbour, lane: Lane) -> bool:
+    return (
+        other.d + other.half_width > lane.right + _STRAY and other.d - other.half_width < lane.left - _STRAY
+    )
+
+
 def _vehicles_on(
     lane: Lane, ego: Ego, road: Road, others: Sequence[Neighbour], known_range: float
 ) -> list[tuple[str, float, float, float, float]]:
@@ -369,7 +438,7 @@ def _vehicles_on(
             abs(o.v_s) * o.remote.age,
         )
         for o in others
-        if o.d + o.half_width > lane.right + 0.2 and o.d - o.half_width < lane.left - 0.2
+        if _is_on(o, lane)
     ]
     if math.isfinite(known_range):
         edge, v = (known_range, -road.speed_limit) if lane.direction < 0 else (-known_range, road.speed_limit)

@@ -1,5 +1,6 @@
 """Angles, oriented boxes and the distance between them."""
 
+import math
 from dataclasses import dataclass
 from typing import overload
 
@@ -33,7 +34,11 @@ def wrap_angle(angle: float | Array) -> float | Array:
     >>> round(wrap_angle(3.5), 4)
     -2.7832
     """
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi
+    if isinstance(angle, np.ndarray):
+        wrapped = (angle + np.pi) % (2.0 * np.pi) - np.pi
+        return np.where(wrapped >= np.pi, -np.pi, wrapped)
+    rest = math.remainder(angle, 2.0 * math.pi)
+    return -math.pi if rest >= math.pi else rest
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,11 +69,11 @@ class Boxes:
         corners : ndarray, shape (..., 4, 2)
             Positions [m].
         """
-        along = 0.5 * np.asarray(self.length)[..., None] * _ALONG
-        across = 0.5 * np.asarray(self.width)[..., None] * _ACROSS
-        cos, sin = np.cos(self.psi)[..., None], np.sin(self.psi)[..., None]
-        x = np.asarray(self.x)[..., None] + cos * along - sin * across
-        y = np.asarray(self.y)[..., None] + sin * along + cos * across
+        fields = (self.x, self.y, self.psi, self.length, self.width)
+        x, y, psi, length, width = (np.asarray(f)[..., None] for f in np.broadcast_arrays(*fields))
+        along, across = 0.5 * length * _ALONG, 0.5 * width * _ACROSS
+        cos, sin = np.cos(psi), np.sin(psi)
+        x, y = x + cos * along - sin * across, y + sin * along + cos * across
         return np.stack((x, y), axis=-1)
 
 

@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from numbers import Real
+from types import NoneType
 
 import numpy as np
 
@@ -20,15 +22,19 @@ from cca_core.follow import (
     required_deceleration,
 )
 from cca_core.path import Path, Road
-from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
+from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
 
+_FAR_FUTURE = 1e12  # [s]
 _IN_THE_WAY = 0.3  # lateral gap to the route below which a vehicle blocks it [m]
 _OFF_ROUTE = 15.0  # farther from the route than this the planner does not know where it is [m]
 _SIDES: tuple[Side, Side] = ("left", "right")
+_TAIL = 200.0  # the speed profile goes on falling behind the end [m]
 _SLOWED = -0.5  # acceleration asked for by a leader from which on a way around it is looked for [m/s^2]
 _PERIOD = 0.1  # between two looks at the same vehicles [s]
+_STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up for following
+_GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
 _CURVE_ACCELERATION = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
 
@@ -99,13 +105,21 @@ class Planner:
         controller: PreviewController | None = None,
         _leader_only: bool = False,
     ) -> None:
-        if not isinstance(vehicle, VehicleParams):
-            raise InputError(f"vehicle must be VehicleParams, was {type(vehicle).__name__}")
+        for name, value, kinds in (
+            ("vehicle", vehicle, (VehicleParams,)),
+            ("road", road, (Road, Path)),
+            ("evasion", evasion, (EvasionSettings, NoneType)),
+            ("speed", speed, (SpeedSettings, NoneType)),
+            ("controller", controller, (PreviewController, NoneType)),
+        ):
+            if not isinstance(value, kinds):
+                raise InputError(f"{name} must be {kinds[0].__name__}, was {type(value).__name__}")
         self.vehicle = vehicle
         self.road = road if isinstance(road, Road) else Road(road)
         self.cruise_speed = check_real("cruise_speed", cruise_speed, above=0.0)
         self.evasion = evasion or EvasionSettings()
         self.speed = speed or SpeedSettings()
+        self._emergency = replace(self.evasion, lateral_limit=_GRIP_USED * vehicle.mu * 9.81)
         self._controller = controller or PreviewController(vehicle)
         self._leader_only = _leader_only
         self._cap = _speed_cap(self.road, min(self.cruise_speed, self.road.speed_limit), self.speed)
@@ -113,12 +127,12 @@ class Planner:
         self._s: float | None = None
         self._command: Command | None = None
         self._places: dict[str, float] = {}
-        self._seen: dict[str, float] = {}
-        self._events: frozenset[tuple[str, str]] = frozenset()
+        self._seen: frozenset[tuple[str, frozenset[str]]] = frozenset()
         self._decided = -math.inf
         self._decision = Decision(action=Action.KEEP, reason="starting")
         self._maneuver: Evasion | None = None
         self._history: list[tuple[float, float]] = []
+        self._inside = True
         self._status = Status.OK
 
     def step(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
@@ -142,6 +156,14 @@ class Planner:
         defect = self._defect(t, state)
         if defect:
             return self._give_up(defect)
+        try:
+            return self._cycle(float(t), state, remotes)
+        except (
+            Exception
+        ) as error:  # no input and no defect of this library may leave the car without a command
+            return self._give_up(f"internal error: {error!r}")
+
+    def _cycle(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
         dt = min(t - self._t, 0.1)
         self._t = t
         path = self.road.path
@@ -152,12 +174,16 @@ class Planner:
         self._s = s
         neighbours, dropped = self._locate(remotes)
         blockers = self._blockers(neighbours, s)
-        v_target = float(np.interp(s, *self._cap))
+        v_target = math.sqrt(max(float(np.interp(s, *self._cap)), 0.0))
         leader = self._leader(blockers, s, state.v_x)
         if self._maneuver is not None:
             self._history.append((s, t))
+            half = 0.5 * self.vehicle.width
+            own = self.road.own_lane
+            self._inside = self._inside and own.right < d - half and d + half < own.left
             if s >= self._maneuver.end:
                 self._maneuver, self._history = None, []
+                self._status = Status.OK
                 self._decision = Decision(action=Action.KEEP, reason="back on the route")
                 self._decided = -math.inf
         if not self._decision.action.evades:
@@ -168,7 +194,11 @@ class Planner:
                 history=np.array(self._history).reshape(-1, 2) - (0.0, t),
             )  # fmt: skip
             self._decide(ego, leader, blockers, neighbours)
-        a_x = self._acceleration(state.v_x, v_target, leader, dt)
+        if self._status is not Status.OK and self._maneuver is not None:
+            offset = self._maneuver.offset_at
+            in_front = sorted((n for n in neighbours if self._blocks(n, offset(n.s))), key=lambda n: n.s)
+            leader = self._leader(in_front, s, state.v_x)
+        a_x = self._acceleration(s, state.v_x, v_target, leader, dt)
         reference = path if self._maneuver is None else self._maneuver.reference
         delta = self._controller.steer(state, reference)
         self._command = Command(
@@ -179,21 +209,21 @@ class Planner:
 
     def _defect(self, t: object, state: object) -> str:
         """Why the arguments of a step cannot be used, empty if they can."""
-        if not (isinstance(t, (int, float)) and math.isfinite(t) and t > self._t):
-            return f"t must be finite and increase, was {t!r} after {self._t:g}"
+        moment = float(t) if isinstance(t, Real) and abs(t) < _FAR_FUTURE else math.nan  # type: ignore[operator]
+        if not moment > self._t:
+            return f"t must be finite and increase, was {str(t)[:20]} after {self._t:g}"
         if not isinstance(state, VehicleState):
             return f"state must be a VehicleState, was {type(state).__name__}"
+        if max(abs(state.x), abs(state.y)) > FARTHEST or state.v_x > FASTEST:
+            return "state is not that of a road vehicle"
         return ""
 
     def _is_news(self, t: float, neighbours: list[Neighbour]) -> bool:
-        """Whether something was measured since the last decision; at most once a period, at once if new."""
-        seen = {n.remote.id: t - n.remote.age for n in neighbours}
-        events = frozenset((n.remote.id, event) for n in neighbours for event in n.remote.events)
-        fresh = any(abs(seen[id_] - self._seen.get(id_, -math.inf)) > 1e-3 for id_ in seen)
-        due = fresh and t - self._decided >= _PERIOD - 1e-6
-        if not (due or seen.keys() != self._seen.keys() or events != self._events):
+        """Whether to decide again: once a period, and at once when a vehicle or one of its events is new."""
+        seen = frozenset((n.remote.id, n.remote.events) for n in neighbours)
+        if t - self._decided < _PERIOD - 1e-6 and seen == self._seen:
             return False
-        self._seen, self._events, self._decided = seen, events, t
+        self._seen, self._decided = seen, t
         return True
 
     def _locate(
@@ -202,7 +232,11 @@ class Planner:
         """Remote vehicles in path coordinates, the younger of two with one id; and those dropped."""
         usable: dict[str, RemoteVehicle] = {}
         dropped = []
-        for remote in remotes:
+        records: Iterable[object] = remotes if hasattr(remotes, "__iter__") else ()
+        for remote in records:
+            if not isinstance(remote, RemoteVehicle):
+                dropped.append((str(remote)[:20], "not a RemoteVehicle"))
+                continue
             defect = remote.defect
             if defect is not None:
                 dropped.append((str(remote.id), defect))
@@ -214,19 +248,21 @@ class Planner:
             near = self._places.get(remote.id)
             if near is None:
                 near = float(path.project((remote.x, remote.y))[0])
-            s, d, heading, _ = path.foot_point(remote.x, remote.y, near)
+            s, d, heading, kappa = path.foot_point(remote.x, remote.y, near)
             places[remote.id] = s
-            v_s = remote.v_x * math.cos(remote.psi - heading)
-            neighbours.append(Neighbour(remote=remote, s=s, d=d, v_s=v_s))
+            neighbours.append(Neighbour.seen_from(remote, s, d, remote.psi - heading, kappa))
         self._places = places
         return neighbours, tuple(dropped)
 
     def _blockers(self, neighbours: list[Neighbour], s: float) -> list[Neighbour]:
         """Vehicles on the route whose front is not behind the ego's rear, nearest first."""
-        reach = 0.5 * self.vehicle.width + _IN_THE_WAY
         rear = s + self.vehicle.box_offset - 0.5 * self.vehicle.length
-        found = [n for n in neighbours if abs(n.d) < reach + n.half_width and n.s + n.half_length > rear]
+        found = [n for n in neighbours if n.s + n.half_length > rear and self._blocks(n, 0.0)]
         return sorted(found, key=lambda n: n.s)
+
+    def _blocks(self, other: Neighbour, d: float) -> bool:
+        """Whether a vehicle leaves too little room beside the ego at lateral coordinate `d`."""
+        return abs(other.d - d) < 0.5 * self.vehicle.width + _IN_THE_WAY + other.half_width
 
     def _leader(self, blockers: list[Neighbour], s: float, v_x: float) -> Leader | None:
         front = s + self.vehicle.box_offset + 0.5 * self.vehicle.length
@@ -234,7 +270,8 @@ class Planner:
             if n.s <= s:
                 continue
             gap = n.s - n.half_length - front
-            need = required_deceleration(v_x, gap, n.v_s, self.speed, n.remote.a_x)
+            spare = 0.5 * self.speed.standstill_gap
+            need = required_deceleration(v_x, gap + spare, n.v_s, self.speed, n.remote.a_x)
             follow = follow_acceleration(v_x, gap, n.v_s, self.speed, n.remote.a_x)
             return Leader(
                 id=n.remote.id,
@@ -254,7 +291,7 @@ class Planner:
     ) -> None:
         """Renew the manoeuvre that is under way, or choose whether to begin one."""
         if self._maneuver is not None:
-            self._renew(ego, self._maneuver, neighbours)
+            self._renew(ego, self._maneuver, leader, neighbours)
             return
         plans: dict[str, Evasion] = {}
         candidates: list[Candidate] = []
@@ -276,32 +313,36 @@ class Planner:
         )
         if self._decision.action.evades:
             side = "left" if self._decision.action is Action.EVADE_LEFT else "right"
-            self._maneuver = plans[side]
-            self._history = [
-                (self._maneuver.start, self._t - (ego.s - self._maneuver.start) / max(ego.v_x, 1.0))
-            ]
-            self._history.append((ego.s, self._t))
+            self._maneuver, self._inside = plans[side], True
+            run_up = max(ego.v_x, 1.0)
+            self._history = [(ego.s - run_up, self._t - 1.0), (ego.s, self._t)]
 
-    def _renew(self, ego: Ego, maneuver: Evasion, neighbours: list[Neighbour]) -> None:
-        """Bend the band again for what is known now; keep the old one if that fails, and say so."""
-        reach = _IN_THE_WAY + 0.5 * self.vehicle.width
-        passing = [
-            n for n in neighbours
-            if abs(n.d) < reach + n.half_width and n.s + n.half_length > maneuver.start
-        ]  # fmt: skip
+    def _renew(self, ego: Ego, maneuver: Evasion, leader: Leader | None, neighbours: list[Neighbour]) -> None:
+        """Bend the band for what is known now; if that fails, give up, swerve harder or keep the old one."""
+        passing = [n for n in neighbours if self._blocks(n, 0.0) and n.s + n.half_length > maneuver.start]
         if not passing:
             return
         passing.sort(key=lambda n: n.s)
         others = [] if self._leader_only else [n for n in neighbours if n not in passing]
-        plan = plan_evasion(ego, self.road, passing, others, maneuver.side, self.evasion, maneuver)
-        if isinstance(plan, Evasion) and plan.band.status is Status.OK:
-            self._maneuver = plan
-            self._status = Status.OK
-        else:
-            self._status = Status.FALLBACK
+        for settings, status in ((self.evasion, Status.OK), (self._emergency, Status.FALLBACK)):
+            plan = plan_evasion(
+                ego, self.road, passing, others, maneuver.side, settings, maneuver, at_once=self._inside
+            )
+            obstruction = plan.candidate.obstruction if isinstance(plan, Evasion) else plan.obstruction
+            if isinstance(plan, Evasion) and not obstruction:
+                self._maneuver, self._status = plan, status
+                return
+            need = 0.0 if leader is None else leader.required_deceleration
+            if self._inside and need < _STILL_FOLLOWED * self.speed.b_max:
+                self._maneuver, self._history = None, []
+                self._decision = Decision(action=Action.FOLLOW, reason=f"swerve given up: {obstruction}")
+                return
+        self._status = Status.FALLBACK
 
-    def _acceleration(self, v_x: float, v_target: float, leader: Leader | None, dt: float) -> float:
-        wanted = cruise_acceleration(v_x, v_target, self.speed)
+    def _acceleration(self, s: float, v_x: float, v_target: float, leader: Leader | None, dt: float) -> float:
+        horizon = 2.0 + max(v_x, 0.0)
+        ahead = (float(np.interp(s + horizon, *self._cap)) - v_x * v_x) / (2.0 * horizon)
+        wanted = min(cruise_acceleration(v_x, v_target, self.speed), max(ahead, -self.speed.b_max))
         action = self._decision.action
         if leader is not None:
             if action is Action.BRAKE:
@@ -324,7 +365,7 @@ class Planner:
 
 
 def _speed_cap(road: Road, cruise: float, settings: SpeedSettings) -> tuple[Array, Array]:
-    """Highest speed along the route: cruise, bends, and standstill at its end (a backward pass)."""
+    """Square of the highest speed along the route: cruise, bends, standstill at its end (a backward pass)."""
     path = road.path
     s = np.linspace(path.start, path.end, max(2, math.ceil(path.length / 2.0)))
     kappa = np.abs(path.curvature(s))
@@ -333,4 +374,4 @@ def _speed_cap(road: Road, cruise: float, settings: SpeedSettings) -> tuple[Arra
     climb = 2.0 * settings.b_comfort * s
     # v_i^2 <= v_j^2 + 2 b (s_j - s_i) for all j >= i
     squared = np.minimum.accumulate((squared + climb)[::-1])[::-1] - climb
-    return s, np.sqrt(np.maximum(squared, 0.0))
+    return np.append(s, s[-1] + _TAIL), np.append(squared, -2.0 * settings.b_comfort * _TAIL)

@@ -66,11 +66,11 @@ def predict_along(remote: RemoteVehicle, path: Path, s: float, d: float, t: Arra
 
     Notes
     -----
-    Speed along the path is the component of its velocity in the path's direction; a vehicle heading
-    against the path drives towards smaller s.
+    Its speed along the path is v cos(psi - psi_p) / (1 - d kappa), with the curvature where it is now; a
+    vehicle heading against the path drives towards smaller s.
     """
     relative = remote.psi - float(path.heading(s))
-    forward = 1.0 if np.cos(relative) >= 0.0 else -1.0
+    forward = np.cos(relative) / max(1.0 - d * path.curvature_at(s), 0.1)
     at = s + forward * travel(remote.v_x, remote.a_x, t)
     centre, tangent, _ = path.derivatives(at)
     norm = np.hypot(tangent[..., 0], tangent[..., 1])

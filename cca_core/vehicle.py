@@ -2,12 +2,22 @@
 
 import math
 from dataclasses import dataclass, fields
+from numbers import Real
 from typing import Self
 
 from cca_core._checks import check_real
 from cca_core.errors import InputError
 
-__all__ = ["RemoteVehicle", "VehicleParams", "VehicleState"]
+FARTHEST = 1.0e6
+"""Farthest coordinate in a local frame [m]."""
+
+FASTEST = 100.0
+"""Greatest speed of a road vehicle [m/s]."""
+
+_WILDEST = 100.0  # acceleration [m/s^2], yaw rate [rad/s]
+_OLDEST = 3600.0  # [s]
+
+__all__ = ["FARTHEST", "FASTEST", "RemoteVehicle", "VehicleParams", "VehicleState"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,9 +172,12 @@ class VehicleState:
     a_x: float = 0.0
 
     def __post_init__(self) -> None:
-        if not math.isfinite(
-            self.x + self.y + self.psi + self.v_x + self.v_y + self.r + self.delta + self.a_x
-        ):
+        try:
+            total = self.x + self.y + self.psi + self.v_x + self.v_y + self.r + self.delta + self.a_x
+            usable = math.isfinite(total)
+        except TypeError:
+            usable = False
+        if not usable:
             for field in fields(self):
                 check_real(field.name, getattr(self, field.name))
         if self.v_x < -0.5:
@@ -224,14 +237,23 @@ class RemoteVehicle:
         """Why this record cannot be used, in words, or None if it can."""
         for name in _REMOTE_NUMBERS:
             value = getattr(self, name)
-            if not isinstance(value, (int, float)) or not math.isfinite(value):
-                return f"{name} is not finite ({value!r})"
+            if not isinstance(value, Real) or not abs(value) < float("inf"):  # type: ignore[operator]  # int, float
+                return f"{name} is not a finite number ({str(value)[:20]})"
+        labels: tuple[object, object] = (self.id, self.events)
+        if not (isinstance(labels[0], str) and isinstance(labels[1], frozenset)):
+            return "id is not a string or events is not a frozenset"
+        if max(abs(self.x), abs(self.y)) > FARTHEST:
+            return f"position is farther than {FARTHEST / 1e3:.0f} km from the origin"
+        if max(abs(self.a_x), abs(self.r)) > _WILDEST:
+            return "a_x or r is not that of a road vehicle"
         if not (0.0 < self.length <= 40.0 and 0.0 < self.width <= 5.0):
             return f"size {self.length:g} m x {self.width:g} m is not that of a road vehicle"
-        if not -20.0 <= self.v_x <= 100.0:
+        if not -20.0 <= self.v_x <= FASTEST:
             return f"speed {self.v_x:g} m/s is not that of a road vehicle"
-        if self.age < 0.0 or self.sigma_along < 0.0 or self.sigma_across < 0.0:
-            return "age or sigma is negative"
+        if not (
+            0.0 <= self.age <= _OLDEST and 0.0 <= self.sigma_along <= 1e3 and 0.0 <= self.sigma_across <= 1e3
+        ):
+            return "age or sigma is negative or too large"
         return None
 
 

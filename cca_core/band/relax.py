@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import lapack
 
-from cca_core._checks import Array, check_points, check_real
+from cca_core._checks import Array, check_any, check_points, check_real
 from cca_core.band.forces import lateral_span
 from cca_core.band.stiffness import BandStiffness
 from cca_core.errors import InfeasibleError, InputError, Status
@@ -143,56 +143,53 @@ def relax_band(
     curvature_limit = check_real("curvature_limit", curvature_limit, above=0.0, infinite=True)
     if side not in ("left", "right"):
         raise InputError(f"side must be 'left' or 'right', was {side!r}")
+    if not isinstance(vehicle, VehicleParams):
+        raise InputError(f"vehicle must be VehicleParams, was {type(vehicle).__name__}")
     stiffness = stiffness or BandStiffness()
-    if not (np.isfinite(lead).all() and np.shape(lead) in ((), (len(obstacles),))):
-        raise InputError(f"lead must be finite with shape () or ({len(obstacles)},), was {lead!r}")
     n = len(base)
-    h = float(np.mean(np.hypot(*np.diff(base, axis=0).T)))
-    if h <= 0.0:
-        raise InputError("nodes must not all coincide")
+    steps = np.hypot(*np.diff(base, axis=0).T)
+    h = float(np.mean(steps))
+    if not steps.min() > 0.8 * h > 0.64 * steps.max():
+        raise InputError("nodes must be equally spaced along the route")
     tangents = _tangents(base)
-    lower, upper = _bounds_of_corridor(corridor, n)
-    edge_lower, edge_upper = lower.copy(), upper.copy()
-    obstacles = [_per_node(obstacle, n) for obstacle in obstacles]
-    leads = np.broadcast_to(np.asarray(lead, dtype=np.float64), (len(obstacles),))
-    for obstacle, run_up in zip(obstacles, leads.tolist(), strict=True):
+    edge_lower, edge_upper = _bounds_of_corridor(corridor, n)
+    boxes = _per_node(obstacles, n)
+    lower, upper = edge_lower.copy(), edge_upper.copy()
+    for obstacle, run_up in zip(boxes, _leads(lead, len(boxes)), strict=True):
         low, high = _bounds_of_obstacle(base, tangents, obstacle, side, vehicle, clearance, run_up)
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
-    stencil = stiffness.stencil(h)
-    contact = stiffness.k_e * h
-    pushed_lower, pushed_upper = lower.copy(), upper.copy()
-    solves = 0
+    stencil, contact = stiffness.stencil(h), stiffness.k_e * h
     room = bool((lower <= upper).all())
+    u, solves, settled = np.zeros(n), 0, True
+    gaps = over = np.full(n, math.inf)
+    pushed_lower, pushed_upper = lower, upper
     for _ in range(_TIGHTENINGS if room else 1):
-        u, count, settled = _equilibrium(stencil, contact, pushed_lower, pushed_upper)
-        solves += count
-        gaps = _swept_gaps(base, tangents, u, obstacles, vehicle, clearance)
-        short = clearance - gaps
-        if not settled or short.max(initial=0.0) <= _SLACK:
+        if room:
+            u, count, settled = _equilibrium(stencil, contact, pushed_lower, pushed_upper)
+            solves += count
+        gaps = _swept_gaps(base, tangents, u, boxes, vehicle, clearance)
+        over = np.maximum(edge_lower - u, u - edge_upper)
+        short = np.maximum(clearance - gaps, over).clip(0.0)
+        if not settled or short.max() <= _SLACK:
             break
-        pushed_lower = np.where(
-            lower > -math.inf, pushed_lower + np.maximum(short, lower - u).clip(0.0), lower
-        )
-        pushed_upper = np.where(
-            upper < math.inf, pushed_upper - np.maximum(short, u - upper).clip(0.0), upper
-        )
+        pushed_lower = pushed_lower + np.maximum(short, lower - u).clip(0.0)
+        pushed_upper = pushed_upper - np.maximum(short, u - upper).clip(0.0)
     moved = base + u[:, None] * np.column_stack((-tangents[:, 1], tangents[:, 0]))
     peak = _peak_curvature(moved)
-    reached = float(gaps.min()) if obstacles else math.inf
-    over = float(np.maximum(edge_lower - u, u - edge_upper).max())
-    status, message = Status.OK, "clearance and limits kept"
+    reached = float(gaps.min()) if boxes else math.inf
+    status, message = Status.INFEASIBLE, ""
     if not room:
-        status, message = Status.INFEASIBLE, "obstacles or edges leave no room between them"
+        message = "obstacles or edges leave no room between them"
     elif not settled:
         status, message = Status.NOT_CONVERGED, f"contact set did not settle in {_SOLVES} solves"
     elif reached < clearance - 2.0 * _SLACK:
-        status = Status.INFEASIBLE
         message = f"clearance {reached:.2f} m is below the {clearance:.2f} m asked"
-    elif over > 0.05:
-        status, message = Status.INFEASIBLE, f"the band leaves the corridor by {over:.2f} m"
+    elif over.max() > 2.0 * _SLACK:
+        message = f"the band leaves the corridor by {over.max():.2f} m"
     elif peak > curvature_limit:
-        status = Status.INFEASIBLE
         message = f"curvature {peak:.4f} 1/m is over the limit {curvature_limit:.4f} 1/m"
+    else:
+        status, message = Status.OK, "clearance and limits kept"
     for array in (moved, u):
         array.setflags(write=False)
     return Band(
@@ -201,27 +198,44 @@ def relax_band(
     )  # fmt: skip
 
 
-def _per_node(obstacle: Boxes, n: int) -> Boxes:
-    values = (obstacle.x, obstacle.y, obstacle.psi, obstacle.length, obstacle.width)
-    try:
-        full = [np.broadcast_to(np.asarray(value, dtype=np.float64), (n,)) for value in values]
-    except ValueError:
-        raise InputError(f"obstacles must have fields of shape () or ({n},), one box per node") from None
-    if not np.isfinite(np.sum(full)):
-        raise InputError("obstacles must be finite")
-    return Boxes(*full)
+def _per_node(obstacles: Sequence[Boxes], n: int) -> list[Boxes]:
+    """Obstacles with one box per node in every field."""
+    given: object = obstacles
+    if not isinstance(given, (list, tuple)) or not all(isinstance(o, Boxes) for o in given):
+        raise InputError("obstacles must be a list of Boxes")
+    full = []
+    for o in obstacles:
+        fields = [check_any("obstacles", value) for value in (o.x, o.y, o.psi, o.length, o.width)]
+        if any(value.shape not in ((), (n,)) for value in fields):
+            raise InputError(f"obstacles must have fields of shape () or ({n},), one box per node")
+        if fields[3].min() < 0.0 or fields[4].min() < 0.0:
+            raise InputError("obstacles must have lengths and widths that are not negative")
+        full.append(Boxes(*(np.broadcast_to(value, (n,)) for value in fields)))
+    return full
+
+
+def _leads(lead: ArrayLike, count: int) -> list[float]:
+    """One run-up per obstacle [m]."""
+    array = check_any("lead", lead)
+    if array.shape not in ((), (count,)) or (array < 0.0).any():
+        raise InputError(f"lead must have shape () or ({count},) and not be negative, was {lead!r}")
+    leads: list[float] = np.broadcast_to(array, (count,)).tolist()
+    return leads
 
 
 def _bounds_of_corridor(corridor: tuple[ArrayLike, ArrayLike] | None, n: int) -> tuple[Array, Array]:
     if corridor is None:
         return np.full(n, -math.inf), np.full(n, math.inf)
-    bounds = []
-    for name, bound in zip(("right", "left"), corridor, strict=True):
-        array = np.asarray(bound, dtype=np.float64)
-        if array.shape not in ((), (n,)) or np.isnan(array).any():
-            raise InputError(f"corridor must have a {name} bound of shape () or ({n},), had {array.shape}")
-        bounds.append(np.broadcast_to(array, (n,)).copy())
-    return bounds[0], bounds[1]
+    pair: object = corridor
+    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+        raise InputError("corridor must be a pair of bounds, right and left")
+    right, left = (np.asarray(bound, dtype=np.float64) for bound in pair)
+    for bound in (right, left):
+        if bound.shape not in ((), (n,)) or np.isnan(bound).any():
+            raise InputError(
+                f"corridor must have bounds of shape () or ({n},) without NaN, had {bound.shape}"
+            )
+    return np.broadcast_to(right, (n,)).copy(), np.broadcast_to(left, (n,)).copy()
 
 
 def _bounds_of_obstacle(

@@ -39,7 +39,9 @@ def stiffness_matrix(n: int) -> Array:
     array([[ 2., -1.],
            [-1.,  2.]])
     """
-    inner = int(check_real("n", n, least=3)) - 2
+    if check_real("n", n, least=3) != int(n):
+        raise InputError(f"n must be a whole number, was {n}")
+    inner = int(n) - 2
     return 2.0 * np.eye(inner) - np.eye(inner, k=1) - np.eye(inner, k=-1)
 
 
@@ -87,7 +89,7 @@ def balancing_force(u: ArrayLike, *, k_s: float) -> Array:
     InputError
         If a value is not finite, the shape is wrong, or `k_s` is not positive.
     """
-    force: Array = -np.diff(internal_force(u, k_s=k_s), axis=0)
+    force: Array = -np.diff(internal_force(check_points("u", u, 3), k_s=k_s), axis=0)
     return force
 
 
@@ -119,7 +121,8 @@ def displacement(F_e: ArrayLike, *, k_s: float) -> Array:
     k_s = check_real("k_s", k_s, above=0.0)
     inner = len(forces) - 2
     u = np.zeros_like(forces)
-    u[1:-1] = lapack.dptsv(np.full(inner, 2.0), np.full(max(inner - 1, 0), -1.0), forces[1:-1] / k_s)[2]
+    off_diagonal = np.full(max(inner - 1, 1), -1.0)  # LAPACK wants one even where there is none
+    u[1:-1] = lapack.dptsv(np.full(inner, 2.0), off_diagonal, forces[1:-1] / k_s)[2]
     return u
 
 

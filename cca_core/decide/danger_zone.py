@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, check_array, check_real
+from cca_core._checks import Array, check_any, check_array, check_real
 from cca_core.errors import InputError
 
 
@@ -31,7 +31,7 @@ def danger_zone_end(
     Raises
     ------
     InputError
-        If `t_maneuver` is negative or not finite.
+        If `t_maneuver` or `x_safety` is negative, or a value is not finite.
 
     Notes
     -----
@@ -44,8 +44,8 @@ def danger_zone_end(
     50.0
     """
     duration = check_real("t_maneuver", t_maneuver, least=0.0)
-    relative = np.asarray(v_adj, dtype=np.float64) - np.asarray(v_ego, dtype=np.float64)
-    end: Array = np.asarray(X_1, dtype=np.float64) + relative * duration + x_safety
+    relative = check_any("v_adj", v_adj) - check_any("v_ego", v_ego)
+    end: Array = check_any("X_1", X_1) + relative * duration + check_real("x_safety", x_safety, least=0.0)
     return end
 
 
@@ -106,8 +106,13 @@ def danger_zone(
         raise InputError("times and ego_travel must have the same length, times must not be negative")
     x_safety = check_real("x_safety", x_safety, least=0.0)
     a_bound = check_real("a_bound", a_bound, least=0.0)
-    relative = np.asarray(v_adj, dtype=np.float64)[..., None] * t - driven
-    grown = x_safety + np.asarray(margin, dtype=np.float64)[..., None] + 0.5 * a_bound * t**2
-    start = np.asarray(rear, dtype=np.float64) + (relative - grown).min(axis=-1)
-    end = np.asarray(front, dtype=np.float64) + (relative + grown).max(axis=-1)
+    back, ahead, further = check_any("rear", rear), check_any("front", front), check_any("margin", margin)
+    if (back > ahead).any():
+        raise InputError("rear must not be in front of front")
+    if (further < 0.0).any():
+        raise InputError(f"margin must not be negative, was {further.min():g}")
+    relative = check_any("v_adj", v_adj)[..., None] * t - driven
+    grown = x_safety + further[..., None] + 0.5 * a_bound * t**2
+    start = back + (relative - grown).min(axis=-1)
+    end = ahead + (relative + grown).max(axis=-1)
     return np.stack((start, end), axis=-1)

@@ -7,6 +7,7 @@ from cca_core.follow.bicycle import (
     steady_steering,
     steady_yaw_rate,
 )
+from cca_core.follow.inverse import InverseSteering
 from cca_core.follow.preview import PreviewController, PreviewGains
 from cca_core.follow.speed import (
     SpeedSettings,
@@ -17,7 +18,7 @@ from cca_core.follow.speed import (
 )
 
 __all__ = [
-    "PreviewController", "PreviewGains", "SingleTrack", "SpeedSettings", "arrival_times",
+    "InverseSteering", "PreviewController", "PreviewGains", "SingleTrack", "SpeedSettings", "arrival_times",
     "cruise_acceleration", "follow_acceleration", "required_deceleration", "single_track",
     "steady_sideslip", "steady_steering", "steady_yaw_rate",
 ]  # fmt: skip

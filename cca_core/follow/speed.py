@@ -36,7 +36,7 @@ class SpeedSettings:
     """
 
     a_max: float = 2.0
-    b_comfort: float = 1.5
+    b_comfort: float = 2.0
     b_max: float = 7.0
     standstill_gap: float = 3.0
     time_gap: float = 1.5
@@ -93,9 +93,11 @@ def follow_acceleration(
     -----
     The wanted speed is v_lead plus what can be shed at `b_comfort` over the surplus gap
     e = gap - standstill_gap - time_gap v_lead: sqrt(2 b (e - e0/2)) far away, linear within e0, continuous
-    with its slope. If more than `b_comfort` is needed to stay clear of a braking leader, that is added.
+    with its slope. If more than twice `b_comfort` is needed to keep half the standstill gap, that is done.
     """
     b = settings.b_comfort
+    need = required_deceleration(v_x, gap + 0.5 * settings.standstill_gap, v_lead, settings, a_lead)
+    v_lead = max(v_lead, 0.0)
     surplus = gap - settings.standstill_gap - settings.time_gap * v_lead
     linear = b / _RATE**2
     if surplus > linear:
@@ -104,8 +106,7 @@ def follow_acceleration(
     else:
         shed, slope = _RATE * surplus, _RATE
     wanted = v_lead + shed
-    approach = slope * (v_lead - v_x) + 2.0 * _RATE * (wanted - v_x)
-    need = required_deceleration(v_x, gap, v_lead, settings, a_lead)
+    approach = slope * min(v_lead - v_x, 0.0) + 2.0 * _RATE * (wanted - v_x)
     if need > 2.0 * b:
         approach = min(approach, -need)
     return max(approach, -settings.b_max)
@@ -136,12 +137,17 @@ def required_deceleration(
     """
     room = gap - settings.standstill_gap
     need = 0.0
-    if v_x > v_lead:
-        closing = v_x - max(v_lead, 0.0)
-        need = closing**2 / (2.0 * room) if room > 0.0 else math.inf
-    if a_lead < -0.5 and v_x > 0.0:
-        stopping_room = room + max(v_lead, 0.0) ** 2 / (-2.0 * a_lead)
-        need = max(need, v_x**2 / (2.0 * stopping_room) if stopping_room > 0.0 else math.inf)
+    if v_lead < 0.0 < v_x:  # stand when it comes: v^2 / 2b + |v_lead| v / b = room
+        need = (0.5 * v_x - v_lead) * v_x / room if room > 0.0 else math.inf
+    elif v_x > v_lead:
+        need = (v_x - v_lead) ** 2 / (2.0 * room) if room > 0.0 else math.inf
+    if a_lead < 0.0 <= v_lead and v_x > 0.0:
+        # the gap is least when both are equally fast, or, if the leader stands before that, at standstill
+        meets = 2.0 * room / (v_x - v_lead) if v_x > v_lead else math.inf
+        if meets <= v_lead / -a_lead:
+            return need - a_lead
+        room += v_lead**2 / (-2.0 * a_lead)
+        need = v_x**2 / (2.0 * room) if room > 0.0 else math.inf
     return need
 
 
@@ -171,4 +177,4 @@ def arrival_times(v_x: float, v_target: float, distances: Array, settings: Speed
     return t + np.minimum(distances, 0.0) / v + np.maximum(distances - ramp, 0.0) / target
 
 
-_RATE = 0.35  # closing rate near the wanted gap [1/s]
+_RATE = 0.5  # closing rate near the wanted gap [1/s]

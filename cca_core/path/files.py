@@ -50,7 +50,10 @@ def read_waypoints(file: str | FilePath) -> Waypoints:
     InputError
         If the file cannot be read, is broken, has fewer than two points, or a value is out of range.
     """
-    file = FilePath(file)
+    try:
+        file = FilePath(file)
+    except TypeError:
+        raise InputError(f"file must be a path, was {file!r}") from None
     readers = {".gpx": _read_gpx, ".csv": _read_csv}
     if file.suffix.lower() not in readers:
         raise InputError(f"file must end in .gpx or .csv, was {file.name!r}")
@@ -58,7 +61,9 @@ def read_waypoints(file: str | FilePath) -> Waypoints:
         pairs = readers[file.suffix.lower()](file)
     except OSError as error:
         raise InputError(f"file {str(file)!r} cannot be read: {error.strerror}") from None
-    except (ElementTree.ParseError, UnicodeDecodeError, csv.Error) as error:
+    except InputError:
+        raise
+    except (ElementTree.ParseError, LookupError, ValueError, csv.Error) as error:
         raise InputError(f"file {file.name!r} is broken: {error}") from None
     if len(pairs) < 2:
         raise InputError(f"file {file.name!r} must hold at least two points, held {len(pairs)}")

@@ -1,5 +1,7 @@
 """From waypoints to a `Path`: smoothing cubics for GPS, interpolating cubics for the nodes of a band."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import LinAlgError, lapack, solveh_banded
@@ -11,6 +13,7 @@ from cca_core.path.path import Path
 _REPARAMETRISATIONS = 3
 _BISECTIONS = 20
 _GAP_RATIO, _GAP_LEAST = 4.0, 20.0  # a chord over 4 medians (and 20 m) is a gap
+_STIFFEST = 10.0  # longest smoothing length tried, in segments
 _STRETCH = 1.2  # a fit this much longer than its chords is not taken as a parameter
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(4)
 
@@ -59,28 +62,27 @@ def fit_path(
     """
     points = check_points("xy", xy, 2)
     tolerance = check_real("tolerance", tolerance, least=0.0)
-    per_segment = int(check_real("points_per_segment", points_per_segment, least=1))
+    per_segment = check_real("points_per_segment", points_per_segment, least=1)
+    if per_segment != int(per_segment):
+        raise InputError(f"points_per_segment must be a whole number, was {per_segment:g}")
     if closed:
-        if len(points) > 2 and np.array_equal(points[0], points[-1]):
-            points = points[:-1]
-        laps = np.vstack((points, points, points, points[:1]))  # the middle lap knows no ends
-    else:
-        laps = points
-    chords = np.hypot(*np.diff(laps, axis=0).T)
+        if not np.array_equal(points[0], points[-1]):
+            points = np.vstack((points, points[:1]))
+        if len(points) < 4:
+            raise InputError(
+                f"xy must have at least 3 different points for a closed path, had {len(points) - 1}"
+            )
+    chords = np.hypot(*np.diff(points, axis=0).T)
     if (chords <= 0.0).any():
-        i = int(np.argmin(chords)) % len(points)
+        i = int(np.argmin(chords))
         raise InputError(f"xy must not repeat a point, row {i} equals the next; drop duplicates first")
-    dense, given = _bridge_gaps(laps, chords)
+    dense, given = _bridge_gaps(points, chords)
+    count = int(per_segment)
     while True:
-        spline, worst = _fit(dense, given, per_segment, max(tolerance, 1e-9))
-        if worst <= max(tolerance, 1e-6) or per_segment == 1:
-            break
-        per_segment //= 2
-    path = spline.path()
-    if closed:
-        first, last = spline.s[np.flatnonzero(given)[[len(points), 2 * len(points)]]]
-        path = _cut(path, first, last)
-    return path
+        spline, worst = _fit(dense, given, count, max(tolerance, 1e-9), closed)
+        if worst <= max(tolerance, 1e-6) or count == 1:
+            return spline.path()
+        count //= 2
 
 
 def interpolate_path(
@@ -127,13 +129,17 @@ def interpolate_path(
     off = h.copy()
     rhs = np.zeros_like(points)
     rhs[1:-1] = 6.0 * np.diff(slopes, axis=0)
-    for tangent, node, span, sign in ((start_tangent, 0, 0, 1.0), (end_tangent, -1, -1, -1.0)):
+    start = check_real("start", start)
+    ends = (("start_tangent", start_tangent, 0, 1.0), ("end_tangent", end_tangent, -1, -1.0))
+    for name, tangent, node, sign in ends:
         if tangent is None:
-            off[span] = 0.0  # natural end: no curvature
+            off[node] = 0.0  # natural end: no curvature
         else:
-            unit = check_array("tangent", tangent, (2,))
-            diagonal[node] = 2.0 * h[span]
-            rhs[node] = 6.0 * sign * (slopes[span] - unit / np.hypot(*unit))
+            unit = check_array(name, tangent, (2,))
+            if not unit.any():
+                raise InputError(f"{name} must not be zero")
+            diagonal[node] = 2.0 * h[node]
+            rhs[node] = 6.0 * sign * (slopes[node] - unit / np.hypot(*unit))
     second = lapack.dptsv(diagonal, off, rhs)[2]  # h_i-1 M_i-1 + 2 (h_i-1 + h_i) M_i + h_i M_i+1 = 6 [slope]
     squared = (h * h)[:, None]
     coefficients = np.empty((len(h), 2, 4))
@@ -153,48 +159,66 @@ def _bridge_gaps(points: Array, chords: Array) -> tuple[Array, Mask]:
     return np.vstack((dense, points[-1:])), np.append(share == 0.0, True)
 
 
-def _fit(points: Array, given: Mask, per_segment: int, tolerance: float) -> tuple["_SmoothingSpline", float]:
+def _fit(
+    points: Array, given: Mask, per_segment: int, tolerance: float, closed: bool
+) -> tuple["_SmoothingSpline", float]:
     """Fit with a fixed number of segments; return the spline and its largest residual at given points."""
     chord_length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
     knots = np.linspace(0, len(points) - 1, max(1, (len(points) - 1) // per_segment) + 1).round().astype(int)
-    spline = _SmoothingSpline(chord_length, knots, points, given)
+    spline = _SmoothingSpline(chord_length, knots, points, given, closed)
     worst = spline.smooth_within(tolerance)
     for _ in range(_REPARAMETRISATIONS):
         s = spline.arc_length()
         if s[-1] > _STRETCH * chord_length[-1]:
             break  # a curve that loops between its points only gets worse with its own length
-        spline = _SmoothingSpline(s, knots, points, given)
+        spline = _SmoothingSpline(s, knots, points, given, closed)
         worst = spline.smooth_within(tolerance)
     return spline, worst
 
 
 class _SmoothingSpline:
-    """Cubic B-spline with knots at some of the points, fitted at parameters s, with a penalty on X'''."""
+    """Cubic B-spline with knots at some of the points, fitted at parameters s, with a penalty on X'''.
 
-    def __init__(self, s: Array, knot_index: Array, points: Array, given: Mask) -> None:
+    A closed spline has as many coefficients as segments; they count round and round.
+    """
+
+    def __init__(self, s: Array, knot_index: Index, points: Array, given: Mask, closed: bool) -> None:
         from scipy.interpolate import BSpline  # slow to import, and only fitting needs it
 
-        self.s, self._points, self._given = s, points, given
-        knots = self._breaks = s[knot_index]
-        self._knots = np.concatenate((knots[[0, 0, 0]], knots, knots[[-1, -1, -1]]))
-        self._size = len(knots) + 2
-        matrix = BSpline.design_matrix(s, self._knots, 3)
-        self._basis = matrix.data.reshape(len(s), 4)
-        self._column: Index = matrix.indices.reshape(len(s), 4)[:, 0].astype(np.intp)
-        weight = np.gradient(s)
-        self._fit_matrix = self._normal(self._basis, self._column, weight)
-        self._right = np.zeros((self._size, 2))
-        for k in range(4):
-            np.add.at(self._right, self._column + k, (weight * self._basis[:, k])[:, None] * points)
-        length = np.diff(knots)
-        columns = np.arange(len(length))
-        self._roughness = self._normal(self._third_derivative(), columns, length)
+        self._s, self._closed = s, closed
+        breaks = self._breaks = s[knot_index]
+        self._count = len(breaks) - 1 if closed else len(breaks) + 2
+        if closed:
+            before, after = np.arange(-3, 0), np.arange(1, 4)
+            lap, n = breaks[-1], len(breaks) - 1
+            ring = [breaks[k % n] + lap * (k // n) for k in (*before, *(n + after))]
+            self._knots = np.concatenate((ring[:3], breaks, ring[3:]))
+        else:
+            self._knots = np.concatenate((breaks[[0, 0, 0]], breaks, breaks[[-1, -1, -1]]))
+        at = s[:-1] if closed else s
+        matrix = BSpline.design_matrix(at, self._knots, 3)
+        self._basis = matrix.data.reshape(len(at), 4)
+        self._columns = self._wrap(matrix.indices.reshape(len(at), 4)[:, 0].astype(np.intp))
+        # what an affine function explains costs no roughness; the rest is fitted
+        slope = np.zeros(2) if closed else (points[-1] - points[0]) / s[-1]
+        greville = (self._knots[1:-3] + self._knots[2:-2] + self._knots[3:-1]) / 3.0
+        self._affine = points[0] + greville[: self._count, None] * slope
+        self._data = points[: len(at)] - points[0] - at[:, None] * slope
+        self._given = given[: len(at)]
+        weight = np.gradient(s)[: len(at)]
+        self._fit_matrix = self._normal(self._basis, self._columns, weight)
+        self._right = np.zeros((self._count, 2))
+        weighted = (weight[:, None] * self._basis)[..., None] * self._data[:, None, :]
+        np.add.at(self._right, self._columns, weighted)
+        length = np.diff(breaks)
+        segments = self._wrap(np.arange(len(length)))
+        self._roughness = self._normal(self._third_derivative(), segments, length)
         self._span = float(np.median(length))
-        self._coefficients = self._right
+        self._rest = np.zeros((self._count, 2))
 
     def smooth_within(self, tolerance: float) -> float:
         """Find the smoothest fit whose largest residual keeps `tolerance`; return that residual."""
-        low, high = np.log(1e-2 * self._span), np.log(4.0 * self._span)
+        low, high = np.log(1e-2 * self._span), np.log(_STIFFEST * self._span)
         worst = self._solve(np.exp(high))
         if worst <= tolerance:
             return worst
@@ -208,8 +232,8 @@ class _SmoothingSpline:
 
     def arc_length(self) -> Array:
         """Arc length of the curve at each data parameter (Gauss-Legendre between neighbours)."""
-        half = 0.5 * np.diff(self.s)[:, None]
-        at = self.s[:-1, None] + half * (1.0 + _GAUSS_X)
+        half = 0.5 * np.diff(self._s)[:, None]
+        at = self._s[:-1, None] + half * (1.0 + _GAUSS_X)
         first = self.path().derivatives(at)[1]
         speed = np.hypot(first[..., 0], first[..., 1])
         return np.concatenate(([0.0], np.cumsum((half * speed) @ _GAUSS_W)))
@@ -218,7 +242,8 @@ class _SmoothingSpline:
         """Eqs (1) and (2): the cubics of each segment over lambda in [0, 1]."""
         from scipy.interpolate import BSpline
 
-        spline, start = BSpline(self._knots, self._coefficients, 3), self._breaks[:-1]
+        unwrapped = (self._affine + self._rest)[np.arange(len(self._knots) - 4) % self._count]
+        spline, start = BSpline(self._knots, unwrapped, 3), self._breaks[:-1]
         length = np.diff(self._breaks)[:, None]
         taylor = [
             length**k / factorial * spline(start, k) for k, factorial in ((3, 6), (2, 2), (1, 1), (0, 1))
@@ -226,28 +251,43 @@ class _SmoothingSpline:
         return Path(self._breaks, np.stack(taylor, axis=-1))
 
     def _solve(self, smoothing_length: float) -> float:
-        banded = self._fit_matrix + smoothing_length**6 * self._roughness
-        try:
-            self._coefficients = solveh_banded(banded, self._right)
-        except LinAlgError:
-            return np.inf
-        fitted = np.einsum(
-            "ij,ijk->ik", self._basis, self._coefficients[self._column[:, None] + np.arange(4)]
-        )
-        return float(np.hypot(*(fitted - self._points)[self._given].T).max())
+        matrix = self._fit_matrix + smoothing_length**6 * self._roughness
+        if self._closed:
+            from scipy.sparse.linalg import splu
 
-    def _normal(self, rows: Array, column: Index, weight: Array) -> Array:
-        """Upper banded form of rows' weight rows, each row with four entries from its column on."""
-        banded = np.zeros((4, self._size))
+            self._rest = splu(matrix.tocsc()).solve(self._right)
+        else:
+            try:
+                self._rest = solveh_banded(matrix, self._right)
+            except LinAlgError:
+                return np.inf
+        fitted = np.einsum("ij,ijk->ik", self._basis, self._rest[self._columns])
+        return float(np.hypot(*(fitted - self._data)[self._given].T).max())
+
+    def _wrap(self, first: Index) -> Index:
+        """Columns of four neighbouring coefficients from each first one on."""
+        columns: Index = (first[:, None] + np.arange(4)) % self._count
+        return columns
+
+    def _normal(self, rows: Array, columns: Index, weight: Array) -> Any:
+        """Sum of weight row^T row: upper banded form of an open spline, sparse matrix of a closed one."""
+        if self._closed:
+            from scipy.sparse import coo_array
+
+            block = weight[:, None, None] * rows[:, :, None] * rows[:, None, :]
+            i, j = np.broadcast_arrays(columns[:, :, None], columns[:, None, :])
+            return coo_array((block.ravel(), (i.ravel(), j.ravel())), shape=(self._count,) * 2).tocsc()
+        banded = np.zeros((4, self._count))
         for p in range(4):
             for q in range(p, 4):
                 product = weight * rows[:, p] * rows[:, q]
-                banded[3 + p - q] += np.bincount(column + q, product, self._size)
+                banded[3 + p - q] += np.bincount(columns[:, q], product, self._count)
         return banded
 
     def _third_derivative(self) -> Array:
         """Third derivative on each segment as four weights on the coefficients (de Boor differences)."""
-        n, t = self._size, self._knots
+        t = self._knots
+        n = len(t) - 4
         rows = np.zeros((n, 4))
         rows[:, 0] = 1.0
         for order in (1, 2, 3):
@@ -257,23 +297,3 @@ class _SmoothingSpline:
             shifted[:, 1:] = rows[1 : count + 1, :3]
             rows = (shifted - rows[:count]) * ((4.0 - order) / gap)[:, None]
         return rows
-
-
-def _cut(path: Path, first: float, last: float) -> Path:
-    """Part of `path` between two arc lengths, with s counted from its beginning."""
-    inner = path.breaks[(path.breaks > first + 1e-6) & (path.breaks < last - 1e-6)]
-    breaks = np.concatenate(([first], inner, [last]))
-    length = np.diff(breaks)
-    middle = 0.5 * (breaks[:-1] + breaks[1:])
-    i = np.searchsorted(path.breaks, middle) - 1
-    whole = np.diff(path.breaks)[i]
-    shift = ((breaks[:-1] - path.breaks[i]) / whole)[:, None]
-    scale = (length / whole)[:, None]
-    a, b, c, d = np.moveaxis(path.coefficients[i], -1, 0)
-    pieces = (
-        a * scale**3,
-        (3.0 * a * shift + b) * scale**2,
-        ((3.0 * a * shift + 2.0 * b) * shift + c) * scale,
-        ((a * shift + b) * shift + c) * shift + d,
-    )
-    return Path(breaks - first, np.stack(pieces, axis=-1))

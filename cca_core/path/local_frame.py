@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, check_array, check_real
+from cca_core._checks import Array, check_any, check_real
 from cca_core.errors import InputError
 
 _A = 6378137.0  # semi-major axis [m], WGS 84
@@ -102,11 +102,9 @@ class LocalFrame:
         InputError
             If a value is not finite, the shape is wrong, or a point is farther away than 1000 km.
         """
-        xy = np.asarray(xy, dtype=np.float64)
-        if xy.ndim == 0 or xy.shape[-1] != 2:
-            raise InputError(f"xy must have shape (..., 2), had {xy.shape}")
-        if not np.isfinite(xy).all() or np.abs(xy).max(initial=0.0) > _REACH:
-            raise InputError("xy must be finite and within 1000 km of the origin")
+        xy = check_any("xy", xy, (2,))
+        if np.abs(xy).max(initial=0.0) > _REACH:
+            raise InputError("xy must be within 1000 km of the origin")
         # the height above the plane that puts the point on the ellipsoid: line up (m) against the quadric
         scale = np.array([1.0, 1.0, 1.0 / (1.0 - _E2)])
         foot, up = self._origin + xy @ self._axes[:2], self._axes[2]
@@ -121,8 +119,7 @@ class LocalFrame:
 def _geodetic(lat: ArrayLike, lon: ArrayLike) -> tuple[Array, Array]:
     values = []
     for name, value, most in (("lat", lat, 90.0), ("lon", lon, 180.0)):
-        array = np.asarray(value, dtype=np.float64)
-        array = check_array(name, array, (None,) * array.ndim)
+        array = check_any(name, value)
         worst = np.abs(array).max(initial=0.0)
         if worst > most:
             hint = "; are latitude and longitude mixed up?" if name == "lat" and worst <= 180.0 else ""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, check_real
+from cca_core._checks import Array, check_any, check_array, check_real
 from cca_core.errors import InputError
 
 _SWEEPS = 12  # Newton converges in 2 to 4; the rest is for points far off a tight bend
@@ -47,14 +47,14 @@ class Path:
     """
 
     def __init__(self, breaks: ArrayLike, coefficients: ArrayLike) -> None:
-        s = np.array(breaks, dtype=np.float64)
-        c = np.array(coefficients, dtype=np.float64)
-        if s.ndim != 1 or len(s) < 2 or c.shape != (len(s) - 1, 2, 4):
+        s = check_array("breaks", breaks, (None,))
+        c = check_array("coefficients", coefficients, (None, 2, 4))
+        if len(s) < 2 or len(c) != len(s) - 1:
             raise InputError(
                 f"breaks, coefficients must have shapes (n + 1,), (n, 2, 4), had {s.shape}, {c.shape}"
             )
-        if not (np.isfinite(s).all() and np.isfinite(c).all() and (np.diff(s) > 0.0).all()):
-            raise InputError("breaks must be finite and increase, coefficients must be finite")
+        if not (np.diff(s) > 0.0).all():
+            raise InputError("breaks must increase")
         s.setflags(write=False)
         c.setflags(write=False)
         self._breaks, self._coefficients = s, c
@@ -236,17 +236,17 @@ class Path:
         Raises
         ------
         InputError
-            If `xy` has the wrong shape or is not finite.
+            If `xy` or `near` has the wrong shape or is not finite.
 
         Notes
         -----
         Newton on (X - x) X' + (Y - y) Y' = 0, with the second derivative kept positive.
         """
-        xy = np.asarray(xy, dtype=np.float64)
-        if xy.ndim == 0 or xy.shape[-1] != 2 or not np.isfinite(xy).all():
-            raise InputError(f"xy must be finite with shape (..., 2), had shape {xy.shape}")
-        s = self._nearest_sample(xy) if near is None else np.array(near, dtype=np.float64)
-        s = np.broadcast_to(s, xy.shape[:-1]).copy()
+        xy = check_any("xy", xy, (2,))
+        start = self._nearest_sample(xy) if near is None else check_any("near", near)
+        if start.shape not in ((), xy.shape[:-1]):
+            raise InputError(f"near must have shape () or {xy.shape[:-1]}, had {start.shape}")
+        s = np.broadcast_to(start, xy.shape[:-1])
         for _ in range(_SWEEPS):
             position, first, second = self.derivatives(s)
             out = position - xy

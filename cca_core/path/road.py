@@ -1,5 +1,6 @@
 """Lanes along a path."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from cca_core._checks import check_real
@@ -68,13 +69,16 @@ class Road:
     def __init__(
         self,
         path: Path,
-        lanes: list[Lane] | tuple[Lane, ...] | None = None,
+        lanes: Sequence[Lane] | None = None,
         speed_limit: float = 36.0,
     ) -> None:
         if not isinstance(path, Path):
             raise InputError(f"path must be a Path, was {type(path).__name__}")
         self.path = path
-        self.lanes = (Lane(d=0.0),) if lanes is None else tuple(sorted(lanes, key=lambda lane: lane.d))
+        lanes = (Lane(d=0.0),) if lanes is None else tuple(lanes)
+        if not lanes or not all(isinstance(lane, Lane) for lane in lanes):
+            raise InputError(f"lanes must be a sequence of Lane, was {lanes!r}")
+        self.lanes = tuple(sorted(lanes, key=lambda lane: lane.d))
         self.speed_limit = check_real("speed_limit", speed_limit, above=0.0)
         own = self.lane_at(0.0)
         if own is None or own.direction != 1:

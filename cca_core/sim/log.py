@@ -146,7 +146,7 @@ class Log:
             "min_ttc_s": _rounded(self.time_to_collision().min()),
             "max_abs_ay_mps2": _rounded(np.abs(self.a_y).max()),
             "max_decel_mps2": _rounded(max(0.0, -self.ego[:, 7].min())),
-            "max_jerk_mps3": _rounded(jerk.max()),
+            "max_jerk_mps3": _rounded(jerk.max(initial=0.0)),
             "max_tracking_error_m": _rounded(np.abs(self.tracking).max()),
             "max_offset_m": _rounded(np.abs(self.place[:, 1]).max()),
             "evading_s": _rounded(float(np.sum(np.diff(self.t)[evading[:-1]]))),

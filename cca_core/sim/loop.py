@@ -9,6 +9,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.errors import Status
+from cca_core.follow import steady_sideslip, steady_steering
 from cca_core.geometry import box_gap, boxes
 from cca_core.planner import Planner
 from cca_core.sim.log import Log
@@ -50,10 +51,9 @@ def simulate(
     rng = np.random.default_rng(seed)
     planner = planner or make_planner(scenario)
     path, users = scenario.road.path, scenario.users
-    x, y = path.position(scenario.start)
     plant = SingleTrackPlant(
         scenario.vehicle,
-        VehicleState(x=x, y=y, psi=float(path.heading(scenario.start)), v_x=scenario.v_x),
+        _settled(scenario),
     )
     traffic = _Traffic(scenario)
     messages = _Messages(scenario, rng)
@@ -98,6 +98,18 @@ def simulate(
         command=rows[:, 10:12], place=rows[:, 12:14], tracking=rows[:, 14], users=others[:n],
         user_places=places[:n], decisions=tuple(decisions), fallback=fallback[:n],
         cycle_us=cycle_us[:n], wall_s=wall,
+    )  # fmt: skip
+
+
+def _settled(scenario: Scenario) -> VehicleState:
+    """Put the ego at its start, in the steady turn of the road there."""
+    path, vehicle, v_x = scenario.road.path, scenario.vehicle, scenario.v_x
+    x, y = path.position(scenario.start).tolist()
+    kappa = path.curvature_at(scenario.start)
+    beta = float(steady_sideslip(kappa, v_x, vehicle))
+    return VehicleState(
+        x=x, y=y, psi=float(path.heading(scenario.start)) - beta, v_x=v_x, v_y=v_x * beta, r=v_x * kappa,
+        delta=float(steady_steering(kappa, v_x, vehicle)),
     )  # fmt: skip
 
 

@@ -53,7 +53,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
         duration = 32.0
     else:
         others = [("R1", 70.0, 0.0, slow, 1), ("R2", 180.0, 0.0, slow, 1)]
-        others.append(("A", -205.0, _LANE, 35.0, 1) if case == "2" else ("A", 850.0, _LANE, 20.0, -1))
+        others.append(("A", -208.0, _LANE, 35.0, 1) if case == "2" else ("A", 850.0, _LANE, 20.0, -1))
         duration = 38.0
     reach = start + cruise * duration + 100.0
     if path.end < reach:

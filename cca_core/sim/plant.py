@@ -31,7 +31,7 @@ class SingleTrackPlant:
     Notes
     -----
     Brush tyres (Fiala): with slip angle alpha and available side force F_max,
-    ``F_y = -F_max z (1 - |z|/3 + z^2/27)`` with ``z = C tan(alpha) / F_max`` up to full sliding at |z| = 3.
+    ``F_y = -F_max z (1 - |z|/3 + z^2/27)`` with ``z = C tan(alpha) / F_max`` up to sliding at ``|z| = 3``.
     The drive or brake force, shared between the axles like the load, takes its part of the friction
     circle first. Integrated by the classical Runge-Kutta scheme.
     """
@@ -104,29 +104,35 @@ class SingleTrackPlant:
         rate = (delta - angle) / max(p.steering_lag, 1e-3)
         rate = min(max(rate, -p.delta_rate_max), p.delta_rate_max)
         grip = p.mu * _G
-        drive = (min(max(a_x, -grip), grip) - force) / max(self.drive_lag, 1e-3)
+        drive = (min(max(a_x, -0.99 * grip), 0.99 * grip) - force) / max(self.drive_lag, 1e-3)
         cos, sin = math.cos(psi), math.sin(psi)
         if v_x < _KINEMATIC:
             return [v_x * cos - v_y * sin, v_x * sin + v_y * cos, r, force, 0.0, 0.0, rate, drive]
         side = math.sqrt(max(grip * grip - force * force, (0.1 * grip) ** 2))
         load_f, load_r = p.m * p.l_r / p.wheelbase, p.m * p.l_f / p.wheelbase
-        f_f = _fiala(p.C_f, math.atan2(v_y + p.l_f * r, v_x) - angle, load_f * side)
-        f_r = _fiala(p.C_r, math.atan2(v_y - p.l_r * r, v_x), load_r * side)
         cos_d, sin_d = math.cos(angle), math.sin(angle)
+        v_f, v_r = v_y + p.l_f * r, v_y - p.l_r * r
+        slip_f = (v_f * cos_d - v_x * sin_d) / max(abs(v_x * cos_d + v_f * sin_d), 1e-6)
+        f_f = _fiala(p.C_f, slip_f, load_f * side)
+        f_r = _fiala(p.C_r, v_r / v_x, load_r * side)
+        front = p.l_r / p.wheelbase  # the front axle's share of load and drive, which acts along its wheels
+        front_x = p.m * front * force * cos_d - f_f * sin_d
+        front_y = p.m * front * force * sin_d + f_f * cos_d
         return [
             v_x * cos - v_y * sin,
             v_x * sin + v_y * cos,
             r,
-            force - f_f * sin_d / p.m + v_y * r,
-            (f_f * cos_d + f_r) / p.m - v_x * r,
-            (p.l_f * f_f * cos_d - p.l_r * f_r) / p.I_z,
+            force * (1.0 - front) + front_x / p.m + v_y * r,
+            (front_y + f_r) / p.m - v_x * r,
+            (p.l_f * front_y - p.l_r * f_r) / p.I_z,
             rate,
             drive,
         ]
 
 
-def _fiala(stiffness: float, alpha: float, f_max: float) -> float:
-    z = stiffness * math.tan(alpha) / f_max
+def _fiala(stiffness: float, slip: float, f_max: float) -> float:
+    """Side force [N] for the tangent of the slip angle."""
+    z = stiffness * slip / f_max
     if z >= 3.0 or z <= -3.0:
         return -math.copysign(f_max, z)
     return -f_max * z * (1.0 - abs(z) / 3.0 + z * z / 27.0)

@@ -1,0 +1,128 @@
+"""Steering that would keep a car exactly on a path: the single-track model solved backwards."""
+
+import math
+from collections import deque
+
+from cca_core.vehicle import VehicleParams
+
+__all__ = ["InverseSteering"]
+
+_G = 9.81
+_ROLLING = 3.0  # below this speed the tyres roll without slip [m/s]
+_STEP = 0.005  # integration step [s]
+_REACH = 0.97  # share of the side force that is ever asked for
+_JUMP = 20.0  # a jump along the path that starts afresh [m]
+
+
+class InverseSteering:
+    """Dynamic feed-forward of curvature.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        Geometry, inertia, tyres and friction.
+
+    Notes
+    -----
+    A centre of gravity that stays on the path has the lateral acceleration v^2 kappa, which fixes the sum of
+    the tyres' side forces; the yaw balance then leaves two states, sideways speed and yaw rate,
+
+    ``I_z r' = l_f m v^2 kappa - L F_r``,  ``v_y' = v^2 kappa - v r``,
+
+    with the rear axle's force F_r from its slip angle. They are stable (the zeros of the path's lateral
+    position), so they can be integrated along the path, and the steering angle follows from the slip
+    that the front axle needs for the rest of the force (brush tyre, solved for the slip angle). In a
+    steady turn this is the static law delta = kappa (L + K v^2).
+    """
+
+    def __init__(self, vehicle: VehicleParams) -> None:
+        self._vehicle = vehicle
+        length = vehicle.wheelbase
+        self._grip_f = vehicle.mu * _G * vehicle.m * vehicle.l_r / length
+        self._grip_r = vehicle.mu * _G * vehicle.m * vehicle.l_f / length
+        self._v_y = self._r = self._kappa = 0.0
+        self._s: float | None = None
+        self._trace: deque[tuple[float, float, float]] = deque()
+
+    def advance(self, s: float, kappa: float, v_x: float, dt: float) -> float:
+        """Move on along the path.
+
+        Parameters
+        ----------
+        s : float
+            Arc length of the point for which steering is wanted [m].
+        kappa : float
+            Curvature there [1/m], left turn positive.
+        v_x : float
+            Forward speed [m/s].
+        dt : float
+            Time since the last call [s].
+
+        Returns
+        -------
+        delta : float
+            Road-wheel angle [rad], left positive.
+        """
+        p, v = self._vehicle, max(v_x, 0.0)
+        if self._s is None or abs(s - self._s) > _JUMP or v < _ROLLING:
+            self._settle(kappa, v)
+        else:
+            self._integrate(kappa, v, dt)
+        self._s, self._kappa = s, kappa
+        self._trace.append((s, math.atan2(self._v_y, max(v, 0.1)), self._r))
+        if v < _ROLLING:
+            return math.atan(p.wheelbase * kappa)
+        rest = p.m * v * v * kappa - self._rear_force(v)
+        share = min(max(rest / self._grip_f, -_REACH), _REACH)
+        slip = 3.0 * (1.0 - (1.0 - abs(share)) ** (1.0 / 3.0)) * self._grip_f / p.C_f
+        return math.atan2(self._v_y + p.l_f * self._r, v) + math.copysign(math.atan(slip), share)
+
+    def motion_at(self, s: float) -> tuple[float, float]:
+        """Motion of the ideal car where it passed a place before.
+
+        Parameters
+        ----------
+        s : float
+            Arc length [m], not ahead of the last `advance`.
+
+        Returns
+        -------
+        beta : float
+            Sideslip angle [rad], left positive.
+        r : float
+            Yaw rate [rad/s], left positive.
+        """
+        trace = self._trace
+        while len(trace) > 1 and trace[1][0] <= s:
+            trace.popleft()
+        s0, beta, r = trace[0]
+        if len(trace) == 1 or s <= s0:
+            return beta, r
+        s1, beta1, r1 = trace[1]
+        w = (s - s0) / (s1 - s0)
+        return beta + w * (beta1 - beta), r + w * (r1 - r)
+
+    def _settle(self, kappa: float, v: float) -> None:
+        """Start in the steady turn of this curvature."""
+        p = self._vehicle
+        self._trace.clear()
+        self._r = v * kappa
+        rolling = 0.0 if v < _ROLLING else p.l_f * p.m * v * v / (p.C_r * p.wheelbase)
+        self._v_y = v * kappa * (p.l_r - rolling)
+
+    def _integrate(self, kappa: float, v: float, dt: float) -> None:
+        p = self._vehicle
+        n = max(1, math.ceil(dt / _STEP - 1e-9))
+        h = dt / n
+        for i in range(n):
+            a_y = v * v * (self._kappa + (i + 0.5) / n * (kappa - self._kappa))
+            r_dot = (p.l_f * p.m * a_y - p.wheelbase * self._rear_force(v)) / p.I_z
+            v_y_dot = a_y - v * self._r
+            self._r += h * r_dot
+            self._v_y += h * v_y_dot
+
+    def _rear_force(self, v: float) -> float:
+        p = self._vehicle
+        z = -p.C_r * (self._v_y - p.l_r * self._r) / (v * self._grip_r)
+        z = min(max(z, -3.0), 3.0)
+        return self._grip_r * z * (1.0 - abs(z) / 3.0 + z * z / 27.0)

@@ -1,0 +1,106 @@
+"""Drive the paper's manoeuvring scenario on a real road and show what happened.
+
+Latitudes and longitudes become metres, the metres a smooth path, and on its longest stretch without a tight
+bend each case is driven in closed loop, with and without messages. Writes summary.json, the figures
+and report.html.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path as FilePath
+
+import numpy as np
+from tqdm import tqdm
+
+from cca_core import InputError, LocalFrame, Path, fit_path
+from cca_core.path import Waypoints, read_waypoints
+from cca_core.plot import outcome, plot_time_series, plot_traffic, plot_tunings, write_report
+from cca_core.sim import CASES, Log, Scenario, maneuver, simulate
+from cca_core.sim.loop import CYCLE
+from cca_core.sim.route import cut_path, demo_route, longest_stretch
+
+RUNS = [(case, True) for case in CASES] + [(case, False) for case in ("1-smooth", "2", "3")]
+RADIUS = 200.0  # tighter bends are no place for these manoeuvres [m]
+MARGIN = 220.0  # road behind the ego's start, from where the fast car of case 2 comes [m]
+FIGURES = {
+    "1-fast": "fig13_14_case1_fast",
+    "1-smooth": "fig13_14_case1_smooth",
+    "2": "fig16_17_case2",
+    "3": "fig18_19_case3",
+}
+
+
+def main() -> int:
+    """Run everything; return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=FilePath, default=FilePath("out"), help="folder for the results")
+    parser.add_argument("--route", type=FilePath, help="GPX or CSV file; default: 2.5 km of Interstate 80")
+    parser.add_argument("--km", type=float, default=20.0, help="how much of the route to use [km]")
+    parser.add_argument("--seed", type=int, default=1, help="seed of all that is drawn")
+    args = parser.parse_args()
+    try:
+        stretch = lay_road(demo_route() if args.route is None else read_waypoints(args.route), args.km)
+        scenarios = [maneuver(case, stretch, start=stretch.start + MARGIN, v2v=v2v) for case, v2v in RUNS]
+    except InputError as error:
+        print(f"This route cannot be used: {error}", file=sys.stderr)
+        return 2
+    logs = drive(scenarios, args.seed)
+    args.out.mkdir(parents=True, exist_ok=True)
+    summary = {"runs": [log.summary() for log in logs]}
+    (args.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    draw(logs, args.out)
+    tell(logs)
+    print(f"Open {args.out / 'report.html'}")
+    return 0
+
+
+def lay_road(waypoints: Waypoints, km: float) -> Path:
+    """From latitudes and longitudes to the stretch of road that is driven on."""
+    xy = LocalFrame(waypoints.lat[0], waypoints.lon[0]).to_local(waypoints.lat, waypoints.lon)
+    driven = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))))
+    xy = xy[driven <= 1000.0 * km]
+    path = fit_path(xy)
+    start, end = longest_stretch(path, radius=RADIUS)
+    print(
+        f"{waypoints.duplicates} duplicates dropped, {len(xy)} points on {path.length / 1000.0:.1f} km used"
+    )
+    print(f"longest stretch with radius over {RADIUS:.0f} m: from {start:.0f} m to {end:.0f} m")
+    return cut_path(path, start, end)
+
+
+def drive(scenarios: list[Scenario], seed: int) -> list[Log]:
+    """Run each scenario, with a progress bar over simulated time."""
+    seconds = sum(scenario.duration for scenario in scenarios)
+    style = "{desc} {percentage:3.0f}%|{bar}| {n:.0f} of {total:.0f} s [{elapsed}]"
+    with tqdm(total=seconds, desc="driving", bar_format=style) as bar:
+        return [
+            simulate(s, seed=seed, progress=lambda _: bar.update(min(CYCLE, seconds - bar.n)))
+            for s in scenarios
+        ]
+
+
+def draw(logs: list[Log], out: FilePath) -> None:
+    """Write the figures and the report."""
+    for log in tqdm(logs, unit="run", desc="drawing"):
+        name = FIGURES[log.scenario.case] + ("" if log.scenario.v2v else "_without_messages")
+        plot_traffic(log).savefig(out / f"{name}.png", dpi=150)
+        plot_time_series(log).savefig(out / f"{name}_over_time.png", dpi=150)
+    plot_tunings(logs[0], logs[1]).savefig(out / "fig15_two_tunings.png", dpi=150)
+    write_report(logs, out / "report.html")
+
+
+def tell(logs: list[Log]) -> None:
+    """Print a table of the runs."""
+    print(f"{'case':9} {'messages':9} {'least gap':>10} {'peak a_y':>10} {'speed-up':>9}  outcome")
+    for log in logs:
+        key, messages = log.summary(), "yes" if log.scenario.v2v else "no"
+        gap = "-" if key["min_gap_m"] is None else f"{key['min_gap_m']:.2f} m"
+        print(
+            f"{key['case']:9} {messages:9} {gap:>10} {abs(log.a_y).max():>5.2f} m/s2 "
+            f"{key['realtime_factor']:>8.0f}x  {outcome(log)}"
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

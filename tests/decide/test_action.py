@@ -1,0 +1,155 @@
+"""Choice of action: every branch, its hysteresis, and that it always says why."""
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cca_core.decide import Action, Candidate, Leader, choose_action
+
+K, F, L, R, B = Action.KEEP, Action.FOLLOW, Action.EVADE_LEFT, Action.EVADE_RIGHT, Action.BRAKE
+
+
+def leader(need: float = 0.5, follow: float = -1.0, gap: float = 30.0) -> Leader:
+    return Leader(id="R1", gap=gap, v_x=12.0, required_deceleration=need, follow_acceleration=follow)
+
+
+def free(side: str = "left", **kwargs: Any) -> Candidate:
+    return Candidate(side=side, **({"lead_in": 20.0, "needed": 50.0, "duration": 6.0} | kwargs))
+
+
+BLOCKED = Candidate(side="left", obstruction="A is in the way", zone=(-50.0, 10.0))
+DUE, EARLY = free(), free(lead_in=80.0)
+CALM, SLOWING, HARD = leader(0.1, -0.1), leader(1.0, -1.0), leader(5.0, -5.0)
+
+TABLE = [
+    # leader, candidates, previous -> action
+    (None, [], K, K),
+    (None, [], F, K),
+    (None, [DUE], B, K),
+    (None, [BLOCKED], L, K),
+    (CALM, [], K, K),
+    (SLOWING, [], K, F),
+    (HARD, [], K, B),
+    (CALM, [BLOCKED], K, K),
+    (SLOWING, [BLOCKED], K, F),
+    (HARD, [BLOCKED], K, B),
+    (CALM, [BLOCKED], F, F),  # once waiting it waits, though following asks for nothing now
+    (CALM, [BLOCKED], B, F),
+    (SLOWING, [BLOCKED], B, F),
+    (HARD, [BLOCKED], F, B),
+    (HARD, [BLOCKED], B, B),
+    (CALM, [BLOCKED], L, K),
+    (SLOWING, [BLOCKED], R, F),
+    (SLOWING, [DUE], K, L),
+    (CALM, [DUE], K, L),
+    (SLOWING, [EARLY], K, K),  # the swerve is not due: drive on
+    (SLOWING, [EARLY], L, K),
+    (HARD, [EARLY], K, L),  # better than braking hard
+    (CALM, [EARLY], F, L),  # it has waited long enough
+    (CALM, [EARLY], B, L),
+    (HARD, [DUE], B, L),
+    (SLOWING, [free("right")], K, R),
+    (SLOWING, [BLOCKED, free("right")], K, R),
+    (SLOWING, [BLOCKED, free("right", lead_in=80.0)], K, K),
+]
+
+
+@pytest.mark.parametrize(("ahead", "candidates", "previous", "expected"), TABLE)
+def test_table(ahead: Leader | None, candidates: list[Candidate], previous: Action, expected: Action) -> None:
+    decision = choose_action(ahead, candidates, previous=previous)
+    assert decision.action is expected
+    assert decision.reason.strip()
+    assert decision.leader == (None if ahead is None else "R1")
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "expected"), [(1.0, 2.0, L), (2.0, 1.0, R), (3.0, 3.0 - 1e-9, R), (-1.0, 0.0, L)]
+)
+@pytest.mark.parametrize("swapped", [False, True])
+def test_cost_decides_between_sides(left: float, right: float, expected: Action, swapped: bool) -> None:
+    both = [free("left", cost=left), free("right", cost=right)]
+    assert choose_action(SLOWING, both[::-1] if swapped else both).action is expected
+
+
+def test_blocked_side_loses_whatever_it_costs() -> None:
+    blocked = Candidate(side="left", obstruction="there is no lane", cost=-100.0)
+    assert choose_action(SLOWING, [blocked, free("right", cost=9.0)]).action is R
+
+
+def test_reason_names_leader_and_every_obstruction() -> None:
+    two = [BLOCKED, Candidate(side="right", obstruction="there is no lane")]
+    for ahead in (CALM, SLOWING, HARD):
+        reason = choose_action(ahead, two).reason
+        assert "R1" in reason
+        assert "left: A is in the way" in reason
+        assert "right: there is no lane" in reason
+
+
+def test_reason_without_candidates_says_so() -> None:
+    assert "no lane beside" in choose_action(SLOWING, []).reason
+
+
+def test_zone_is_that_of_the_chosen_side() -> None:
+    a, b = free("left", cost=2.0, zone=(1.0, 2.0)), free("right", cost=1.0, zone=(3.0, 4.0))
+    assert choose_action(SLOWING, [a, b]).zone == (3.0, 4.0)
+    assert choose_action(SLOWING, [BLOCKED]).zone == BLOCKED.zone
+
+
+def test_thresholds_are_strict_and_adjustable() -> None:
+    assert choose_action(leader(4.0, -0.5), []).action is K
+    assert choose_action(leader(4.0, -0.501), []).action is F
+    assert choose_action(leader(4.001, 0.0), []).action is B
+    assert choose_action(leader(4.001, -1.0), [], brake_above=5.0).action is F
+    assert choose_action(leader(1.0, -1.0), [], follow_below=-1.5).action is K
+
+
+def test_due_at_equality() -> None:
+    assert choose_action(CALM, [free(lead_in=50.0, needed=50.0)]).action is L
+    assert choose_action(CALM, [free(lead_in=50.0 + 1e-9, needed=50.0)]).action is K
+
+
+def test_infinite_need_brakes() -> None:
+    assert choose_action(leader(math.inf, -7.0), []).action is B
+
+
+def test_following_does_not_chatter_round_its_threshold() -> None:
+    previous, seen = K, []
+    for follow in (-0.4, -0.6, -0.4, -0.6, 0.3, -0.6):
+        previous = choose_action(leader(0.2, follow), [BLOCKED], previous=previous).action
+        seen.append(previous)
+    assert seen == [K, F, F, F, F, F]
+
+
+@given(
+    st.one_of(
+        st.none(),
+        st.builds(leader, st.floats(0.0, 20.0), st.floats(-7.0, 3.0), st.floats(-5.0, 200.0)),
+    ),
+    st.lists(
+        st.builds(
+            Candidate, side=st.sampled_from(["left", "right"]), obstruction=st.sampled_from(["", "no lane"]),
+            lead_in=st.floats(0.0, 200.0), needed=st.floats(0.0, 100.0), cost=st.floats(0.0, 5.0),
+        ),
+        max_size=3,
+    ),
+    st.sampled_from(list(Action)),
+)  # fmt: skip
+def test_never_evades_to_an_obstructed_side_and_never_ignores_danger(
+    ahead: Leader | None, candidates: list[Candidate], previous: Action
+) -> None:
+    decision = choose_action(ahead, candidates, previous=previous)
+    usable = {c.side for c in candidates if not c.obstruction}
+    assert decision.reason
+    if decision.action is L:
+        assert "left" in usable
+    if decision.action is R:
+        assert "right" in usable
+    if ahead is None:
+        assert decision.action is K
+    elif ahead.required_deceleration > 4.0:
+        assert decision.action is not K
+        assert decision.action is not F
+        assert decision.action.evades == bool(usable)

@@ -1,0 +1,212 @@
+"""Preview steering, alone and in a closed loop with the friction-limited plant."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cca_core.follow import (
+    PreviewController,
+    PreviewGains,
+    single_track,
+    steady_sideslip,
+    steady_steering,
+)
+from cca_core.path import Path, fit_path, interpolate_path
+from cca_core.sim.plant import SingleTrackPlant
+from cca_core.vehicle import VehicleParams, VehicleState
+
+CAR = VehicleParams.bmw_320i()
+UNDERSTEER = VehicleParams(m=1500.0, I_z=2500.0, l_f=1.2, l_r=1.5, C_f=80e3, C_r=110e3, length=4.5, width=1.8)
+LINE = Path([0.0, 2000.0], [[[0, 0, 2000, 0], [0, 0, 0, 0]]])
+
+
+def arc(radius: float, angle: float = 3.0, n: int = 601) -> Path:
+    """Arc from the origin towards +x, left for a positive radius."""
+    phi, sign = np.linspace(0.0, angle, n), math.copysign(1.0, radius)
+    nodes = np.column_stack((abs(radius) * np.sin(phi), radius * (1.0 - np.cos(phi))))
+    return interpolate_path(
+        nodes, start_tangent=[1.0, 0.0], end_tangent=[math.cos(angle), sign * math.sin(angle)]
+    )
+
+
+LEFT, RIGHT = arc(300.0), arc(-300.0)
+
+
+@given(st.floats(0.0, 40.0), st.floats(0.0, 1800.0))
+def test_no_steering_on_a_straight_path(v: float, x: float) -> None:
+    assert PreviewController(CAR).steer(VehicleState(x=x, y=0.0, psi=0.0, v_x=v), LINE) == 0.0
+
+
+@given(
+    st.floats(-2.0, 2.0),
+    st.floats(-0.2, 0.2),
+    st.floats(0.0, 40.0),
+    st.floats(-1.0, 1.0),
+    st.floats(-0.3, 0.3),
+)
+def test_law_on_a_straight_path(d: float, psi: float, v: float, v_y: float, r: float) -> None:
+    """delta = -k_p (d + l_s sin psi) - k_d (v sin psi + v_y cos psi + l_s r), clipped."""
+    car = dataclasses.replace(CAR, delta_max=0.3)
+    k_p, k_d, l_s = PreviewGains.default().at(v)
+    delta = -k_p * (d + l_s * math.sin(psi)) - k_d * (v * math.sin(psi) + v_y * math.cos(psi) + l_s * r)
+    state = VehicleState(x=50.0, y=d, psi=psi, v_x=v, v_y=v_y, r=r)
+    controller = PreviewController(car, a_y_max=1e9)
+    assert controller.steer(state, LINE) == pytest.approx(min(max(delta, -0.3), 0.3), abs=1e-12)
+
+
+@pytest.mark.parametrize("car", [CAR, UNDERSTEER])
+@pytest.mark.parametrize("v", [5.0, 15.0, 25.0])
+def test_a_car_that_turns_steadily_is_steered_steadily(car: VehicleParams, v: float) -> None:
+    """On the circle with sideslip beta_ss and r = v kappa only the feed-forward remains."""
+    kappa = 1.0 / 300.0
+    car = dataclasses.replace(car, mu=1e3)  # tyres as linear as those of the formulas
+    beta = float(steady_sideslip(kappa, v, car))
+    x, y = LEFT.position(400.0)
+    psi = float(LEFT.heading(400.0)) - beta
+    state = VehicleState(x=x, y=y, psi=psi, v_x=v, v_y=v * math.tan(beta), r=v * kappa)
+    delta = PreviewController(car).steer(state, LEFT)
+    assert delta == pytest.approx(float(steady_steering(kappa, v, car)), rel=2e-3)
+
+
+@given(
+    st.floats(20.0, 700.0), st.floats(-2.0, 2.0), st.floats(-0.3, 0.3), st.floats(0.0, 40.0),
+    st.floats(-1.0, 1.0), st.floats(-0.5, 0.5),
+)  # fmt: skip
+def test_mirror_flips_the_sign(s: float, d: float, e: float, v: float, v_y: float, r: float) -> None:
+    (x, y), psi = LEFT.to_cartesian(s, d), float(LEFT.heading(s)) + e
+    left = PreviewController(CAR).steer(VehicleState(x=x, y=y, psi=psi, v_x=v, v_y=v_y, r=r), LEFT)
+    right = PreviewController(CAR).steer(VehicleState(x=x, y=-y, psi=-psi, v_x=v, v_y=-v_y, r=-r), RIGHT)
+    assert right == pytest.approx(-left, abs=1e-12)
+
+
+@given(st.floats(20.0, 700.0), st.floats(-2.0, 2.0), st.floats(-0.3, 0.3), st.floats(-3.1, 3.1))
+def test_rotation_does_not_matter(s: float, d: float, e: float, turn: float) -> None:
+    R = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+    coefficients = np.einsum("ijk,jl->ilk", LEFT.coefficients, R)
+    turned = Path(LEFT.breaks, coefficients)
+    xy, psi = LEFT.to_cartesian(s, d), float(LEFT.heading(s)) + e
+    x, y = xy @ R
+    here = PreviewController(CAR).steer(VehicleState(x=xy[0], y=xy[1], psi=psi, v_x=20.0), LEFT)
+    there = PreviewController(CAR).steer(VehicleState(x=x, y=y, psi=psi + turn, v_x=20.0), turned)
+    assert there == pytest.approx(here, abs=1e-10)
+
+
+@pytest.mark.parametrize("turns", [-3, -1, 1, 4])
+def test_whole_turns_of_heading_do_not_matter(turns: int) -> None:
+    one = VehicleState(x=50.0, y=0.3, psi=0.05, v_x=20.0)
+    other = dataclasses.replace(one, psi=0.05 + 2 * math.pi * turns)
+    assert PreviewController(CAR).steer(other, LINE) == pytest.approx(
+        PreviewController(CAR).steer(one, LINE), abs=1e-12
+    )
+
+
+@pytest.mark.parametrize("y", [100.0, -100.0])
+@pytest.mark.parametrize("limit", [0.2, 0.6])
+def test_limit(y: float, limit: float) -> None:
+    car = dataclasses.replace(CAR, delta_max=limit)
+    state = VehicleState(x=50.0, y=y, psi=0.0, v_x=5.0)
+    assert PreviewController(car).steer(state, LINE) == -math.copysign(limit, y)
+
+
+def test_reversing_noise_at_standstill_is_taken_as_zero_speed() -> None:
+    state = VehicleState(x=50.0, y=0.3, psi=0.0, v_x=-0.4)
+    still = dataclasses.replace(state, v_x=0.0)
+    assert PreviewController(CAR).steer(state, LINE) == PreviewController(CAR).steer(still, LINE)
+
+
+def test_a_new_path_is_projected_afresh() -> None:
+    controller = PreviewController(CAR)
+    controller.steer(VehicleState(x=500.0, y=0.0, psi=0.0, v_x=20.0), LINE)
+    other = Path([0.0, 2000.0], [[[0, 0, 2000, -1500.0], [0, 0, 0, 0.5]]])
+    state = VehicleState(x=-1400.0, y=0.0, psi=0.0, v_x=20.0)
+    assert controller.steer(state, other) == PreviewController(CAR).steer(state, other)
+
+
+def drive(
+    path: Path, car: VehicleParams, v: float, d0: float, seconds: float, s0: float = 10.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Closed loop at 50 Hz with speed held; returns lateral errors and steering."""
+    x, y = path.to_cartesian(s0, d0)
+    plant = SingleTrackPlant(car, VehicleState(x=x, y=y, psi=float(path.heading(s0)), v_x=v))
+    controller, d, steering = PreviewController(car), [], []
+    near = s0
+    for _ in range(round(seconds / 0.02)):
+        state = plant.state
+        delta = controller.steer(state, path)
+        near, error, _, _ = path.foot_point(state.x, state.y, near + 0.02 * v)
+        d.append(error)
+        steering.append(delta)
+        plant.step(delta, 2.0 * (v - state.v_x), 0.02)
+    return np.array(d), np.array(steering)
+
+
+@pytest.mark.parametrize("v", [5.0, 10.0, 20.0, 25.0])
+@pytest.mark.parametrize("path", [LEFT, RIGHT])
+@pytest.mark.parametrize("d0", [0.0, 0.5, -0.5])
+def test_converges_on_a_circle(path: Path, v: float, d0: float) -> None:
+    seconds = min(12.0, (path.length - 60.0) / v)
+    d, steering = drive(path, CAR, v, d0, seconds)
+    tail = len(d) - 100
+    assert np.abs(d[tail:]).max() < 0.05
+    assert np.ptp(d[tail:]) < 0.02
+    assert np.ptp(steering[tail:]) < 2e-3
+    assert np.abs(d).max() < abs(d0) + 0.35
+
+
+@pytest.mark.parametrize("v", [30.0, 35.0])
+def test_converges_on_a_circle_at_3_and_4_metres_per_second_squared(v: float) -> None:
+    """R = 300 m, where the tyres are no longer linear (a_y = 3.0 and 4.1 m/s^2)."""
+    d, _ = drive(arc(300.0, 6.0, 1201), CAR, v, 0.5, 12.0)
+    assert np.ptp(d[-100:]) < 0.02
+    assert np.abs(d[-100:]).max() < 0.05
+
+
+@pytest.mark.parametrize("car", [CAR, UNDERSTEER])
+@pytest.mark.parametrize("v", [5.0, 20.0, 35.0])
+def test_no_error_is_left_on_a_circle_for_a_car_with_linear_tyres(car: VehicleParams, v: float) -> None:
+    """x' = A x + B delta + E rho of theory.md, steered by the controller: h -> 0 although l_s beta is not."""
+    kappa, dt, path = 1.0 / 300.0, 0.01, arc(300.0, 6.0, 1201)
+    car = dataclasses.replace(car, mu=1e3)
+    model, controller = single_track(car, v, 0.0), PreviewController(car)
+    x, delta, s = np.array([0.0, 0.0, 0.0, 0.5]), 0.0, 10.0
+    for _ in range(min(round(12.0 / dt), round(1750.0 / v / dt))):
+        xy, beta = path.to_cartesian(s, x[3]), x[0]
+        state = VehicleState(
+            x=xy[0], y=xy[1], psi=float(path.heading(s)) + x[2], v_x=v, v_y=v * beta, r=x[1], delta=delta
+        )
+        delta += dt / car.steering_lag * (controller.steer(state, path, dt) - delta)
+        x = x + dt * (model.A @ x + model.B * delta + model.E * kappa)
+        s += v * dt
+    assert abs(x[3]) < 0.01
+    assert x[1] == pytest.approx(v * kappa, rel=5e-3)
+    assert delta == pytest.approx(float(steady_steering(kappa, v, car)), rel=2e-2)
+    assert x[0] == pytest.approx(float(steady_sideslip(kappa, v, car)), abs=5e-4)
+
+
+@pytest.mark.parametrize("v", [5.0, 10.0, 20.0, 30.0, 35.0])
+@pytest.mark.parametrize("car", [CAR, UNDERSTEER, VehicleParams.ford_escort(), VehicleParams.vw_vanagon()])
+def test_offset_on_a_straight_road_dies_out_without_swinging(v: float, car: VehicleParams) -> None:
+    d, _ = drive(LINE, car, v, 0.5, 12.0)
+    assert np.abs(d[-100:]).max() < 0.015  # what the integral has still to give back
+    assert d.min() > -0.12
+    assert d.max() < 0.5 + 1e-9
+
+
+@pytest.mark.parametrize("v", [10.0, 20.0])
+def test_closed_loop_is_mirror_symmetric(v: float) -> None:
+    left, steer_left = drive(LEFT, CAR, v, 0.5, 8.0)
+    right, steer_right = drive(RIGHT, CAR, v, -0.5, 8.0)
+    np.testing.assert_allclose(right, -left, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(steer_right, -steer_left, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("v", [10.0, 20.0])
+def test_follows_a_winding_road(v: float) -> None:
+    x = np.arange(0.0, 600.0, 10.0)
+    path = fit_path(np.column_stack((x, 8.0 * np.sin(x / 60.0))), tolerance=0.1)  # least radius 450 m
+    d, _ = drive(path, CAR, v, 0.0, 500.0 / v)
+    assert np.abs(d).max() < 0.1

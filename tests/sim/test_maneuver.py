@@ -1,0 +1,237 @@
+"""The paper's manoeuvring scenario, cases 1 to 3: what must come true in every run."""
+
+import itertools
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cca_core.errors import InputError
+from cca_core.path import Path
+from cca_core.sim import CASES, Log, make_planner, maneuver, simulate
+
+Run = Callable[..., Log]
+ROADS = ("straight", "curved")
+SEEDS = (1, 2, 3)
+EVERY = list(itertools.product(CASES, ROADS, SEEDS))
+WAITING = list(itertools.product(("2", "3"), ROADS, SEEDS))
+
+
+def index(log: Log, name: str) -> int:
+    return [u.id for u in log.scenario.users].index(name)
+
+
+def begins(log: Log, name: str) -> list[float]:
+    return [t for t, action, _ in log.decisions if action == name]
+
+
+def front(log: Log) -> Any:
+    return log.place[:, 0] + log.scenario.vehicle.box_offset + 0.5 * log.scenario.vehicle.length
+
+
+@pytest.mark.parametrize(("case", "road", "seed"), EVERY)
+class TestEveryRun:
+    def test_no_contact_and_half_a_metre_at_least(self, run: Run, case: str, road: str, seed: int) -> None:
+        log = run(case, road, seed)
+        assert log.t[-1] == pytest.approx(log.scenario.duration)  # not ended by a contact
+        assert log.gaps().min() >= 0.5
+        assert log.summary()["collided"] is False
+
+    def test_lateral_acceleration(self, run: Run, case: str, road: str, seed: int) -> None:
+        log = run(case, road, seed)
+        assert np.abs(log.a_y).max() <= (4.0 if case == "1-fast" else 2.5)
+        # the log's a_y is that of the motion: v r + dv_y/dt
+        v_x, v_y, r = log.ego[:, 3], log.ego[:, 4], log.ego[:, 5]
+        own = np.gradient(v_y, log.t) + v_x * r
+        assert np.abs(own - log.a_y)[2:-2].max() < 0.15
+
+    def test_tracking(self, run: Run, case: str, road: str, seed: int) -> None:
+        assert np.abs(run(case, road, seed).tracking).max() <= 0.4
+
+    def test_no_fallback(self, run: Run, case: str, road: str, seed: int) -> None:
+        assert not run(case, road, seed).fallback.any()
+
+    def test_ends_ahead_of_all_slow_cars_on_the_route_at_cruise_speed(
+        self, run: Run, case: str, road: str, seed: int
+    ) -> None:
+        log = run(case, road, seed)
+        slow = [i for i, u in enumerate(log.scenario.users) if u.id.startswith("R")]
+        rear = log.place[-1, 0] + log.scenario.vehicle.box_offset - 0.5 * log.scenario.vehicle.length
+        assert (rear > log.user_places[-1, slow, 0] + 0.5 * 4.5 + 5.0).all()
+        assert abs(log.place[-1, 1]) < 0.1
+        assert abs(log.ego[-1, 3] - log.scenario.cruise_speed) < 0.3
+        assert log.decisions[-1][1] == "KEEP"
+
+    def test_really_weaves(self, run: Run, case: str, road: str, seed: int) -> None:
+        """The first and last slow car are passed on the left, outside their bodies, not through them."""
+        log = run(case, road, seed)
+        for name in ("R1", "R3" if case.startswith("1") else "R2"):
+            i = index(log, name)
+            abeam = np.abs(log.user_places[:, i, 0] - log.place[:, 0]) < 4.0
+            assert abeam.any()
+            assert (log.place[abeam, 1] > 1.8).all()
+
+    def test_stays_on_its_road(self, run: Run, case: str, road: str, seed: int) -> None:
+        log = run(case, road, seed)
+        corners = log.bodies()[0].corners()[:, 0]
+        _, d = log.scenario.road.path.project(corners.reshape(-1, 2), np.repeat(log.place[:, 0], 4))
+        assert d.min() > log.scenario.road.right_edge
+        assert d.max() < log.scenario.road.left_edge
+
+    def test_gives_reasons(self, run: Run, case: str, road: str, seed: int) -> None:
+        assert all(reason.strip() for _, _, reason in run(case, road, seed).decisions)
+
+
+@pytest.mark.parametrize(("road", "seed"), list(itertools.product(ROADS, SEEDS)))
+class TestCase1:
+    def test_two_evades_without_a_wait(self, run: Run, road: str, seed: int) -> None:
+        for case in ("1-fast", "1-smooth"):
+            log = run(case, road, seed)
+            assert log.actions == ["KEEP", "EVADE_LEFT", "KEEP", "EVADE_LEFT", "KEEP"]
+            assert log.ego[:, 3].min() > 19.5
+
+    def test_second_car_is_left_on_the_left(self, run: Run, road: str, seed: int) -> None:
+        for case in ("1-fast", "1-smooth"):
+            log = run(case, road, seed)
+            abeam = np.abs(log.user_places[:, index(log, "R2"), 0] - log.place[:, 0]) < 4.0
+            assert abeam.any()
+            assert (np.abs(log.place[abeam, 1]) < 0.8).all()
+
+    def test_fast_changes_lane_in_visibly_less_distance_with_more_acceleration(
+        self, run: Run, road: str, seed: int
+    ) -> None:
+        """Distance from 5 % to 95 % of the first swerve's height, and from there back to 5 %."""
+        out, back, a_y = {}, {}, {}
+        for case in ("1-fast", "1-smooth"):
+            log = run(case, road, seed)
+            s, d = log.place[:, 0], log.place[:, 1]
+            first = log.t < begins(log, "KEEP")[1] + 2.0
+            s, d = s[first], d[first]
+            height = d.max()
+            above = np.flatnonzero(d >= 0.95 * height)
+            left_at = np.flatnonzero(d[: above[0]] <= 0.05 * height)[-1]
+            back_at = above[-1] + np.flatnonzero(d[above[-1] :] <= 0.05 * height)[0]
+            out[case] = s[above[0]] - s[left_at]
+            back[case] = s[back_at] - s[above[-1]]
+            a_y[case] = np.abs(log.a_y).max()
+        assert out["1-fast"] < 0.85 * out["1-smooth"]
+        assert back["1-fast"] < 0.85 * back["1-smooth"]
+        assert a_y["1-fast"] > 1.3 * a_y["1-smooth"]
+
+
+@pytest.mark.parametrize(("case", "road", "seed"), WAITING)
+class TestCases2And3:
+    def test_actions(self, run: Run, case: str, road: str, seed: int) -> None:
+        actions = run(case, road, seed).actions
+        assert actions == ["KEEP", "EVADE_LEFT", "KEEP", "FOLLOW", "EVADE_LEFT", "KEEP"]
+
+    def test_speed_while_waiting_converges_to_the_leaders(
+        self, run: Run, case: str, road: str, seed: int
+    ) -> None:
+        """Falling all the way, and at the end of the wait within 1.5 m/s of the leader."""
+        log = run(case, road, seed)
+        begin, end = begins(log, "FOLLOW")[0], begins(log, "EVADE_LEFT")[1]
+        wait = (log.t >= begin) & (log.t <= end)
+        v = log.ego[wait, 3]
+        leader = log.users[wait, index(log, "R2"), 3]
+        assert np.diff(v).max() < 1e-3
+        assert abs(v[-1] - leader[-1]) < 1.5
+        assert v[-1] > leader[-1] - 0.3  # no undershoot
+        assert v[0] - leader[0] > 4.0  # there was something to converge from
+
+    def test_keeps_a_gap_while_waiting(self, run: Run, case: str, road: str, seed: int) -> None:
+        log = run(case, road, seed)
+        wait = (log.t >= begins(log, "FOLLOW")[0]) & (log.t <= begins(log, "EVADE_LEFT")[1])
+        assert log.gaps()[wait, index(log, "R2")].min() >= 3.0
+        assert (-log.ego[wait, 7]).max() <= 3.0
+
+    def test_second_evade_waits_until_the_other_body_is_through(
+        self, run: Run, case: str, road: str, seed: int
+    ) -> None:
+        """From behind (2): its rear is ahead of the ego's front. Oncoming (3): its rear is behind that."""
+        log = run(case, road, seed)
+        k = int(np.searchsorted(log.t, begins(log, "EVADE_LEFT")[1] - 1e-9))
+        a = index(log, "A")
+        direction = log.scenario.users[a].direction
+        rear = log.user_places[k, a, 0] - direction * 0.5 * 4.5
+        assert direction == (1 if case == "2" else -1)
+        assert direction * (rear - front(log)[k]) > 0.0
+
+    def test_the_wait_is_because_of_the_other_car(self, run: Run, case: str, road: str, seed: int) -> None:
+        log = run(case, road, seed)
+        reason = next(r for _, name, r in log.decisions if name == "FOLLOW")
+        assert "A" in reason.split()
+        begin = int(np.searchsorted(log.t, begins(log, "FOLLOW")[0]))
+        a = index(log, "A")
+        ahead = log.user_places[begin, a, 0] - log.place[begin, 0]
+        assert (ahead < 0.0) if case == "2" else (ahead > 0.0)
+
+    def test_other_car_never_has_to_react(self, run: Run, case: str, road: str, seed: int) -> None:
+        log = run(case, road, seed)
+        a = index(log, "A")
+        assert (log.users[:, a, 3] == log.scenario.users[a].v_x).all()
+
+
+@pytest.mark.parametrize(
+    ("case", "road"), [("1-fast", "straight"), ("2", "straight"), ("3", "straight"), ("3", "curved")]
+)
+class TestWithoutMessages:
+    def test_follows_the_first_slow_car_to_the_end(self, run: Run, case: str, road: str) -> None:
+        log = run(case, road, v2v=False)
+        assert set(log.actions) == {"KEEP", "FOLLOW"}
+        assert log.actions[-1] == "FOLLOW"
+        assert np.abs(log.place[:, 1]).max() < 0.1
+        slow = [i for i, u in enumerate(log.scenario.users) if u.d == 0.0]
+        assert log.gaps()[:, slow].min() >= 2.5
+        r1 = index(log, "R1")
+        assert (log.place[:, 0] < log.user_places[:, r1, 0]).all()
+        assert log.ego[-1, 3] == pytest.approx(log.users[-1, r1, 3], abs=0.3)
+        assert (-log.ego[:, 7]).max() <= 3.0
+
+
+@pytest.mark.parametrize("case", ["2", "3"])
+@pytest.mark.parametrize(("road", "seed"), [*(("straight", seed) for seed in range(1, 6)), ("curved", 1)])
+def test_without_the_decision_it_collides_with_the_other_car(
+    run: Run, case: str, road: str, seed: int
+) -> None:
+    log = run(case, road, seed, leader_only=True)
+    summary = log.summary()
+    assert summary["collided"] is True
+    assert summary["collided_with"] == "A"
+    assert log.decisions[-1][1] == "EVADE_LEFT"
+    assert "FOLLOW" not in log.actions
+    # it is in the other's lane when it happens, not hit on its own
+    assert log.place[-1, 1] > 0.8
+
+
+def test_the_contrast_is_the_decision_alone(run: Run) -> None:
+    """Up to the second manoeuvre both planners do the same."""
+    for case in ("2", "3"):
+        with_zone, without = run(case), run(case, leader_only=True)
+        same = int(np.searchsorted(with_zone.t, begins(with_zone, "FOLLOW")[0] - 0.1))
+        assert np.array_equal(with_zone.ego[:same], without.ego[:same])
+
+
+@pytest.mark.parametrize("shift", [-8.0, 8.0])
+@pytest.mark.parametrize("case", ["2", "3"])
+def test_contrast_does_not_hang_on_the_exact_start_of_the_other_car(
+    road: Callable[[str], Path], case: str, shift: float
+) -> None:
+    scenario = maneuver(case, road("straight"))
+    users = tuple(replace(u, s=u.s + shift) if u.id == "A" else u for u in scenario.users)
+    scenario = replace(scenario, users=users)
+    hit = simulate(scenario, planner=make_planner(scenario, _leader_only=True)).summary()
+    assert hit["collided_with"] == "A"
+
+
+class TestScenario:
+    @pytest.mark.parametrize("case", ["", "4", 1, None])
+    def test_unknown_case(self, road: Callable[[str], Path], case: Any) -> None:
+        with pytest.raises(InputError, match="case"):
+            maneuver(case, road("straight"))
+
+    def test_road_too_short(self, road: Callable[[str], Path]) -> None:
+        with pytest.raises(InputError, match="path"):
+            maneuver("2", road("straight"), start=800.0)

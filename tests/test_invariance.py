@@ -1,0 +1,108 @@
+"""The planner in closed loop does not care how the world is turned, shifted or mirrored."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cca_core.path import Lane, Path, Road, fit_path
+from cca_core.sim import Log, Scenario, maneuver, simulate
+
+LONG = 13.0  # the first swerve of case 1-fast and its end [s]
+
+
+def waypoints(kind: str) -> np.ndarray[Any, Any]:
+    s = np.arange(0.0, 901.0, 10.0)
+    if kind == "straight":
+        return np.column_stack((s, np.zeros_like(s)))
+    return 1500.0 * np.column_stack((np.sin(s / 1500.0), 1.0 - np.cos(s / 1500.0)))
+
+
+def moved(xy: np.ndarray[Any, Any], angle: float, shift: tuple[float, float]) -> np.ndarray[Any, Any]:
+    c, s = math.cos(angle), math.sin(angle)
+    return xy @ np.array([[c, s], [-s, c]]) + shift
+
+
+def path_of(xy: np.ndarray[Any, Any]) -> Path:
+    return fit_path(xy, tolerance=0.05)
+
+
+def scenario_on(path: Path, case: str = "1-fast") -> Scenario:
+    return replace(maneuver(case, path), duration=LONG)
+
+
+def mirrored(scenario: Scenario, path: Path) -> Scenario:
+    """Everything on the other side: the passing lane is on the right."""
+    lanes = tuple(replace(lane, d=-lane.d) for lane in scenario.road.lanes)
+    return replace(
+        scenario, road=Road(path, lanes, speed_limit=scenario.road.speed_limit),
+        users=tuple(replace(u, d=-u.d) for u in scenario.users),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=["straight", "curved"])
+def plain(request: pytest.FixtureRequest) -> tuple[str, Log]:
+    return request.param, simulate(scenario_on(path_of(waypoints(request.param))))
+
+
+def test_the_run_is_worth_comparing(plain: tuple[str, Log]) -> None:
+    _, log = plain
+    assert log.actions == ["KEEP", "EVADE_LEFT", "KEEP"]
+    assert np.abs(log.command[:, 0]).max() > 0.005
+    assert log.place[:, 1].max() > 2.5
+
+
+@pytest.mark.parametrize(("angle", "shift"), [(2.1, (300.0, -120.0)), (-math.pi / 2.0, (-5000.0, 8000.0))])
+def test_turned_and_shifted(plain: tuple[str, Log], angle: float, shift: tuple[float, float]) -> None:
+    kind, log = plain
+    other = simulate(scenario_on(path_of(moved(waypoints(kind), angle, shift))))
+    assert np.abs(other.command - log.command).max() < 1e-6
+    assert [(t, name) for t, name, _ in other.decisions] == [(t, name) for t, name, _ in log.decisions]
+    assert moved(log.ego[:, :2], angle, shift) == pytest.approx(other.ego[:, :2], abs=1e-4)
+    assert other.gaps() == pytest.approx(log.gaps(), abs=1e-4)
+
+
+def test_mirrored(plain: tuple[str, Log]) -> None:
+    kind, log = plain
+    path = path_of(waypoints(kind) * (1.0, -1.0))
+    other = simulate(mirrored(scenario_on(path), path))
+    assert np.abs(other.command[:, 0] + log.command[:, 0]).max() < 1e-6
+    assert np.abs(other.command[:, 1] - log.command[:, 1]).max() < 1e-6
+    swap = {"EVADE_LEFT": "EVADE_RIGHT", "EVADE_RIGHT": "EVADE_LEFT"}
+    assert [(t, swap.get(n, n)) for t, n, _ in other.decisions] == [(t, n) for t, n, _ in log.decisions]
+    assert other.place[:, 1] == pytest.approx(-log.place[:, 1], abs=1e-5)
+    words = {"left": "right", "right": "left"}
+    for (_, _, said), (_, _, meant) in zip(other.decisions, log.decisions, strict=True):
+        assert " ".join(words.get(w, w) for w in said.split()) == meant
+
+
+def test_mirrored_wait_for_an_oncoming_car() -> None:
+    """Case 3 up to its wait, the whole world mirrored: left-hand traffic."""
+    logs = []
+    for sign in (1.0, -1.0):
+        path = path_of(waypoints("curved") * (1.0, sign))
+        s = maneuver("3", path, start=0.0)
+        s = replace(s, duration=18.0)
+        logs.append(simulate(s if sign > 0.0 else mirrored(s, path)))
+    left, right = logs
+    assert left.actions == ["KEEP", "EVADE_LEFT", "KEEP", "FOLLOW"]
+    assert right.actions == ["KEEP", "EVADE_RIGHT", "KEEP", "FOLLOW"]
+    assert np.abs(left.command[:, 0] + right.command[:, 0]).max() < 1e-6
+    assert np.abs(left.command[:, 1] - right.command[:, 1]).max() < 1e-6
+
+
+def test_both_sides_legal_the_cheaper_one_is_mirrored_too() -> None:
+    """Three lanes, the slow car off the middle: it is passed where it leaves more room, in both worlds."""
+    seen = []
+    for sign in (1.0, -1.0):
+        path = path_of(waypoints("straight"))
+        base = scenario_on(path)
+        lanes = (Lane(d=-3.5), Lane(d=0.0), Lane(d=3.5))
+        user = replace(base.users[0], d=0.5 * sign)
+        log = simulate(replace(base, road=Road(path, lanes), users=(user,)))
+        seen.append((log.actions, log.command))
+    assert seen[0][0] == ["KEEP", "EVADE_RIGHT", "KEEP"]
+    assert seen[1][0] == ["KEEP", "EVADE_LEFT", "KEEP"]
+    assert np.abs(seen[0][1][:, 0] + seen[1][1][:, 0]).max() < 1e-6

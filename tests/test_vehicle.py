@@ -1,0 +1,167 @@
+"""Vehicle records: ranges, presets, defects."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from cca_core.errors import InputError
+from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
+
+PRESETS = [VehicleParams.bmw_320i, VehicleParams.ford_escort, VehicleParams.vw_vanagon]
+BMW = VehicleParams.bmw_320i()
+ALL_FIELDS = [field.name for field in dataclasses.fields(VehicleParams)]
+POSITIVE = [name for name in ALL_FIELDS if name not in ("box_offset", "steering_lag")]
+STATE_FIELDS = [field.name for field in dataclasses.fields(VehicleState)]
+
+
+@pytest.mark.parametrize("name", ALL_FIELDS)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "", [1.0]])
+def test_params_refuse_what_is_not_a_finite_number(name: str, value: object) -> None:
+    with pytest.raises(InputError, match=rf"^{name} must be"):
+        dataclasses.replace(BMW, **{name: value})
+
+
+@pytest.mark.parametrize("name", POSITIVE)
+@pytest.mark.parametrize("value", [0.0, -1e-9, -1500.0])
+def test_params_refuse_zero_and_negative(name: str, value: float) -> None:
+    with pytest.raises(InputError, match=rf"^{name} must be greater than 0, was"):
+        dataclasses.replace(BMW, **{name: value})
+
+
+def test_zero_wheelbase_is_refused() -> None:
+    with pytest.raises(InputError, match=r"^l_f must be greater than 0"):
+        dataclasses.replace(BMW, l_f=0.0, l_r=0.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("box_offset", 5.1), ("box_offset", -5.1), ("steering_lag", -0.1)]
+)
+def test_params_refuse_out_of_range(name: str, value: float) -> None:
+    with pytest.raises(InputError, match=rf"^{name} must be at"):
+        dataclasses.replace(BMW, **{name: value})
+
+
+def test_params_accept_the_edges() -> None:
+    assert dataclasses.replace(BMW, steering_lag=0.0).steering_lag == 0.0
+    assert dataclasses.replace(BMW, box_offset=-5.0).box_offset == -5.0
+
+
+def test_params_are_frozen_and_keyword_only() -> None:
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        BMW.m = 1.0  # type: ignore[misc]
+    with pytest.raises(TypeError):
+        VehicleParams(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)  # type: ignore[misc]
+
+
+# theory.md section 1: the source's C = 21.92 Fz makes it exactly neutral, the table's rounding hides that
+@pytest.mark.parametrize("preset", PRESETS)
+def test_presets_are_neutral_steer(preset: type) -> None:
+    """In degrees per g the understeer gradient is m g (l_r / C_f - l_f / C_r) / L: within table rounding."""
+    car = preset()
+    per_g = math.degrees(car.understeer_gradient * 9.81)
+    assert abs(per_g) < 0.01
+    assert car.wheelbase == car.l_f + car.l_r
+
+
+def test_understeer_gradient_closed_form() -> None:
+    car = dataclasses.replace(BMW, m=1500.0, l_f=1.2, l_r=1.6, C_f=80e3, C_r=120e3)
+    assert car.wheelbase == pytest.approx(2.8, abs=1e-15)
+    assert car.understeer_gradient == pytest.approx(1500.0 / 2.8 * (1.6 / 80e3 - 1.2 / 120e3), rel=1e-14)
+    assert car.understeer_gradient > 0.0
+    assert dataclasses.replace(car, C_f=120e3, C_r=80e3).understeer_gradient < 0.0
+
+
+@pytest.mark.parametrize(
+    ("preset", "expected"),
+    [
+        (VehicleParams.ford_escort, (1225.9, 1538.9, 0.884, 1.509, 166.2e3, 97.4e3)),
+        (VehicleParams.bmw_320i, (1093.3, 1791.6, 1.156, 1.423, 129.7e3, 105.4e3)),
+        (VehicleParams.vw_vanagon, (1478.9, 2473.1, 1.151, 1.321, 170.0e3, 148.1e3)),
+    ],
+)
+def test_presets_are_those_of_the_table(preset: type, expected: tuple) -> None:
+    car = preset()
+    assert (car.m, car.I_z, car.l_f, car.l_r, car.C_f, car.C_r) == expected
+
+
+@pytest.mark.parametrize("name", STATE_FIELDS)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_state_refuses_what_is_not_finite(name: str, value: float) -> None:
+    good = {"x": 1.0, "y": 2.0, "psi": 0.1, "v_x": 10.0}
+    with pytest.raises(InputError, match=rf"^{name} must be finite"):
+        VehicleState(**{**good, name: value})
+
+
+def test_state_names_the_first_of_two_that_cancel() -> None:
+    with pytest.raises(InputError, match=r"^x must be finite, was inf"):
+        VehicleState(x=math.inf, y=-math.inf, psi=0.0, v_x=0.0)
+
+
+@pytest.mark.parametrize("name", STATE_FIELDS)
+@pytest.mark.parametrize("value", [None, "fast"])
+def test_state_refuses_what_is_no_number(name: str, value: object) -> None:
+    good = {"x": 1.0, "y": 2.0, "psi": 0.1, "v_x": 10.0}
+    with pytest.raises(InputError, match=rf"^{name} must be"):
+        VehicleState(**{**good, name: value})
+
+
+def test_state_refuses_negative_speed_but_not_sensor_noise() -> None:
+    with pytest.raises(InputError, match=r"^v_x must be at least -0\.5 m/s.*was -0\.6"):
+        VehicleState(x=0.0, y=0.0, psi=0.0, v_x=-0.6)
+    assert VehicleState(x=0.0, y=0.0, psi=0.0, v_x=-0.5).v_x == -0.5
+
+
+def remote(**changes: object) -> RemoteVehicle:
+    return RemoteVehicle(**{"id": "A", "x": 0.0, "y": 0.0, "psi": 0.0, "v_x": 20.0, **changes})
+
+
+def test_a_good_record_has_no_defect() -> None:
+    assert remote().defect is None
+    assert remote(v_x=0, psi=7, length=40.0, width=5.0, age=0.0).defect is None
+    assert remote(v_x=np.float64(12.5), x=np.float64(3.0)).defect is None
+    assert remote(v_x=-20.0).defect is None
+
+
+@pytest.mark.parametrize(
+    "name", ["x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across"]
+)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "12", 1j])
+def test_defect_names_the_field_that_is_not_finite(name: str, value: object) -> None:
+    defect = remote(**{name: value}).defect
+    assert defect is not None
+    assert defect.startswith(f"{name} is not a finite number")
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"length": 0.0}, "size"),
+        ({"length": 40.1}, "size"),
+        ({"width": -1.8}, "size"),
+        ({"width": 5.1}, "size"),
+        ({"v_x": 100.1}, "speed"),
+        ({"v_x": -20.1}, "speed"),
+        ({"age": -0.01}, "age"),
+        ({"sigma_along": -0.1}, "sigma"),
+        ({"sigma_across": -0.1}, "sigma"),
+        ({"sigma_along": 1.1e3}, "sigma"),
+        ({"age": 3601.0}, "age"),
+        ({"x": -1.1e6}, "position"),
+        ({"y": 1.1e6}, "position"),
+        ({"a_x": 101.0}, "a_x"),
+        ({"r": -101.0}, "a_x or r"),
+        ({"id": 7}, "id"),
+        ({"events": ["hard_braking"]}, "events"),
+    ],
+)
+def test_defect_says_what_is_wrong(changes: dict, word: str) -> None:
+    defect = remote(**changes).defect
+    assert defect is not None
+    assert word in defect
+
+
+def test_numpy_integers_and_float32_are_numbers_too() -> None:
+    assert remote(v_x=np.int64(20)).defect is None
+    assert remote(length=np.float32(4.5)).defect is None
