@@ -3,27 +3,23 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
 from cca_core._checks import Array, Mask, check_real
-from cca_core.band import Band, relax_band
-from cca_core.band.relax import Side
-from cca_core.decide import Candidate, danger_zone
+from cca_core.band import Band, Side, relax_band
+from cca_core.beside import lane_beside
+from cca_core.decide import Candidate
 from cca_core.errors import Status
-from cca_core.follow import SpeedSettings, arrival_times
 from cca_core.path import Lane, Path, Road, interpolate_path
-from cca_core.predict import predict_along, travel
-from cca_core.vehicle import RemoteVehicle, VehicleParams
+from cca_core.predict import predict_along
+from cca_core.scene import HORIZON, Ego, Neighbour
 
-__all__ = ["Ego", "Evasion", "EvasionSettings", "Neighbour", "plan_evasion"]
+__all__ = ["Evasion", "EvasionSettings", "plan_evasion"]
 
-_HORIZON = 600.0  # farthest point at which a pass may end [m]
 _TAIL = 60.0  # the reference goes on along the route behind the window [m]
 _BEHIND = 2.0  # a window starts this far behind the car [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
-_STRAY = 0.2  # a body this far over the line is not yet on the lane [m]
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 
 
@@ -76,119 +72,6 @@ class EvasionSettings:
         for name in ("clearance", "lead_time", "preparation", "x_safety", "stale_after", "speed_floor"):
             check_real(name, getattr(self, name), least=0.0)
         check_real("known_range", self.known_range, least=0.0, infinite=True)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Neighbour:
-    """A remote vehicle in path coordinates.
-
-    Parameters
-    ----------
-    remote : RemoteVehicle
-        The vehicle.
-    s, d : float
-        Its place along and beside the route [m], d left positive.
-    v_s : float
-        Its speed along the route [m/s], negative if it comes towards the ego.
-    half_length, half_width : float
-        Half its extent along and across the route [m], with two standard deviations of its place.
-    """
-
-    remote: RemoteVehicle
-    s: float
-    d: float
-    v_s: float
-    half_length: float
-    half_width: float
-
-    @classmethod
-    def seen_from(cls, remote: RemoteVehicle, s: float, d: float, angle: float, kappa: float) -> Self:
-        """Turn a vehicle at a place on the route into path coordinates.
-
-        Parameters
-        ----------
-        remote : RemoteVehicle
-            The vehicle.
-        s, d : float
-            Its foot point and lateral coordinate [m].
-        angle : float
-            Its heading relative to the route [rad], counter-clockwise.
-        kappa : float
-            Curvature of the route there [1/m].
-
-        Returns
-        -------
-        neighbour : Neighbour
-            The vehicle along and across the route.
-        """
-        cos, sin = math.cos(angle), math.sin(angle)
-        along = 0.5 * remote.length + 2.0 * remote.sigma_along
-        across = 0.5 * remote.width + 2.0 * remote.sigma_across
-        return cls(
-            remote=remote, s=s, d=d, v_s=remote.v_x * cos / max(1.0 - d * kappa, 0.1),
-            half_length=along * abs(cos) + across * abs(sin), half_width=along * abs(sin) + across * abs(cos),
-        )  # fmt: skip
-
-    def advance(self, t: Array) -> Array:
-        """Place along the route at times from now.
-
-        Parameters
-        ----------
-        t : ndarray, shape (n,)
-            Times from now [s].
-
-        Returns
-        -------
-        s : ndarray, shape (n,)
-            Path coordinate of its centre [m].
-        """
-        direction = math.copysign(1.0, self.v_s)
-        return self.s + direction * travel(abs(self.v_s), self.remote.a_x, t)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ego:
-    """The ego as evasions see it: its place on the route and how it intends to drive.
-
-    Parameters
-    ----------
-    vehicle : VehicleParams
-        Its parameters.
-    s : float
-        Path coordinate of its centre of gravity [m].
-    v_x, v_target : float
-        Speed now and wanted [m/s].
-    speed : SpeedSettings
-        How it accelerates.
-    history : ndarray, shape (n, 2)
-        Path coordinate [m] and time from now [s], both increasing, of where it has been in the manoeuvre.
-    """
-
-    vehicle: VehicleParams
-    s: float
-    v_x: float
-    v_target: float
-    speed: SpeedSettings
-    history: Array
-
-    def times(self, s: Array) -> Array:
-        """When the ego is where on the route, in the past as recorded.
-
-        Parameters
-        ----------
-        s : ndarray, shape (n,)
-            Path coordinates [m].
-
-        Returns
-        -------
-        t : ndarray, shape (n,)
-            Times from now [s].
-        """
-        t = arrival_times(self.v_x, self.v_target, s - self.s, self.speed)
-        if len(self.history) > 1:
-            past = (s < self.s) & (s >= self.history[0, 0])
-            t[past] = np.interp(s[past], self.history[:, 0], self.history[:, 1])
-        return t
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -273,10 +156,10 @@ def plan_evasion(
     leads = [settings.lead_time * max(max(ego.v_x, ego.v_target) - b.v_s, 0.0) for b in blockers]
     contact = [_contact(ego, b, settings.clearance, lead) for b, lead in zip(blockers, leads, strict=True)]
     first, last = contact[0]
-    if ongoing is None and not first < last < _HORIZON:
+    if ongoing is None and not first < last < HORIZON:
         return Candidate(
             side=side,
-            obstruction=f"{blockers[0].remote.id} would not be passed in {_HORIZON:.0f} m",
+            obstruction=f"{blockers[0].remote.id} would not be passed in {HORIZON:.0f} m",
         )
     beside = road.lane_at(road.own_lane.left + 0.1 if side == "left" else road.own_lane.right - 0.1)
     half_width = 0.5 * ego.vehicle.width
@@ -287,7 +170,7 @@ def plan_evasion(
         and offset > (road.own_lane.left if side == "left" else -road.own_lane.right) - half_width
     ):
         return Candidate(side=side, obstruction="there is no lane")
-    bend = np.abs(road.path.curvature(np.linspace(ego.s, ego.s + min(last, _HORIZON), 20))).max()
+    bend = np.abs(road.path.curvature(np.linspace(ego.s, ego.s + min(last, HORIZON), 20))).max()
     spare = settings.lateral_acceleration - max(ego.v_x, ego.v_target) ** 2 * float(bend)
     duration = math.sqrt(_QUINTIC * max(offset, 0.5) / max(spare, 0.5 * settings.lateral_acceleration))
     v_out, v_back = _speed_after(ego, first), _speed_after(ego, last)
@@ -299,7 +182,7 @@ def plan_evasion(
     if ongoing is not None:
         start, end = ongoing.start, ongoing.end
     for begins, ends in contact:  # no room to return before the next one: stay out
-        if begins < ends < _HORIZON and ego.s + begins - v_back * duration < end:
+        if begins < ends < HORIZON and ego.s + begins - v_back * duration < end:
             end = max(end, ego.s + ends + v_back * duration)
     if end > road.path.end:
         return Candidate(side=side, obstruction="the route ends before the pass does")
@@ -329,7 +212,10 @@ def plan_evasion(
         # a waiting ego goes only when the lane is free now, a driving one must find it free on entering it
         begins = 0.0 if at_once and ongoing is None else max(float(t[np.argmax(outside)]), 0.0)
         span = np.linspace(begins, until, 24)
-        zone, obstruction = _lane_beside(ego, road, beside, [*others, *blockers[1:]], span, settings)
+        zone, obstruction = lane_beside(
+            ego, road, beside, [*others, *blockers[1:]], span,
+            x_safety=settings.x_safety, known_range=settings.known_range, stale_after=settings.stale_after,
+        )  # fmt: skip
     if not found:
         obstruction = obstruction or band.message
     candidate = Candidate(
@@ -344,7 +230,7 @@ def plan_evasion(
 
 def _contact(ego: Ego, other: Neighbour, clearance: float, lead: float) -> tuple[float, float]:
     """First and last distance ahead at which the ego must be beside the other; infinite if nowhere."""
-    x = np.arange(-_BEHIND, _HORIZON, 1.0)
+    x = np.arange(-_BEHIND, HORIZON, 1.0)
     apart = other.advance(ego.times(ego.s + x)) - (ego.s + x + ego.vehicle.box_offset)
     reach = 0.5 * ego.vehicle.length + other.half_length + clearance
     abeam = np.flatnonzero((apart >= -reach) & (apart <= reach + lead))
@@ -355,7 +241,7 @@ def _contact(ego: Ego, other: Neighbour, clearance: float, lead: float) -> tuple
 
 
 def _speed_after(ego: Ego, distance: float) -> float:
-    ahead = min(max(distance, 0.0), _HORIZON)
+    ahead = min(max(distance, 0.0), HORIZON)
     reached = math.sqrt(ego.v_x**2 + 2.0 * ego.speed.a_max * ahead)
     return max(min(reached, max(ego.v_target, ego.v_x)), 1.0)
 
@@ -378,69 +264,3 @@ def _reference(path: Path, s: Array, band: Band) -> Path:
         np.vstack((band.nodes, position[:-1])),
         start=float(s[0]), start_tangent=tangent[-1], end_tangent=tangent[-2],
     )  # fmt: skip
-
-
-def _lane_beside(
-    ego: Ego,
-    road: Road,
-    lane: Lane | None,
-    others: Sequence[Neighbour],
-    times: Array,
-    settings: EvasionSettings,
-) -> tuple[tuple[float, float] | None, str]:
-    """Danger zone that comes nearest to the ego's body, and the obstruction if it touches it."""
-    if lane is None:
-        return None, "there is no lane"
-    if settings.known_range == 0.0:
-        return None, "the lane is not known to be free"
-    grid = np.arange(0.0, _HORIZON, 2.0)
-    driven = np.interp(times, ego.times(ego.s + grid), grid)
-    half = 0.5 * ego.vehicle.length
-    worst: tuple[tuple[float, float] | None, str] = (None, "")
-    least = math.inf
-    stale = [o.remote.id for o in others if _is_on(o, lane) and o.remote.age > settings.stale_after]
-    if stale:
-        return None, f"nothing is heard of {stale[0]} any more"
-    for name, rear, front, v_s, margin in _vehicles_on(lane, ego, road, others, settings.known_range):
-        zone = danger_zone(
-            rear,
-            front,
-            v_s,
-            times=times,
-            ego_travel=driven,
-            x_safety=settings.x_safety,
-            margin=margin,
-        )
-        gap = max(float(zone[0]) - half, -half - float(zone[1]))
-        if gap < least:
-            least, blocked = gap, f"{name} is in the way" if gap <= 0.0 else ""
-            worst = (float(zone[0]), float(zone[1])), blocked
-    return worst
-
-
-def _is_on(other: Neighbour, lane: Lane) -> bool:
-    return (
-        other.d + other.half_width > lane.right + _STRAY and other.d - other.half_width < lane.left - _STRAY
-    )
-
-
-def _vehicles_on(
-    lane: Lane, ego: Ego, road: Road, others: Sequence[Neighbour], known_range: float
-) -> list[tuple[str, float, float, float, float]]:
-    """Name, rear and front relative to the ego, speed along the road and margin of all on a lane."""
-    centre = ego.s + ego.vehicle.box_offset
-    found = [
-        (
-            o.remote.id,
-            o.s - o.half_length - centre,
-            o.s + o.half_length - centre,
-            o.v_s,
-            abs(o.v_s) * o.remote.age,
-        )
-        for o in others
-        if _is_on(o, lane)
-    ]
-    if math.isfinite(known_range):
-        edge, v = (known_range, -road.speed_limit) if lane.direction < 0 else (-known_range, road.speed_limit)
-        found.append(("a vehicle out of range", edge, edge, v, 0.0))
-    return found

@@ -2,26 +2,28 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from numbers import Real
 from types import NoneType
 
 import numpy as np
 
-from cca_core._checks import Array, check_real
-from cca_core.band import Band
-from cca_core.band.relax import Side
+from cca_core._checks import check_real
+from cca_core.band import Side
+from cca_core.command import Command
 from cca_core.decide import Action, Candidate, Decision, Leader, choose_action
 from cca_core.errors import InputError, Status
-from cca_core.evasion import Ego, Evasion, EvasionSettings, Neighbour, plan_evasion
+from cca_core.evasion import Evasion, EvasionSettings, plan_evasion
 from cca_core.follow import (
     PreviewController,
     SpeedSettings,
     cruise_acceleration,
     follow_acceleration,
     required_deceleration,
+    squared_speed_limit,
 )
 from cca_core.path import Path, Road
+from cca_core.scene import Ego, Neighbour, locate
 from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
@@ -30,44 +32,12 @@ _FAR_FUTURE = 1e12  # [s]
 _IN_THE_WAY = 0.3  # lateral gap to the route below which a vehicle blocks it [m]
 _OFF_ROUTE = 15.0  # farther from the route than this the planner does not know where it is [m]
 _SIDES: tuple[Side, Side] = ("left", "right")
-_TAIL = 200.0  # the speed profile goes on falling behind the end [m]
 _SLOWED = -0.5  # acceleration asked for by a leader from which on a way around it is looked for [m/s^2]
 _PERIOD = 0.1  # between two looks at the same vehicles [s]
 _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up for following
 _GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
 _CURVE_ACCELERATION = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Command:
-    """What the car is to do now, and why.
-
-    Parameters
-    ----------
-    delta : float
-        Road-wheel angle [rad], left positive.
-    a_x : float
-        Acceleration [m/s^2], forward positive.
-    decision : Decision
-        The action with its reason.
-    band : Band or None
-        The bent route while evading.
-    reference : Path
-        The path that is steered along.
-    status : Status
-        `Status.OK`, or how far down the ladder this command is.
-    dropped : tuple of (str, str)
-        Remote vehicles that could not be used, each with the reason.
-    """
-
-    delta: float
-    a_x: float
-    decision: Decision
-    band: Band | None
-    reference: Path
-    status: Status
-    dropped: tuple[tuple[str, str], ...] = field(default=())
 
 
 class Planner:
@@ -122,7 +92,9 @@ class Planner:
         self._emergency = replace(self.evasion, lateral_limit=_GRIP_USED * vehicle.mu * 9.81)
         self._controller = controller or PreviewController(vehicle)
         self._leader_only = _leader_only
-        self._cap = _speed_cap(self.road, min(self.cruise_speed, self.road.speed_limit), self.speed)
+        self._cap = squared_speed_limit(
+            self.road.path, min(self.cruise_speed, self.road.speed_limit), _CURVE_ACCELERATION, self.speed
+        )
         self._t = -math.inf
         self._s: float | None = None
         self._command: Command | None = None
@@ -172,7 +144,7 @@ class Planner:
         if not abs(d) < _OFF_ROUTE or math.cos(state.psi - heading) < 0.0:
             return self._give_up(f"the ego is not on its route (d = {d:.1f} m)")
         self._s = s
-        neighbours, dropped = self._locate(remotes)
+        neighbours, dropped = locate(remotes, path, self._places)
         blockers = self._blockers(neighbours, s)
         v_target = math.sqrt(max(float(np.interp(s, *self._cap)), 0.0))
         leader = self._leader(blockers, s, state.v_x)
@@ -225,34 +197,6 @@ class Planner:
             return False
         self._seen, self._decided = seen, t
         return True
-
-    def _locate(
-        self, remotes: Iterable[RemoteVehicle]
-    ) -> tuple[list[Neighbour], tuple[tuple[str, str], ...]]:
-        """Remote vehicles in path coordinates, the younger of two with one id; and those dropped."""
-        usable: dict[str, RemoteVehicle] = {}
-        dropped = []
-        records: Iterable[object] = remotes if hasattr(remotes, "__iter__") else ()
-        for remote in records:
-            if not isinstance(remote, RemoteVehicle):
-                dropped.append((str(remote)[:20], "not a RemoteVehicle"))
-                continue
-            defect = remote.defect
-            if defect is not None:
-                dropped.append((str(remote.id), defect))
-            elif remote.id not in usable or remote.age < usable[remote.id].age:
-                usable[remote.id] = remote
-        path, places = self.road.path, {}
-        neighbours = []
-        for remote in usable.values():
-            near = self._places.get(remote.id)
-            if near is None:
-                near = float(path.project((remote.x, remote.y))[0])
-            s, d, heading, kappa = path.foot_point(remote.x, remote.y, near)
-            places[remote.id] = s
-            neighbours.append(Neighbour.seen_from(remote, s, d, remote.psi - heading, kappa))
-        self._places = places
-        return neighbours, tuple(dropped)
 
     def _blockers(self, neighbours: list[Neighbour], s: float) -> list[Neighbour]:
         """Vehicles on the route whose front is not behind the ego's rear, nearest first."""
@@ -362,16 +306,3 @@ class Planner:
             reference=self.road.path, status=Status.INVALID_INPUT,
         )  # fmt: skip
         return self._command
-
-
-def _speed_cap(road: Road, cruise: float, settings: SpeedSettings) -> tuple[Array, Array]:
-    """Square of the highest speed along the route: cruise, bends, standstill at its end (a backward pass)."""
-    path = road.path
-    s = np.linspace(path.start, path.end, max(2, math.ceil(path.length / 2.0)))
-    kappa = np.abs(path.curvature(s))
-    squared = np.minimum(cruise**2, _CURVE_ACCELERATION / np.maximum(kappa, 1e-9))
-    squared[-1] = 0.0
-    climb = 2.0 * settings.b_comfort * s
-    # v_i^2 <= v_j^2 + 2 b (s_j - s_i) for all j >= i
-    squared = np.minimum.accumulate((squared + climb)[::-1])[::-1] - climb
-    return np.append(s, s[-1] + _TAIL), np.append(squared, -2.0 * settings.b_comfort * _TAIL)

@@ -1,5 +1,7 @@
 """Elastic band: eqs 3-10 of the paper, and a band that a car can drive."""
 
+from cca_core.band.corridor import Side
+from cca_core.band.equilibrium import equilibrium
 from cca_core.band.forces import external_force
 from cca_core.band.relax import Band, relax_band
 from cca_core.band.stiffness import (
@@ -12,6 +14,15 @@ from cca_core.band.stiffness import (
 )
 
 __all__ = [
-    "Band", "BandStiffness", "balancing_force", "deformed", "displacement", "external_force",
-    "internal_force", "relax_band", "stiffness_matrix",
+    "Band",
+    "BandStiffness",
+    "Side",
+    "balancing_force",
+    "deformed",
+    "displacement",
+    "equilibrium",
+    "external_force",
+    "internal_force",
+    "relax_band",
+    "stiffness_matrix",
 ]  # fmt: skip

@@ -1,10 +1,9 @@
-"""External forces on the nodes of a band: eq 8 as printed, and the one-sided bounds of obstacles."""
+"""External force of a point obstacle on the nodes of a band: eq 8 as printed."""
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, Mask, check_array, check_points, check_real
-from cca_core.geometry import Boxes
+from cca_core._checks import Array, check_array, check_points, check_real
 
 
 def external_force(nodes: ArrayLike, obstacle: ArrayLike, *, k_e: float, r_0: float) -> Array:
@@ -49,40 +48,3 @@ def external_force(nodes: ArrayLike, obstacle: ArrayLike, *, k_e: float, r_0: fl
     near = (distance <= r_0) & (distance > 0.0)
     magnitude = np.where(near, k_e * (r_0 - distance), 0.0)
     return magnitude[:, None] * r / np.where(distance > 0.0, distance, 1.0)[:, None]
-
-
-def lateral_span(
-    nodes: Array, tangents: Array, obstacle: Boxes, reach: float, lead: float, offset: float
-) -> tuple[Mask, Array, Array]:
-    """Where an obstacle stands in the frame of each node.
-
-    Parameters
-    ----------
-    nodes, tangents : ndarray, shape (n, 2)
-        Positions [m] and unit tangents [-] of the undeformed band.
-    obstacle : Boxes
-        The obstacle's box when the ego arrives at each node, fields of shape (n,) or ().
-    reach : float
-        Half the ego's length plus the distance to keep along the band [m].
-    lead : float
-        Further distance to keep while the obstacle is in front [m].
-    offset : float
-        From the node to the centre of the ego's box, forward positive [m].
-
-    Returns
-    -------
-    abeam : ndarray of bool, shape (n,)
-        Whether the obstacle is beside the ego there.
-    right, left : ndarray, shape (n,)
-        Lateral coordinates of the obstacle's sides [m], left of the node positive.
-    """
-    dx, dy = obstacle.x - nodes[:, 0], obstacle.y - nodes[:, 1]
-    along = dx * tangents[:, 0] + dy * tangents[:, 1] - offset
-    across = dy * tangents[:, 0] - dx * tangents[:, 1]
-    cos, sin = np.cos(obstacle.psi), np.sin(obstacle.psi)
-    c = np.abs(cos * tangents[:, 0] + sin * tangents[:, 1])
-    s = np.abs(sin * tangents[:, 0] - cos * tangents[:, 1])
-    half_along = 0.5 * (obstacle.length * c + obstacle.width * s)
-    half_across = 0.5 * (obstacle.length * s + obstacle.width * c)
-    abeam: Mask = (along >= -half_along - reach) & (along <= half_along + reach + lead)
-    return abeam, across - half_across, across + half_across

@@ -3,21 +3,19 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import lapack
 
-from cca_core._checks import Array, check_any, check_points, check_real
-from cca_core.band.forces import lateral_span
+from cca_core._checks import Array, check_points, check_real
+from cca_core.band.corridor import Side, bounds_of_corridor, bounds_of_obstacle, leads, per_node
+from cca_core.band.equilibrium import equilibrium
 from cca_core.band.stiffness import BandStiffness
 from cca_core.errors import InfeasibleError, InputError, Status
 from cca_core.geometry import Boxes, box_gap
 from cca_core.vehicle import VehicleParams
 
-Side = Literal["left", "right"]
-_SOLVES = 30  # a contact set settles in 3 to 8
 _TIGHTENINGS = 6
 _SLACK = 1e-3  # clearance may miss by this before the band is pushed farther [m]
 
@@ -152,11 +150,11 @@ def relax_band(
     if not steps.min() > 0.8 * h > 0.64 * steps.max():
         raise InputError("nodes must be equally spaced along the route")
     tangents = _tangents(base)
-    edge_lower, edge_upper = _bounds_of_corridor(corridor, n)
-    boxes = _per_node(obstacles, n)
+    edge_lower, edge_upper = bounds_of_corridor(corridor, n)
+    boxes = per_node(obstacles, n)
     lower, upper = edge_lower.copy(), edge_upper.copy()
-    for obstacle, run_up in zip(boxes, _leads(lead, len(boxes)), strict=True):
-        low, high = _bounds_of_obstacle(base, tangents, obstacle, side, vehicle, clearance, run_up)
+    for obstacle, run_up in zip(boxes, leads(lead, len(boxes)), strict=True):
+        low, high = bounds_of_obstacle(base, tangents, obstacle, side, vehicle, clearance, run_up)
         lower, upper = np.maximum(lower, low), np.minimum(upper, high)
     stencil, contact = stiffness.stencil(h), stiffness.k_e * h
     room = bool((lower <= upper).all())
@@ -165,7 +163,7 @@ def relax_band(
     pushed_lower, pushed_upper = lower, upper
     for _ in range(_TIGHTENINGS if room else 1):
         if room:
-            u, count, settled = _equilibrium(stencil, contact, pushed_lower, pushed_upper)
+            u, count, settled = equilibrium(stencil, contact, pushed_lower, pushed_upper)
             solves += count
         gaps = _swept_gaps(base, tangents, u, boxes, vehicle, clearance)
         over = np.maximum(edge_lower - u, u - edge_upper)
@@ -181,7 +179,7 @@ def relax_band(
     if not room:
         message = "obstacles or edges leave no room between them"
     elif not settled:
-        status, message = Status.NOT_CONVERGED, f"contact set did not settle in {_SOLVES} solves"
+        status, message = Status.NOT_CONVERGED, f"contact set did not settle in {solves} solves"
     elif reached < clearance - 2.0 * _SLACK:
         message = f"clearance {reached:.2f} m is below the {clearance:.2f} m asked"
     elif over.max() > 2.0 * _SLACK:
@@ -196,125 +194,6 @@ def relax_band(
         nodes=moved, displacement=u, clearance=reached, curvature=peak, side=side, status=status,
         message=message, solves=solves,
     )  # fmt: skip
-
-
-def _per_node(obstacles: Sequence[Boxes], n: int) -> list[Boxes]:
-    """Obstacles with one box per node in every field."""
-    given: object = obstacles
-    if not isinstance(given, (list, tuple)) or not all(isinstance(o, Boxes) for o in given):
-        raise InputError("obstacles must be a list of Boxes")
-    full = []
-    for o in obstacles:
-        fields = [check_any("obstacles", value) for value in (o.x, o.y, o.psi, o.length, o.width)]
-        if any(value.shape not in ((), (n,)) for value in fields):
-            raise InputError(f"obstacles must have fields of shape () or ({n},), one box per node")
-        if fields[3].min() < 0.0 or fields[4].min() < 0.0:
-            raise InputError("obstacles must have lengths and widths that are not negative")
-        full.append(Boxes(*(np.broadcast_to(value, (n,)) for value in fields)))
-    return full
-
-
-def _leads(lead: ArrayLike, count: int) -> list[float]:
-    """One run-up per obstacle [m]."""
-    array = check_any("lead", lead)
-    if array.shape not in ((), (count,)) or (array < 0.0).any():
-        raise InputError(f"lead must have shape () or ({count},) and not be negative, was {lead!r}")
-    leads: list[float] = np.broadcast_to(array, (count,)).tolist()
-    return leads
-
-
-def _bounds_of_corridor(corridor: tuple[ArrayLike, ArrayLike] | None, n: int) -> tuple[Array, Array]:
-    if corridor is None:
-        return np.full(n, -math.inf), np.full(n, math.inf)
-    pair: object = corridor
-    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-        raise InputError("corridor must be a pair of bounds, right and left")
-    right, left = (np.asarray(bound, dtype=np.float64) for bound in pair)
-    for bound in (right, left):
-        if bound.shape not in ((), (n,)) or np.isnan(bound).any():
-            raise InputError(
-                f"corridor must have bounds of shape () or ({n},) without NaN, had {bound.shape}"
-            )
-    return np.broadcast_to(right, (n,)).copy(), np.broadcast_to(left, (n,)).copy()
-
-
-def _bounds_of_obstacle(
-    base: Array,
-    tangents: Array,
-    obstacle: Boxes,
-    side: Side,
-    vehicle: VehicleParams,
-    clearance: float,
-    lead: float,
-) -> tuple[Array, Array]:
-    """Bounds of the displacement that keep the ego's box beside the obstacle at clearance."""
-    reach = 0.5 * vehicle.length + clearance
-    abeam, right, left = lateral_span(base, tangents, obstacle, reach, lead, vehicle.box_offset)
-    keep = 0.5 * vehicle.width + clearance
-    none = np.full(len(base), math.inf)
-    if not abeam.any():
-        return -none, none
-    if (right[abeam] < keep).any() and (left[abeam] > -keep).any():
-        passes_left = side == "left"
-    else:
-        passes_left = bool((right[abeam] + left[abeam]).sum() < 0.0)
-    if passes_left:
-        return np.where(abeam, left + keep, -none), none
-    return -none, np.where(abeam, right - keep, none)
-
-
-def _equilibrium(stencil: Array, contact: float, lower: Array, upper: Array) -> tuple[Array, int, bool]:
-    """Least energy with pinned ends by Newton on the contact set; returns u, solves, whether it settled.
-
-    The energy is convex and piecewise quadratic, so a Newton step whose contact set is its own is the
-    minimum; a step that overshoots is shortened to where the energy along it is least.
-    """
-    n = len(lower) - 2
-    low, high = lower[1:-1], upper[1:-1]
-    kernel = np.concatenate((stencil[:0:-1], stencil))
-    matrix = np.repeat(stencil[::-1, None], n, axis=1)
-    u = np.zeros(n)
-    inside = np.zeros(n)  # the internal forces at u
-    active = (u < low) | (u > high)
-    for solve in range(_SOLVES):
-        if not active.any():
-            break
-        bound = np.where(u < low, low, high)
-        matrix[3] = stencil[0] + contact * active
-        target = lapack.dpbsv(matrix, np.where(active, contact * bound, 0.0))[1]
-        reached = (target < low) | (target > high)
-        if (reached == active).all():
-            full = np.zeros(n + 2)
-            full[1:-1] = target
-            return full, solve + 1, True
-        step = target - u
-        forces = np.convolve(target, kernel)[3:-3] - inside
-        share = _least_along(u, step, inside, forces, contact, low, high)
-        u = u + share * step
-        inside = inside + share * forces
-        active = (u < low) | (u > high)
-    full = np.zeros(n + 2)
-    full[1:-1] = u
-    return full, _SOLVES if active.any() else 0, not active.any()
-
-
-def _least_along(
-    u: Array, step: Array, inside: Array, forces: Array, contact: float, low: Array, high: Array
-) -> float:
-    """Share of a Newton step at which the energy is least: the root of its slope, found by bisection."""
-
-    def slope(share: float) -> float:
-        at = u + share * step
-        push = np.maximum(low - at, 0.0) - np.maximum(at - high, 0.0)
-        return float(step @ (inside + share * forces - contact * push))
-
-    if slope(1.0) <= 0.0:
-        return 1.0
-    a, b = 0.0, 1.0
-    for _ in range(12):
-        middle = 0.5 * (a + b)
-        a, b = (middle, b) if slope(middle) <= 0.0 else (a, middle)
-    return 0.5 * (a + b)
 
 
 def _swept_gaps(

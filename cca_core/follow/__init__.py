@@ -15,10 +15,12 @@ from cca_core.follow.speed import (
     cruise_acceleration,
     follow_acceleration,
     required_deceleration,
+    squared_speed_limit,
 )
 
 __all__ = [
     "InverseSteering", "PreviewController", "PreviewGains", "SingleTrack", "SpeedSettings", "arrival_times",
     "cruise_acceleration", "follow_acceleration", "required_deceleration", "single_track",
+    "squared_speed_limit",
     "steady_sideslip", "steady_steering", "steady_yaw_rate",
 ]  # fmt: skip

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array, check_real
+from cca_core.path.path import Path
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,4 +178,38 @@ def arrival_times(v_x: float, v_target: float, distances: Array, settings: Speed
     return t + np.minimum(distances, 0.0) / v + np.maximum(distances - ramp, 0.0) / target
 
 
+def squared_speed_limit(
+    path: Path, cruise: float, a_y: float, settings: SpeedSettings
+) -> tuple[Array, Array]:
+    """Square of the highest speed along a path: cruise, bends, and standstill at its end.
+
+    Parameters
+    ----------
+    path : Path
+        The route.
+    cruise : float
+        Highest speed anywhere [m/s].
+    a_y : float
+        Lateral acceleration for which speed is cut in bends [m/s^2].
+    settings : SpeedSettings
+        Its comfortable deceleration leads down to slower places.
+
+    Returns
+    -------
+    s : ndarray, shape (n,)
+        Arc length [m], up to a little behind the end.
+    squared : ndarray, shape (n,)
+        v^2 [m^2/s^2], linear between the places; negative behind the end, so that its slope is everywhere
+        twice the acceleration asked for.
+    """
+    s = np.linspace(path.start, path.end, max(2, math.ceil(path.length / 2.0)))
+    squared = np.minimum(cruise**2, a_y / np.maximum(np.abs(path.curvature(s)), 1e-9))
+    squared[-1] = 0.0
+    climb = 2.0 * settings.b_comfort * s
+    # v_i^2 <= v_j^2 + 2 b (s_j - s_i) for all j >= i
+    squared = np.minimum.accumulate((squared + climb)[::-1])[::-1] - climb
+    return np.append(s, s[-1] + _TAIL), np.append(squared, -2.0 * settings.b_comfort * _TAIL)
+
+
+_TAIL = 200.0  # the profile goes on falling behind the end [m]
 _RATE = 0.5  # closing rate near the wanted gap [1/s]

@@ -1,4 +1,7 @@
-"""A road's centre line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable."""
+"""A road's centre line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable.
+
+All queries of a path stand in one class, so this module is longer than others.
+"""
 
 import math
 from bisect import bisect_right

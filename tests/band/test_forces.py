@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core.band import external_force
-from cca_core.band.forces import lateral_span
+from cca_core.band.corridor import lateral_span
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
 

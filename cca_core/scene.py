@@ -1,0 +1,177 @@
+"""The ego and its neighbours in path coordinates."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.follow import SpeedSettings, arrival_times
+from cca_core.path import Path
+from cca_core.predict import travel
+from cca_core.vehicle import RemoteVehicle, VehicleParams
+
+__all__ = ["HORIZON", "Ego", "Neighbour", "locate"]
+
+HORIZON = 600.0
+"""Farthest point ahead at which a pass may end [m]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Neighbour:
+    """A remote vehicle in path coordinates.
+
+    Parameters
+    ----------
+    remote : RemoteVehicle
+        The vehicle.
+    s, d : float
+        Its place along and beside the route [m], d left positive.
+    v_s : float
+        Its speed along the route [m/s], negative if it comes towards the ego.
+    half_length, half_width : float
+        Half its extent along and across the route [m], with two standard deviations of its place.
+    """
+
+    remote: RemoteVehicle
+    s: float
+    d: float
+    v_s: float
+    half_length: float
+    half_width: float
+
+    @classmethod
+    def seen_from(cls, remote: RemoteVehicle, s: float, d: float, angle: float, kappa: float) -> Self:
+        """Turn a vehicle at a place on the route into path coordinates.
+
+        Parameters
+        ----------
+        remote : RemoteVehicle
+            The vehicle.
+        s, d : float
+            Its foot point and lateral coordinate [m].
+        angle : float
+            Its heading relative to the route [rad], counter-clockwise.
+        kappa : float
+            Curvature of the route there [1/m].
+
+        Returns
+        -------
+        neighbour : Neighbour
+            The vehicle along and across the route.
+        """
+        cos, sin = math.cos(angle), math.sin(angle)
+        along = 0.5 * remote.length + 2.0 * remote.sigma_along
+        across = 0.5 * remote.width + 2.0 * remote.sigma_across
+        return cls(
+            remote=remote, s=s, d=d, v_s=remote.v_x * cos / max(1.0 - d * kappa, 0.1),
+            half_length=along * abs(cos) + across * abs(sin), half_width=along * abs(sin) + across * abs(cos),
+        )  # fmt: skip
+
+    def advance(self, t: Array) -> Array:
+        """Place along the route at times from now.
+
+        Parameters
+        ----------
+        t : ndarray, shape (n,)
+            Times from now [s].
+
+        Returns
+        -------
+        s : ndarray, shape (n,)
+            Path coordinate of its centre [m].
+        """
+        direction = math.copysign(1.0, self.v_s)
+        return self.s + direction * travel(abs(self.v_s), self.remote.a_x, t)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ego:
+    """The ego as evasions see it: its place on the route and how it intends to drive.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        Its parameters.
+    s : float
+        Path coordinate of its centre of gravity [m].
+    v_x, v_target : float
+        Speed now and wanted [m/s].
+    speed : SpeedSettings
+        How it accelerates.
+    history : ndarray, shape (n, 2)
+        Path coordinate [m] and time from now [s], both increasing, of where it has been in the manoeuvre.
+    """
+
+    vehicle: VehicleParams
+    s: float
+    v_x: float
+    v_target: float
+    speed: SpeedSettings
+    history: Array
+
+    def times(self, s: Array) -> Array:
+        """When the ego is where on the route, in the past as recorded.
+
+        Parameters
+        ----------
+        s : ndarray, shape (n,)
+            Path coordinates [m].
+
+        Returns
+        -------
+        t : ndarray, shape (n,)
+            Times from now [s].
+        """
+        t = arrival_times(self.v_x, self.v_target, s - self.s, self.speed)
+        if len(self.history) > 1:
+            past = (s < self.s) & (s >= self.history[0, 0])
+            t[past] = np.interp(s[past], self.history[:, 0], self.history[:, 1])
+        return t
+
+
+def locate(
+    remotes: Iterable[RemoteVehicle], path: Path, places: dict[str, float]
+) -> tuple[list[Neighbour], tuple[tuple[str, str], ...]]:
+    """Bring remote vehicles into path coordinates.
+
+    Parameters
+    ----------
+    remotes : iterable of RemoteVehicle
+        What is known of other vehicles; of two with one id the younger counts.
+    path : Path
+        The route.
+    places : dict
+        Where each vehicle was on the route last time [m], by id; kept up to date here.
+
+    Returns
+    -------
+    neighbours : list of Neighbour
+        The usable ones.
+    dropped : tuple of (str, str)
+        Id and reason of those that cannot be used.
+    """
+    usable: dict[str, RemoteVehicle] = {}
+    dropped = []
+    records: Iterable[object] = remotes if hasattr(remotes, "__iter__") else ()
+    for remote in records:
+        if not isinstance(remote, RemoteVehicle):
+            dropped.append((str(remote)[:20], "not a RemoteVehicle"))
+            continue
+        defect = remote.defect
+        if defect is not None:
+            dropped.append((str(remote.id), defect))
+        elif remote.id not in usable or remote.age < usable[remote.id].age:
+            usable[remote.id] = remote
+    neighbours, known = [], dict(places)
+    places.clear()
+    for remote in usable.values():
+        near = known.get(remote.id)
+        if near is None:
+            near = float(path.project((remote.x, remote.y))[0])
+        s, d, heading, kappa = path.foot_point(remote.x, remote.y, near)
+        places[remote.id] = s
+        neighbours.append(Neighbour.seen_from(remote, s, d, remote.psi - heading, kappa))
+    return neighbours, tuple(dropped)
