@@ -17,6 +17,7 @@ from cca_core.scene import HORIZON, Ego, Neighbour
 
 __all__ = ["Evasion", "EvasionSettings", "plan_evasion"]
 
+_RUN_UP = 20.0  # the reference begins on the route this far before the window [m]
 _TAIL = 60.0  # the reference goes on along the route behind the window [m]
 _BEHIND = 2.0  # a window starts this far behind the car [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
@@ -258,9 +259,11 @@ def _outside(u: Array, own: Lane, half_width: float) -> Mask:
 
 
 def _reference(path: Path, s: Array, band: Band) -> Path:
+    before = np.arange(s[0] - _RUN_UP, s[0] - 1.0, 2.0)
     ahead = np.arange(s[-1] + 2.0, s[-1] + _TAIL, 2.0)
-    position, tangent, _ = path.derivatives(np.append(ahead, s[0]))
+    position, tangent, _ = path.derivatives(np.append(before, ahead))
+    n = len(before)
     return interpolate_path(
-        np.vstack((band.nodes, position[:-1])),
-        start=float(s[0]), start_tangent=tangent[-1], end_tangent=tangent[-2],
+        np.vstack((position[:n], band.nodes, position[n:])),
+        start=float(before[0]), start_tangent=tangent[0], end_tangent=tangent[-1],
     )  # fmt: skip

@@ -164,7 +164,7 @@ def choose_action(
             zone=best.zone,
         )
     zone = candidates[0].zone if candidates else None
-    why = "; ".join(f"{c.side}: {c.obstruction}" for c in candidates) or "no lane beside"
+    why = "; ".join(f"{c.side}: {c.obstruction}" for c in candidates) or "no way around was looked for"
     if hard:
         reason = f"{leader.required_deceleration:.1f} m/s^2 needed behind {leader.id}; {why}"
         return Decision(action=Action.BRAKE, reason=reason, leader=leader.id, zone=zone)
@@ -175,7 +175,5 @@ def choose_action(
             leader=leader.id,
             zone=zone,
         )
-    return Decision(
-        action=Action.KEEP, reason=f"{leader.id} is far ahead ({leader.gap:.0f} m); {why}",
-        leader=leader.id, zone=zone,
-    )  # fmt: skip
+    reason = f"{leader.id} is far ahead ({leader.gap:.0f} m)" + (f"; {why}" if candidates else "")
+    return Decision(action=Action.KEEP, reason=reason, leader=leader.id, zone=zone)

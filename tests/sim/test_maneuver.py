@@ -38,6 +38,7 @@ class TestEveryRun:
         assert log.t[-1] == pytest.approx(log.scenario.duration)  # not ended by a contact
         assert log.gaps().min() >= 0.5
         assert log.summary()["collided"] is False
+        assert not any("internal error" in reason for _, _, reason in log.decisions)
 
     def test_lateral_acceleration(self, run: Run, case: str, road: str, seed: int) -> None:
         log = run(case, road, seed)
