@@ -7,7 +7,7 @@ from cca_core.band import Band, relax_band
 from cca_core.command import Command
 from cca_core.decide import Action, Decision, choose_action, danger_zone
 from cca_core.errors import CcaError, InfeasibleError, InputError, MissingExtraError, Status
-from cca_core.follow import PreviewController
+from cca_core.follow import PreviewController, design_gains
 from cca_core.path import Lane, LocalFrame, Path, Road, fit_path
 from cca_core.planner import Planner
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -17,5 +17,6 @@ __version__ = "0.1.0"
 __all__ = [
     "Action", "Band", "CcaError", "Command", "Decision", "InfeasibleError", "InputError", "Lane",
     "LocalFrame", "MissingExtraError", "Path", "Planner", "PreviewController", "RemoteVehicle", "Road",
-    "Status", "VehicleParams", "VehicleState", "choose_action", "danger_zone", "fit_path", "relax_band",
+    "Status", "VehicleParams", "VehicleState", "choose_action", "danger_zone",
+    "design_gains", "fit_path", "relax_band",
 ]  # fmt: skip

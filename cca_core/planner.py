@@ -19,6 +19,8 @@ from cca_core.follow import (
     SpeedSettings,
     cruise_acceleration,
     follow_acceleration,
+    friction_limited,
+    jerk_limited,
     required_deceleration,
     squared_speed_limit,
 )
@@ -170,7 +172,7 @@ class Planner:
             offset = self._maneuver.offset_at
             in_front = sorted((n for n in neighbours if self._blocks(n, offset(n.s))), key=lambda n: n.s)
             leader = self._leader(in_front, s, state.v_x)
-        a_x = self._acceleration(s, state.v_x, v_target, leader, dt)
+        a_x = self._acceleration(s, state.v_x, state.r, v_target, leader, dt)
         reference = path if self._maneuver is None else self._maneuver.reference
         delta = self._controller.steer(state, reference)
         self._command = Command(
@@ -283,7 +285,9 @@ class Planner:
                 return
         self._status = Status.FALLBACK
 
-    def _acceleration(self, s: float, v_x: float, v_target: float, leader: Leader | None, dt: float) -> float:
+    def _acceleration(
+        self, s: float, v_x: float, yaw_rate: float, v_target: float, leader: Leader | None, dt: float
+    ) -> float:
         horizon = 2.0 + max(v_x, 0.0)
         ahead = (float(np.interp(s + horizon, *self._cap)) - v_x * v_x) / (2.0 * horizon)
         wanted = min(cruise_acceleration(v_x, v_target, self.speed), max(ahead, -self.speed.b_max))
@@ -294,8 +298,8 @@ class Planner:
             elif action is Action.FOLLOW or (action.evades and self._status is not Status.OK):
                 wanted = min(wanted, leader.follow_acceleration)
         last = 0.0 if self._command is None else self._command.a_x
-        jerk = self.speed.jerk_emergency if wanted < -2.0 * self.speed.b_comfort else self.speed.jerk
-        return min(max(wanted, last - jerk * dt), last + jerk * dt)
+        limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu)
+        return jerk_limited(limited, last, dt, self.speed, emergency=wanted < -2.0 * self.speed.b_comfort)
 
     def _give_up(self, reason: str) -> Command:
         """Hold the steering and brake: the lowest rung of the ladder."""

@@ -2,25 +2,67 @@
 
 from cca_core.follow.bicycle import (
     SingleTrack,
+    discretised,
+    kinematic_rates,
     single_track,
     steady_sideslip,
     steady_steering,
     steady_yaw_rate,
 )
+from cca_core.follow.estimate import PoseEstimator
+from cca_core.follow.gains import (
+    GainRegion,
+    Margins,
+    StabilityRegion,
+    design_gains,
+    gain_region,
+    stability_margins,
+)
 from cca_core.follow.inverse import InverseSteering
-from cca_core.follow.preview import PreviewController, PreviewGains
+from cca_core.follow.preview import PreviewController
+from cca_core.follow.schedule import PreviewGains, shipped_gains
 from cca_core.follow.speed import (
     SpeedSettings,
     arrival_times,
+    cacc_acceleration,
     cruise_acceleration,
     follow_acceleration,
+    friction_limited,
+    idm_acceleration,
+    jerk_limited,
     required_deceleration,
     squared_speed_limit,
+    stop_acceleration,
 )
 
 __all__ = [
-    "InverseSteering", "PreviewController", "PreviewGains", "SingleTrack", "SpeedSettings", "arrival_times",
-    "cruise_acceleration", "follow_acceleration", "required_deceleration", "single_track",
+    "GainRegion",
+    "InverseSteering",
+    "Margins",
+    "PoseEstimator",
+    "PreviewController",
+    "PreviewGains",
+    "SingleTrack",
+    "SpeedSettings",
+    "StabilityRegion",
+    "arrival_times",
+    "cacc_acceleration",
+    "cruise_acceleration",
+    "design_gains",
+    "discretised",
+    "follow_acceleration",
+    "friction_limited",
+    "gain_region",
+    "idm_acceleration",
+    "jerk_limited",
+    "kinematic_rates",
+    "required_deceleration",
+    "shipped_gains",
+    "single_track",
     "squared_speed_limit",
-    "steady_sideslip", "steady_steering", "steady_yaw_rate",
-]  # fmt: skip
+    "stability_margins",
+    "steady_sideslip",
+    "steady_steering",
+    "steady_yaw_rate",
+    "stop_acceleration",
+]

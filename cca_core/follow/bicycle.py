@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.linalg import expm
 
 from cca_core._checks import Array, check_real
 from cca_core.vehicle import VehicleParams
@@ -72,6 +73,72 @@ def single_track(vehicle: VehicleParams, v_x: float, l_s: float) -> SingleTrack:
     B = np.array([vehicle.C_f / (m * v), vehicle.C_f * vehicle.l_f / inertia, 0.0, 0.0])
     E = np.array([0.0, 0.0, -v, -l_s * v])
     return SingleTrack(A=A, B=B, E=E)
+
+
+def discretised(model: SingleTrack, dt: float) -> SingleTrack:
+    """Exact discretisation for inputs held over a cycle.
+
+    Parameters
+    ----------
+    model : SingleTrack
+        Continuous-time model.
+    dt : float
+        Cycle time [s], positive.
+
+    Returns
+    -------
+    model : SingleTrack
+        x_{k+1} = A x_k + B delta_k + E rho_k.
+
+    Raises
+    ------
+    InputError
+        If `dt` is not positive.
+
+    Notes
+    -----
+    The matrix exponential of [[A, B, E], [0, 0, 0]] dt holds A, B and E of the discrete model.
+    """
+    dt = check_real("dt", dt, above=0.0)
+    n = len(model.A)
+    block = np.zeros((n + 2, n + 2))
+    block[:n, :n], block[:n, n], block[:n, n + 1] = model.A, model.B, model.E
+    stepped = expm(block * dt)
+    return SingleTrack(A=stepped[:n, :n], B=stepped[:n, n], E=stepped[:n, n + 1])
+
+
+def kinematic_rates(
+    psi: ArrayLike, v_x: ArrayLike, delta: ArrayLike, vehicle: VehicleParams
+) -> tuple[Array, Array, Array]:
+    """Motion of a car whose wheels roll without slip.
+
+    Parameters
+    ----------
+    psi : array_like, shape (...)
+        Heading [rad], counter-clockwise from +x.
+    v_x : array_like, shape (...)
+        Forward speed [m/s].
+    delta : array_like, shape (...)
+        Road-wheel angle [rad], left positive.
+    vehicle : VehicleParams
+        Geometry.
+
+    Returns
+    -------
+    x_dot, y_dot : ndarray, shape (...)
+        Velocity of the centre of gravity [m/s].
+    r : ndarray, shape (...)
+        Yaw rate v tan(delta) / L [rad/s], left positive.
+
+    Examples
+    --------
+    >>> float(kinematic_rates(0.0, 10.0, 0.0, VehicleParams.bmw_320i())[0])
+    10.0
+    """
+    psi, v = np.asarray(psi, dtype=np.float64), np.asarray(v_x, dtype=np.float64)
+    r = v * np.tan(delta) / vehicle.wheelbase
+    v_y = vehicle.l_r * r
+    return v * np.cos(psi) - v_y * np.sin(psi), v * np.sin(psi) + v_y * np.cos(psi), r
 
 
 def steady_steering(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) -> Array:

@@ -1,98 +1,21 @@
 """Preview steering: PD on the lateral error ahead, and the steering that the path ahead asks for."""
 
 import math
-from bisect import bisect_right
-from dataclasses import dataclass
 from typing import Literal
 
-from cca_core._checks import check_array, check_real
+from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.follow.inverse import InverseSteering
+from cca_core.follow.schedule import PreviewGains, shipped_gains
 from cca_core.geometry import wrap_angle
 from cca_core.path.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
 
-__all__ = ["PreviewController", "PreviewGains"]
+__all__ = ["PreviewController"]
 
 _INTEGRAL_TIME = 6.0  # of the slow correction of what the model does not know [s]
 _INTEGRAL_LIMIT = 0.02  # of that correction [rad]
 _SMALL = 0.2  # only errors below this are integrated [m]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PreviewGains:
-    """Gains of the preview steering law over speed, linear between grid points and held outside.
-
-    Parameters
-    ----------
-    speeds : tuple of float
-        Grid [m/s], positive, increasing.
-    k_p : tuple of float
-        Steering angle per lateral error at the preview point [rad/m].
-    k_d : tuple of float
-        Steering angle per rate of that error [rad s/m].
-    l_s : tuple of float
-        Preview distance in front of the centre of gravity [m].
-
-    Raises
-    ------
-    InputError
-        If the lengths differ, the grid does not increase, or a gain is negative.
-    """
-
-    speeds: tuple[float, ...]
-    k_p: tuple[float, ...]
-    k_d: tuple[float, ...]
-    l_s: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        for name in ("speeds", "k_p", "k_d", "l_s"):
-            column = check_array(name, getattr(self, name), (None,)).tolist()
-            if len(column) != len(self.speeds) or not column:
-                raise InputError(
-                    f"{name} must have one value per speed ({len(self.speeds)}), had {len(column)}"
-                )
-            for value in column:
-                check_real(name, value, least=0.0)
-        check_real("speeds", self.speeds[0], above=0.0)
-        if any(b <= a for a, b in zip(self.speeds, self.speeds[1:], strict=False)):
-            raise InputError("speeds must increase")
-
-    @classmethod
-    def default(cls) -> "PreviewGains":
-        """Schedule for passenger cars from 2 to 40 m/s.
-
-        Returns
-        -------
-        gains : PreviewGains
-            A preview of one second, k_p = 9 / v^2 and k_d = 0.14 k_p above 4 m/s: poles left of -0.8 1/s with
-            a damping of at least 0.5 for a third more mass and two thirds of the grip.
-        """
-        speeds = (2.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0)
-        clipped = [max(v, 4.0) for v in speeds]
-        k_p = tuple(9.0 / v**2 for v in clipped)
-        return cls(speeds=speeds, k_p=k_p, k_d=tuple(0.14 * k for k in k_p), l_s=tuple(clipped))
-
-    def at(self, v_x: float) -> tuple[float, float, float]:
-        """Gains at a speed.
-
-        Parameters
-        ----------
-        v_x : float
-            Forward speed [m/s].
-
-        Returns
-        -------
-        k_p, k_d, l_s : float
-            Gains [rad/m], [rad s/m] and preview distance [m].
-        """
-        i = bisect_right(self.speeds, v_x)
-        if i == 0 or i == len(self.speeds):
-            j = max(i - 1, 0)
-            return self.k_p[j], self.k_d[j], self.l_s[j]
-        w = (v_x - self.speeds[i - 1]) / (self.speeds[i] - self.speeds[i - 1])
-        k_p, k_d, l_s = (c[i - 1] + w * (c[i] - c[i - 1]) for c in (self.k_p, self.k_d, self.l_s))
-        return k_p, k_d, l_s
 
 
 class PreviewController:
@@ -103,7 +26,7 @@ class PreviewController:
     vehicle : VehicleParams
         The car that is steered.
     gains : PreviewGains, optional
-        Schedule over speed; the default suits passenger cars.
+        Schedule over speed; the default is the one shipped for this car (`shipped_gains`).
     delay : float
         Known dead time between command and road wheel [s], on top of the steering lag.
     a_y_max : float
@@ -138,7 +61,7 @@ class PreviewController:
         if error not in ("tangent", "ahead"):
             raise InputError(f"error must be 'tangent' or 'ahead', was {error!r}")
         self.vehicle = vehicle
-        self.gains = gains or PreviewGains.default()
+        self.gains = gains or shipped_gains(vehicle)
         self.delay = check_real("delay", delay, least=0.0)
         self.a_y_max = check_real("a_y_max", a_y_max, above=0.0)
         self._ahead = error == "ahead"

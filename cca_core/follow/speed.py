@@ -113,6 +113,152 @@ def follow_acceleration(
     return max(approach, -settings.b_max)
 
 
+def idm_acceleration(
+    v_x: float, gap: float, v_lead: float, v_target: float, settings: SpeedSettings
+) -> float:
+    """Intelligent Driver Model: a smooth law for cruise and following in one.
+
+    Parameters
+    ----------
+    v_x : float
+        Own speed [m/s].
+    gap : float
+        Bumper-to-bumper gap [m].
+    v_lead : float
+        The leader's speed [m/s].
+    v_target : float
+        Wanted speed [m/s].
+    settings : SpeedSettings
+        a = `a_max`, b = `b_comfort`, s_0 = `standstill_gap`, T = `time_gap`; limited to -`b_max`.
+
+    Returns
+    -------
+    a_x : float
+        Acceleration [m/s^2]: a (1 - (v/v_0)^4 - (s*/s)^2) with
+        s* = s_0 + max(0, v T + v (v - v_l) / (2 sqrt(a b))).
+    """
+    a, b = settings.a_max, settings.b_comfort
+    wished = settings.standstill_gap + max(
+        0.0, v_x * settings.time_gap + v_x * (v_x - v_lead) / (2.0 * math.sqrt(a * b))
+    )
+    free = 1.0 - (v_x / max(v_target, 0.1)) ** 4
+    return max(a * (free - (wished / max(gap, 0.1)) ** 2), -settings.b_max)
+
+
+def cacc_acceleration(
+    v_x: float,
+    gap: float,
+    v_lead: float,
+    a_lead: float,
+    settings: SpeedSettings,
+    *,
+    k_g: float = 0.45,
+    k_d: float = 0.25,
+) -> float:
+    """Cooperative following at a constant time gap, with the leader's acceleration from its messages.
+
+    Parameters
+    ----------
+    v_x : float
+        Own speed [m/s].
+    gap : float
+        Bumper-to-bumper gap [m].
+    v_lead, a_lead : float
+        The leader's speed [m/s] and acceleration [m/s^2].
+    settings : SpeedSettings
+        Gaps and limits.
+    k_g : float
+        Gain on the gap error e [1/s^2].
+    k_d : float
+        Gain on its rate [1/s].
+
+    Returns
+    -------
+    a_x : float
+        Acceleration [m/s^2] within the limits: a_lead + k_g e + k_d (v_lead - v_x), with
+        e = gap - s_0 - T v_x; the errors of a platoon die out from car to car for T >= 2 / (k_d + k_g T).
+    """
+    error = gap - settings.standstill_gap - settings.time_gap * v_x
+    wanted = a_lead + k_g * error + k_d * (v_lead - v_x)
+    return min(max(wanted, -settings.b_max), settings.a_max)
+
+
+def stop_acceleration(v_x: float, distance: float, settings: SpeedSettings) -> float:
+    """Deceleration that brings the car to rest at a point.
+
+    Parameters
+    ----------
+    v_x : float
+        Own speed [m/s].
+    distance : float
+        Distance to the point [m]; behind it the car brakes as hard as it can.
+    settings : SpeedSettings
+        Limits.
+
+    Returns
+    -------
+    a_x : float
+        Acceleration [m/s^2]: -v^2 / (2 distance) once that is comfortable braking or more, else `a_max`.
+    """
+    if v_x <= 0.0:
+        return 0.0
+    need = v_x * v_x / (2.0 * distance) if distance > 0.0 else math.inf
+    return -min(need, settings.b_max) if need >= settings.b_comfort else settings.a_max
+
+
+def jerk_limited(
+    wanted: float, last: float, dt: float, settings: SpeedSettings, *, emergency: bool = False
+) -> float:
+    """Acceleration on its way to the wanted one.
+
+    Parameters
+    ----------
+    wanted, last : float
+        Acceleration asked for now and in the last cycle [m/s^2].
+    dt : float
+        Time between them [s].
+    settings : SpeedSettings
+        `jerk`, and `jerk_emergency` for braking.
+    emergency : bool
+        Whether braking may build up at `jerk_emergency`.
+
+    Returns
+    -------
+    a_x : float
+        Acceleration [m/s^2], at most jerk dt away from `last`.
+    """
+    step = (settings.jerk_emergency if emergency else settings.jerk) * dt
+    return min(max(wanted, last - step), last + step)
+
+
+def friction_limited(a_x: float, a_y: float, mu: float, *, share: float = 0.9) -> float:
+    """Longitudinal acceleration that the tyres have left beside a lateral one.
+
+    Parameters
+    ----------
+    a_x : float
+        Acceleration asked for [m/s^2].
+    a_y : float
+        Lateral acceleration in use [m/s^2].
+    mu : float
+        Friction coefficient [-].
+    share : float
+        Share of the friction circle that may be used [-].
+
+    Returns
+    -------
+    a_x : float
+        Limited to +-sqrt((share mu g)^2 - a_y^2) [m/s^2]; 0 where cornering takes all.
+
+    Examples
+    --------
+    >>> round(friction_limited(-9.0, 4.0, 0.9), 2)
+    -6.87
+    """
+    left = math.sqrt(max((share * mu * _G) ** 2 - a_y * a_y, 0.0))
+    return min(max(a_x, -left), left)
+
+
 def required_deceleration(
     v_x: float, gap: float, v_lead: float, settings: SpeedSettings, a_lead: float = 0.0
 ) -> float:
@@ -212,4 +358,5 @@ def squared_speed_limit(
 
 
 _TAIL = 200.0  # the profile goes on falling behind the end [m]
+_G = 9.81  # [m/s^2]
 _RATE = 0.5  # closing rate near the wanted gap [1/s]

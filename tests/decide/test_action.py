@@ -89,7 +89,7 @@ def test_reason_names_leader_and_every_obstruction() -> None:
 
 
 def test_reason_without_candidates_says_so() -> None:
-    assert "no lane beside" in choose_action(SLOWING, []).reason
+    assert "no way around was looked for" in choose_action(SLOWING, []).reason
 
 
 def test_zone_is_that_of_the_chosen_side() -> None:

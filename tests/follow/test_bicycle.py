@@ -9,7 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core.errors import InputError
-from cca_core.follow import PreviewGains, single_track, steady_sideslip, steady_steering, steady_yaw_rate
+from cca_core.follow import (
+    PreviewGains,
+    shipped_gains,
+    single_track,
+    steady_sideslip,
+    steady_steering,
+    steady_yaw_rate,
+)
 from cca_core.vehicle import VehicleParams
 
 PRESETS = [VehicleParams.bmw_320i(), VehicleParams.ford_escort(), VehicleParams.vw_vanagon()]
@@ -147,7 +154,7 @@ def test_bad_model_input(v: object, l_s: float, words: str) -> None:
 
 def poles(car: VehicleParams, v: float, lag: float = 0.1) -> np.ndarray:
     """Closed loop with the steering actuator as a fifth state."""
-    k_p, k_d, l_s = PreviewGains.default().at(v)
+    k_p, k_d, l_s = shipped_gains(VehicleParams.bmw_320i()).at(v)
     model = single_track(car, v, l_s)
     full = np.zeros((5, 5))
     full[:4, :4], full[:4, 4] = model.A, model.B

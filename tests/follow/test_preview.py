@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cca_core.follow import (
     PreviewController,
-    PreviewGains,
+    shipped_gains,
     single_track,
     steady_sideslip,
     steady_steering,
@@ -51,7 +51,7 @@ def test_no_steering_on_a_straight_path(v: float, x: float) -> None:
 def test_law_on_a_straight_path(d: float, psi: float, v: float, v_y: float, r: float) -> None:
     """delta = -k_p (d + l_s sin psi) - k_d (v sin psi + v_y cos psi + l_s r), clipped."""
     car = dataclasses.replace(CAR, delta_max=0.3)
-    k_p, k_d, l_s = PreviewGains.default().at(v)
+    k_p, k_d, l_s = shipped_gains(CAR).at(v)
     delta = -k_p * (d + l_s * math.sin(psi)) - k_d * (v * math.sin(psi) + v_y * math.cos(psi) + l_s * r)
     state = VehicleState(x=50.0, y=d, psi=psi, v_x=v, v_y=v_y, r=r)
     controller = PreviewController(car, a_y_max=1e9)

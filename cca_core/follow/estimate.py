@@ -1,0 +1,123 @@
+"""Where the car is between and despite noisy fixes: dead reckoning, corrected by each fix."""
+
+import math
+from dataclasses import replace
+
+from cca_core._checks import check_real
+from cca_core.geometry import wrap_angle
+from cca_core.vehicle import VehicleState
+
+__all__ = ["PoseEstimator"]
+
+
+class PoseEstimator:
+    """Position and heading from speed and yaw rate, with GPS fixes as correction.
+
+    Parameters
+    ----------
+    state : VehicleState
+        Start.
+    fix_sigma : float
+        Standard deviation of a fix along each axis [m].
+    position_drift : float
+        How fast dead reckoning loses its position, as a random walk [m/s^0.5].
+    heading_drift : float
+        The same for the heading [rad/s^0.5].
+
+    Raises
+    ------
+    InputError
+        If a value is not positive.
+
+    Notes
+    -----
+    A Kalman filter in the car's own axes: the fix's sideways error corrects position and heading (a heading
+    error shows as sideways drift over the distance driven), its error along the heading the position alone.
+    """
+
+    def __init__(
+        self,
+        state: VehicleState,
+        *,
+        fix_sigma: float = 0.1,
+        position_drift: float = 0.02,
+        heading_drift: float = 0.002,
+    ) -> None:
+        self._fix_variance = check_real("fix_sigma", fix_sigma, above=0.0) ** 2
+        self._q_position = check_real("position_drift", position_drift, above=0.0) ** 2
+        self._q_heading = check_real("heading_drift", heading_drift, above=0.0) ** 2
+        self._state = state
+        # variances along; across, and across with heading, and of the heading
+        self._along = self._across = self._fix_variance
+        self._cross, self._heading = 0.0, 1e-4
+
+    @property
+    def state(self) -> VehicleState:
+        """Best knowledge of the motion now."""
+        return self._state
+
+    def predict(self, measured: VehicleState, dt: float) -> VehicleState:
+        """Drive on by speed and yaw rate.
+
+        Parameters
+        ----------
+        measured : VehicleState
+            Speeds, yaw rate, steering angle and acceleration now; its position and heading are not used.
+        dt : float
+            Time since the last call [s].
+
+        Returns
+        -------
+        state : VehicleState
+            Estimate now.
+        """
+        old = self._state
+        middle = old.psi + 0.5 * measured.r * dt
+        cos, sin = math.cos(middle), math.sin(middle)
+        self._state = replace(
+            measured,
+            x=old.x + (measured.v_x * cos - measured.v_y * sin) * dt,
+            y=old.y + (measured.v_x * sin + measured.v_y * cos) * dt,
+            psi=old.psi + measured.r * dt,
+        )
+        step = measured.v_x * dt
+        self._along += self._q_position * dt
+        self._across += 2.0 * step * self._cross + step * step * self._heading + self._q_position * dt
+        self._cross += step * self._heading
+        self._heading += self._q_heading * dt
+        return self._state
+
+    def correct(self, x: float, y: float) -> VehicleState:
+        """Take a fix into account.
+
+        Parameters
+        ----------
+        x, y : float
+            Position of the centre of gravity as measured now [m]; a fix that is not finite is ignored.
+
+        Returns
+        -------
+        state : VehicleState
+            Estimate now.
+        """
+        if not math.isfinite(x + y):
+            return self._state
+        old = self._state
+        cos, sin = math.cos(old.psi), math.sin(old.psi)
+        dx, dy = x - old.x, y - old.y
+        along, across = cos * dx + sin * dy, cos * dy - sin * dx
+        gain_along = self._along / (self._along + self._fix_variance)
+        total = self._across + self._fix_variance
+        gain_across, gain_heading = self._across / total, self._cross / total
+        self._along *= 1.0 - gain_along
+        self._heading -= gain_heading * self._cross
+        self._cross *= 1.0 - gain_across
+        self._across *= 1.0 - gain_across
+        move, side = gain_along * along, gain_across * across
+        self._state = replace(
+            old,
+            x=old.x + cos * move - sin * side,
+            y=old.y + sin * move + cos * side,
+            psi=wrap_angle(old.psi + gain_heading * across),
+        )
+        return self._state

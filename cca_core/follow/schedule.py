@@ -1,0 +1,202 @@
+"""Gains of the preview steering law over speed, and the schedules that ship with the library."""
+
+from bisect import bisect_right
+from dataclasses import dataclass
+
+from cca_core._checks import check_array, check_real
+from cca_core.errors import InputError
+from cca_core.vehicle import VehicleParams
+
+__all__ = ["PreviewGains", "shipped_gains"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PreviewGains:
+    """Gains of the preview steering law over speed, linear between grid points and held outside.
+
+    Parameters
+    ----------
+    speeds : tuple of float
+        Grid [m/s], positive, increasing.
+    k_p : tuple of float
+        Steering angle per lateral error at the preview point [rad/m].
+    k_d : tuple of float
+        Steering angle per rate of that error [rad s/m].
+    l_s : tuple of float
+        Preview distance in front of the centre of gravity [m].
+
+    Raises
+    ------
+    InputError
+        If the lengths differ, the grid does not increase, or a gain is negative.
+    """
+
+    speeds: tuple[float, ...]
+    k_p: tuple[float, ...]
+    k_d: tuple[float, ...]
+    l_s: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("speeds", "k_p", "k_d", "l_s"):
+            column = check_array(name, getattr(self, name), (None,)).tolist()
+            if len(column) != len(self.speeds) or not column:
+                raise InputError(
+                    f"{name} must have one value per speed ({len(self.speeds)}), had {len(column)}"
+                )
+            for value in column:
+                check_real(name, value, least=0.0)
+        check_real("speeds", self.speeds[0], above=0.0)
+        if any(b <= a for a, b in zip(self.speeds, self.speeds[1:], strict=False)):
+            raise InputError("speeds must increase")
+
+    def at(self, v_x: float) -> tuple[float, float, float]:
+        """Gains at a speed.
+
+        Parameters
+        ----------
+        v_x : float
+            Forward speed [m/s].
+
+        Returns
+        -------
+        k_p, k_d, l_s : float
+            Gains [rad/m], [rad s/m] and preview distance [m].
+        """
+        i = bisect_right(self.speeds, v_x)
+        if i == 0 or i == len(self.speeds):
+            j = max(i - 1, 0)
+            return self.k_p[j], self.k_d[j], self.l_s[j]
+        w = (v_x - self.speeds[i - 1]) / (self.speeds[i] - self.speeds[i - 1])
+        k_p, k_d, l_s = (c[i - 1] + w * (c[i] - c[i - 1]) for c in (self.k_p, self.k_d, self.l_s))
+        return k_p, k_d, l_s
+
+
+def shipped_gains(vehicle: VehicleParams) -> PreviewGains:
+    """Schedule designed in advance.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        The car; its body and limits do not matter.
+
+    Returns
+    -------
+    gains : PreviewGains
+        What `design_gains` gives for the presets of `VehicleParams`; for any other car that of the BMW
+        320i: design your own for it.
+    """
+    name = next((n for n, preset in _PRESETS.items() if _same(vehicle, preset)), "bmw_320i")
+    k_p, k_d = _TABLES[name]
+    return PreviewGains(speeds=_SPEEDS, k_p=k_p, k_d=k_d, l_s=tuple(max(v, 4.0) for v in _SPEEDS))
+
+
+def _same(a: VehicleParams, b: VehicleParams) -> bool:
+    return (a.m, a.I_z, a.l_f, a.l_r, a.C_f, a.C_r) == (b.m, b.I_z, b.l_f, b.l_r, b.C_f, b.C_r)
+
+
+_PRESETS = {
+    "bmw_320i": VehicleParams.bmw_320i(),
+    "ford_escort": VehicleParams.ford_escort(),
+    "vw_vanagon": VehicleParams.vw_vanagon(),
+}
+
+# k_p [rad/m] and k_d [rad s/m] as design_gains gives them with its defaults
+_SPEEDS = (2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0)
+_TABLES = {
+    "bmw_320i": (
+        (
+            0.3098,
+            0.3098,
+            0.2848,
+            0.1431,
+            0.091,
+            0.06585,
+            0.04405,
+            0.03288,
+            0.02379,
+            0.01523,
+            0.01195,
+            0.008783,
+            0.005948,
+        ),
+        (
+            0,
+            0.01271,
+            0.008762,
+            0.002935,
+            0.003733,
+            0.004052,
+            0.004066,
+            0.004047,
+            0.00366,
+            0.001874,
+            0.001594,
+            0.001261,
+            0.000793,
+        ),
+    ),
+    "ford_escort": (
+        (
+            0.274,
+            0.274,
+            0.2519,
+            0.1266,
+            0.08049,
+            0.05824,
+            0.03896,
+            0.02908,
+            0.02104,
+            0.01347,
+            0.01057,
+            0.01123,
+            0.008596,
+        ),
+        (
+            0,
+            0.008431,
+            0.005166,
+            0,
+            0.001651,
+            0.002987,
+            0.002797,
+            0.002983,
+            0.002806,
+            0.001519,
+            0.001301,
+            0.002188,
+            0.001763,
+        ),
+    ),
+    "vw_vanagon": (
+        (
+            0.3098,
+            0.3098,
+            0.2848,
+            0.1431,
+            0.091,
+            0.06585,
+            0.04405,
+            0.03288,
+            0.02379,
+            0.01523,
+            0.01195,
+            0.008783,
+            0.006724,
+        ),
+        (
+            0,
+            0.01589,
+            0.008762,
+            0.004403,
+            0.004667,
+            0.005403,
+            0.004518,
+            0.004721,
+            0.003904,
+            0.002342,
+            0.001839,
+            0.001441,
+            0.001172,
+        ),
+    ),
+}
