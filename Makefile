@@ -17,7 +17,7 @@ help:
 	@echo "make lint      ruff, mypy and the import contract alone"
 	@echo "make docs      the documentation, in docs/_build/html"
 	@echo "make bench     the table of run times"
-	@echo "make validate  the tests with the full number of random cases (long)"
+	@echo "make validate  the tests with the full number of random cases, into docs/validation.md (long)"
 	@echo "make clean     remove what was built; .venv stays"
 
 demo: .venv/demo.stamp
@@ -39,7 +39,7 @@ bench: .venv/dev.stamp
 	$(ONE_THREAD) $(BIN)/python -m pytest --benchmark-only --benchmark-sort=name tests/bench
 
 validate: .venv/dev.stamp
-	CCA_HYPOTHESIS_PROFILE=full $(BIN)/python -m pytest tests
+	$(BIN)/python tests/validate.py
 
 clean:
 	rm -rf out build dist docs/_build docs/generated .benchmarks .hypothesis .import_linter_cache .mypy_cache \

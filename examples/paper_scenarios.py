@@ -18,7 +18,7 @@ from cca_core.path import Waypoints, read_waypoints
 from cca_core.plot import outcome, plot_time_series, plot_traffic, plot_tunings, write_report
 from cca_core.sim import CASES, Log, Scenario, maneuver, simulate
 from cca_core.sim.loop import CYCLE
-from cca_core.sim.route import cut_path, demo_route, longest_stretch
+from cca_core.sim.route import demo_route, longest_stretch
 
 RUNS = [(case, True) for case in CASES] + [(case, False) for case in ("1-smooth", "2", "3")]
 RADIUS = 200.0  # tighter bends are no place for these manoeuvres [m]
@@ -66,7 +66,7 @@ def lay_road(waypoints: Waypoints, km: float) -> Path:
         f"{waypoints.duplicates} duplicates dropped, {len(xy)} points on {path.length / 1000.0:.1f} km used"
     )
     print(f"longest stretch with radius over {RADIUS:.0f} m: from {start:.0f} m to {end:.0f} m")
-    return cut_path(path, start, end)
+    return path.cut(start, end)
 
 
 def drive(scenarios: list[Scenario], seed: int) -> list[Log]:

@@ -9,7 +9,7 @@ import numpy as np
 from cca_core._checks import Array, Mask, check_real
 from cca_core.errors import InfeasibleError, InputError
 from cca_core.follow.bicycle import single_track
-from cca_core.follow.schedule import PreviewGains
+from cca_core.follow.schedule import SLIP_SHARE, PreviewGains
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["GainRegion", "Margins", "StabilityRegion", "design_gains", "gain_region", "stability_margins"]
@@ -45,10 +45,10 @@ class StabilityRegion:
     """
 
     decay: float = 0.8
-    damping: float = 0.5
+    damping: float = 0.4
     mass: tuple[float, float] = (1.0, 1.3)
     friction: tuple[float, float] = (0.6, 1.0)
-    delay: float = 0.04
+    delay: float = 0.08
 
     def __post_init__(self) -> None:
         check_real("decay", self.decay, least=0.0)
@@ -146,8 +146,8 @@ def design_gains(
     speeds: Sequence[float] = SPEEDS,
     *,
     region: StabilityRegion | None = None,
-    preview_time: float = 1.0,
-    least_preview: float = 4.0,
+    preview_time: float = 1.1,
+    least_preview: float = 4.4,
 ) -> PreviewGains:
     """Schedule preview gains over speed.
 
@@ -221,7 +221,7 @@ def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: Stabilit
     Notes
     -----
     Poles of the single-track model with steering lag, second-order Pade delay and the steering law. At low
-    speed the decay asked for is limited to half the speed over the preview distance: a car cannot
+    speed the decay asked for is limited to nine tenths of the speed over the preview distance: a car cannot
     return to its path faster than it moves.
     """
     k_p, share = np.meshgrid(
@@ -237,7 +237,7 @@ def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: Stabilit
         damped = np.where(np.abs(poles.imag) > 1e-9 * size, -poles.real / size, np.sign(-poles.real))
         decay = np.minimum(decay, -poles.real.max(axis=-1))
         damping = np.minimum(damping, damped.min(axis=-1))
-    asked = min(region.decay, 0.5 * v_x / max(l_s, 1e-9))
+    asked = min(region.decay, 0.9 * v_x / max(l_s, 1e-9))
     admissible = (decay >= asked) & (damping >= region.damping)
     best = np.unravel_index(int(np.argmax(np.where(admissible, decay, -np.inf))), decay.shape)
     chosen = (float(k_p[best]), float(k_d[best])) if admissible.any() else None
@@ -317,6 +317,6 @@ def _loop(vehicle: VehicleParams, v_x: float, l_s: float, delay: float) -> tuple
         A[4, 6] = -12.0 / delay / vehicle.steering_lag
         B[6] = 1.0
     C_p, C_d = np.zeros(n), np.zeros(n)
-    C_p[3] = 1.0
+    C_p[3], C_p[0] = 1.0, SLIP_SHARE * l_s
     C_d[:4] = model.A[3]
     return A, B, C_p, C_d

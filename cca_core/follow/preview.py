@@ -6,16 +6,17 @@ from typing import Literal
 from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.follow.inverse import InverseSteering
-from cca_core.follow.schedule import PreviewGains, shipped_gains
+from cca_core.follow.schedule import SLIP_SHARE, PreviewGains, shipped_gains
 from cca_core.geometry import wrap_angle
 from cca_core.path.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
 
 __all__ = ["PreviewController"]
 
-_INTEGRAL_TIME = 6.0  # of the slow correction of what the model does not know [s]
+_INTEGRAL_TIME = 3.0  # of the slow correction of what the model does not know [s]
 _INTEGRAL_LIMIT = 0.02  # of that correction [rad]
-_SMALL = 0.2  # only errors below this are integrated [m]
+_SLIP_KNOWN = 3.0  # above this speed the sideslip is worth measuring [m/s]
+_SMALL = 0.1  # only errors below this are integrated [m]
 
 
 class PreviewController:
@@ -45,8 +46,9 @@ class PreviewController:
     The feed-forward is the steering that keeps an ideal car exactly on the path, taken from the curvature
     where the car will be when the wheels have answered (`InverseSteering`). The ideal car has a sideslip
     and a yaw rate in bends; e_ref is what its preview point shows, so that the feedback only acts
-    on what the model does not explain. With the tangent that is e_ref = -l_s sin(beta); with the path itself
-    additionally the bend of the path over the preview distance.
+    on what the model does not explain; three tenths of the sideslip are taken from the car itself, which
+    knows its load and tyres better than the model. With the tangent that is e_ref = -l_s sin(beta); with the
+    path itself additionally the bend of the path over the preview distance.
     """
 
     def __init__(
@@ -97,6 +99,8 @@ class PreviewController:
         ahead = s + v * (self.delay + p.steering_lag)
         feed_forward = self._inverse.advance(ahead, path.curvature_at(ahead), v, dt)
         beta, r = self._inverse.motion_at(s)
+        if v > _SLIP_KNOWN:
+            beta += SLIP_SHARE * (math.atan2(state.v_y, v) - beta)
         k_p, k_d, l_s = self.gains.at(v)
         e_psi = wrap_angle(state.psi - heading)
         sin, cos = math.sin(e_psi), math.cos(e_psi)

@@ -1,25 +1,35 @@
-"""From waypoints to a `Path`: smoothing cubics for GPS, interpolating cubics for the nodes of a band."""
+"""From waypoints to a `Path`: smoothing cubics that keep a tolerance and a curvature limit."""
 
-from typing import Any
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import LinAlgError, lapack, solveh_banded
 
-from cca_core._checks import Array, Index, Mask, check_array, check_points, check_real
-from cca_core.errors import InputError
+from cca_core._checks import Array, Index, Mask, check_points, check_real
+from cca_core.errors import InfeasibleError, InputError
+from cca_core.path.interpolate import over_arc_length
 from cca_core.path.path import Path
+from cca_core.path.smoothing import SmoothingSpline
 
-_REPARAMETRISATIONS = 3
-_BISECTIONS = 20
+_REPARAMETRISATIONS = 4
 _GAP_RATIO, _GAP_LEAST = 4.0, 20.0  # a chord over 4 medians (and 20 m) is a gap
-_STIFFEST = 10.0  # longest smoothing length tried, in segments
 _STRETCH = 1.2  # a fit this much longer than its chords is not taken as a parameter
-_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(4)
+_BENT = 0.5  # turn from border to border of the sharpest clothoid [rad]
+_TURN = 0.1  # a segment turns by no more [rad], while it has points to be divided at
+_LONGEST = 64  # points in the first segments of the adaptive fit
+_ROUNDINGS = 30
+_HEADROOM = 0.95  # of the curvature limit, for what arc length and re-interpolation change
+_FREEDOM = 3.0  # tolerances that the path may swing off the chord of a gap
 
 
 def fit_path(
-    xy: ArrayLike, *, tolerance: float = 0.3, points_per_segment: int = 4, closed: bool = False
+    xy: ArrayLike,
+    *,
+    tolerance: float = 0.3,
+    points_per_segment: int = 4,
+    segmentation: str = "equal",
+    curvature_limit: float | None = None,
+    closed: bool = False,
 ) -> Path:
     """Fit a smooth path through waypoints.
 
@@ -31,7 +41,12 @@ def fit_path(
         Largest distance allowed between a waypoint and the path [m]. Within it the path is as smooth as
         it can be; 0 interpolates.
     points_per_segment : int
-        Waypoints in each segment [-]; halved until the tolerance can be kept.
+        Waypoints in each segment [-] of the equal segmentation; halved until the tolerance can be kept.
+    segmentation : {"equal", "adaptive"}
+        Segments of equal waypoint count, or as long as the tolerance allows.
+    curvature_limit : float, optional
+        Largest curvature of the path [1/m], such as that of a car's turning circle. Where limit and
+        tolerance contradict each other the limit is kept, and the path passes as near as it can.
     closed : bool
         Whether the road leads from the last waypoint back to the first. The path then ends where it
         starts, with the same heading and curvature.
@@ -39,20 +54,32 @@ def fit_path(
     Returns
     -------
     path : Path
-        Segments of equal waypoint count, joined with continuous position, heading and curvature.
+        Segments joined with continuous position, heading and curvature, over true arc length.
 
     Raises
     ------
     InputError
         If there are fewer than two waypoints, neighbours coincide, or an argument is out of range.
+    InfeasibleError
+        If no path within the curvature limit is found.
+
+    See Also
+    --------
+    clean_route : make parts that can be fitted from a recorded route.
 
     Notes
     -----
     Eqs (1) and (2) of the paper with continuous second derivatives are a cubic B-spline with one knot per
     segment border. Among the splines with these knots the one is taken that minimises
-    ``integral |X - P|^2 + l^6 |X'''|^2 ds`` with the largest smoothing length l for which no waypoint is
-    farther away than `tolerance`. The parameter is chord length first, then the arc length of the
-    curve fitted before, so that s is arc length. Cost is linear in n.
+    ``integral |X - P|^2 + l^8 |X'''' - Q|^2 ds`` with the largest smoothing length l for which no
+    waypoint is farther away than `tolerance`. Q is the fourth derivative of a clothoid: straight lines,
+    circles and clothoids, of which roads are made, are smooth alike. The parameter is chord length first,
+    then the arc length of the curve fitted before. The result is interpolated anew over its arc length,
+    so that the length of dX/ds is 1 within 1e-3. Segments that turn by more than 0.1 rad are divided
+    further. Cost is linear in n.
+
+    With a curvature limit the tolerance holds for those waypoints that a curve within the limit can
+    reach. How far the path leaves the others shows ``path.project(xy)[1]``.
 
     Examples
     --------
@@ -65,6 +92,11 @@ def fit_path(
     per_segment = check_real("points_per_segment", points_per_segment, least=1)
     if per_segment != int(per_segment):
         raise InputError(f"points_per_segment must be a whole number, was {per_segment:g}")
+    if segmentation not in ("equal", "adaptive"):
+        raise InputError(f"segmentation must be 'equal' or 'adaptive', was {segmentation!r}")
+    limit = math.inf
+    if curvature_limit is not None:
+        limit = check_real("curvature_limit", curvature_limit, above=0.0)
     if closed:
         if not np.array_equal(points[0], points[-1]):
             points = np.vstack((points, points[:1]))
@@ -76,78 +108,128 @@ def fit_path(
     if (chords <= 0.0).any():
         i = int(np.argmin(chords))
         raise InputError(f"xy must not repeat a point, row {i} equals the next; drop duplicates first")
-    dense, given = _bridge_gaps(points, chords)
-    count = int(per_segment)
-    while True:
-        spline, worst = _fit(dense, given, count, max(tolerance, 1e-9), closed)
-        if worst <= max(tolerance, 1e-6) or count == 1:
-            return spline.path()
-        count //= 2
+    fit = _Fit(points, chords, max(tolerance, 1e-9), closed)
+    return fit.within(limit, int(per_segment) if segmentation == "equal" else None)
 
 
-def interpolate_path(
-    nodes: ArrayLike,
-    *,
-    start: float = 0.0,
-    start_tangent: ArrayLike | None = None,
-    end_tangent: ArrayLike | None = None,
-) -> Path:
-    """Lay a path exactly through closely spaced nodes.
+class _Fit:
+    """One fit: the waypoints, made dense over gaps, and what is asked of the path."""
 
-    Parameters
-    ----------
-    nodes : array_like, shape (n, 2)
-        Positions [m], in driving order, no two neighbours equal.
-    start : float
-        Arc length of the first node [m].
-    start_tangent, end_tangent : array_like, shape (2,), optional
-        Direction at the first and last node [-]. Without them the curvature is zero there.
+    def __init__(self, points: Array, chords: Array, tolerance: float, closed: bool) -> None:
+        self._points, given = _bridge_gaps(points, chords)
+        self._asked = np.where(given, 1.0, 1.0 / _FREEDOM)  # share of the tolerance
+        self._chord = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
+        self._accepted = max(tolerance, 1e-6)
+        # what the interpolation at the end may add
+        self._tolerance = max(tolerance - min(1e-3 * tolerance, 1e-4), 1e-9)
+        self._closed, self._limit = closed, math.inf
 
-    Returns
-    -------
-    path : Path
-        One cubic between each two nodes (the C2 interpolating spline over chord length).
+    def within(self, limit: float, per_segment: int | None) -> Path:
+        """Find the path with curvature up to `limit`, in equal segments or (None) adaptive ones."""
+        curve = self._segmented(per_segment)
+        path = over_arc_length(curve, self._closed)
+        if _largest_curvature(path) <= limit:
+            return path
+        if self._closed and limit * self._chord[-1] < 2.0 * math.pi:
+            raise InfeasibleError(
+                f"no path of {self._chord[-1]:.0f} m closes with a curvature of at most {limit:g} 1/m"
+            )
+        self._limit = _HEADROOM * limit
+        self._give_up()
+        path = over_arc_length(self._segmented(per_segment), self._closed)
+        for _ in range(_ROUNDINGS):
+            if _largest_curvature(path) <= limit:
+                return path
+            path = _rounded(path, self._limit, self._closed)
+        raise InfeasibleError(f"no path with a curvature of at most {limit:g} 1/m was found")
 
-    Raises
-    ------
-    InputError
-        If there are fewer than two nodes, neighbours coincide, or a value is not finite.
+    def _segmented(self, per_segment: int | None) -> Path:
+        n = len(self._points) - 1
+        if per_segment is not None:
+            while True:
+                knots = np.linspace(0, n, max(1, n // per_segment) + 1).round().astype(np.intp)
+                spline, knots = self._fit(knots)
+                if per_segment == 1 or (spline.residuals() * self._asked).max() <= self._accepted:
+                    return spline.path()
+                per_segment //= 2
+        knots = np.linspace(0, n, max(1, n // _LONGEST) + 1).round().astype(np.intp)
+        while True:
+            spline, knots = self._fit(knots)
+            bad = np.flatnonzero(spline.residuals() * self._asked > self._accepted)
+            segments = np.unique(np.searchsorted(knots[1:-1], np.concatenate((bad, bad - 1))))
+            split = np.zeros(len(knots) - 1, dtype=bool)
+            split[segments if len(bad) else []] = True
+            finer = _split(knots, split)
+            if len(finer) == len(knots):
+                return spline.path()
+            knots = finer
 
-    Examples
-    --------
-    >>> interpolate_path([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]).length
-    2.0
-    """
-    points = check_points("nodes", nodes, 2)
-    steps = np.diff(points, axis=0)
-    h = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
-    if not h.all():
-        raise InputError(f"nodes must not repeat a point, row {int(np.argmin(h))} equals the next")
-    slopes = steps / h[:, None]
-    diagonal = np.full(len(points), 1.0)
-    diagonal[1:-1] = 2.0 * (h[:-1] + h[1:])
-    off = h.copy()
-    rhs = np.zeros_like(points)
-    rhs[1:-1] = 6.0 * np.diff(slopes, axis=0)
-    start = check_real("start", start)
-    ends = (("start_tangent", start_tangent, 0, 1.0), ("end_tangent", end_tangent, -1, -1.0))
-    for name, tangent, node, sign in ends:
-        if tangent is None:
-            off[node] = 0.0  # natural end: no curvature
-        else:
-            unit = check_array(name, tangent, (2,))
-            if not unit.any():
-                raise InputError(f"{name} must not be zero")
-            diagonal[node] = 2.0 * h[node]
-            rhs[node] = 6.0 * sign * (slopes[node] - unit / np.hypot(*unit))
-    second = lapack.dptsv(diagonal, off, rhs)[2]  # h_i-1 M_i-1 + 2 (h_i-1 + h_i) M_i + h_i M_i+1 = 6 [slope]
-    squared = (h * h)[:, None]
-    coefficients = np.empty((len(h), 2, 4))
-    coefficients[:, :, 0] = squared * (second[1:] - second[:-1]) / 6.0
-    coefficients[:, :, 1] = squared * second[:-1] / 2.0
-    coefficients[:, :, 2] = steps - squared * (2.0 * second[:-1] + second[1:]) / 6.0
-    coefficients[:, :, 3] = points[:-1]
-    return Path(start + np.concatenate(([0.0], np.cumsum(h))), coefficients)
+    def _give_up(self) -> None:
+        """Ask no tolerance of waypoints that no curve within the limit comes near."""
+        spline, _ = self._fit(np.arange(len(self._points)), smooth=False)
+        self._asked = self._asked * (spline.residuals() * self._asked <= self._tolerance)
+
+    def _fit(self, knots: Index, smooth: bool = True) -> tuple[SmoothingSpline, Index]:
+        """Fit with these knots and more where it bends; the parameter is nearly arc length."""
+        s, guide, smoothing = self._chord, None, None
+        kept: tuple[SmoothingSpline, Index] | None = None
+        limited = self._limit < math.inf
+        for more in range(_REPARAMETRISATIONS, -1, -1):
+            spline = SmoothingSpline(s, knots, self._points, self._asked, self._closed, guide)
+            if smooth:
+                worst, smoothing = spline.smooth_within(self._tolerance, smoothing)
+            else:
+                worst = spline.interpolate()
+            spline.limit_bends(self._limit)
+            lengths = spline.arc_length()
+            if kept and lengths[-1] > _STRETCH * self._chord[-1]:
+                break  # a curve that loops between its points only gets worse with its own length
+            kept = spline, knots
+            if not more or (smooth and not limited and worst > 2.0 * self._accepted):
+                break
+            path = spline.path()
+            middle = 0.5 * (path.breaks[1:] + path.breaks[:-1])
+            knots = _split(knots, np.abs(path.curvature(middle)) * np.diff(path.breaks) > _TURN)
+            guide = _clothoids(path, s[knots])
+            s = lengths
+        return kept or (spline, knots)
+
+
+def _split(knots: Index, where: Mask) -> Index:
+    """Divide some segments at their middle point, if they have one."""
+    middle = (knots[1:] + knots[:-1]) // 2
+    return np.union1d(knots, middle[where])
+
+
+def _clothoids(path: Path, borders: Array) -> Array:
+    """Fourth derivative at the inner borders if the curvature there changed evenly."""
+    _, first, _ = path.derivatives(borders)
+    first /= np.hypot(first[:, 0], first[:, 1])[:, None]
+    most = _BENT / np.gradient(borders)  # no clothoid turns further between its neighbours
+    kappa = np.clip(path.curvature(borders), -most, most)
+    change = np.gradient(kappa, borders)
+    normal = np.column_stack((-first[:, 1], first[:, 0]))
+    return -(kappa**3)[:, None] * normal - (3.0 * kappa * change)[:, None] * first
+
+
+def _rounded(path: Path, limit: float, closed: bool) -> Path:
+    """Return a path with its bends brought towards `limit`, and over its arc length again."""
+    bent = np.abs(path.curvature(path.breaks)) > 0.5 * limit
+    near = np.convolve(bent[1:] | bent[:-1], np.ones(3), "same") > 0.0
+    parts = np.where(near, np.ceil(np.diff(path.breaks) * limit / _TURN), 1.0).astype(np.intp)
+    index = np.repeat(np.arange(len(parts)), parts)
+    share = (np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[index]
+    s = np.append(path.breaks[index] + share * np.diff(path.breaks)[index], path.end)
+    spline = SmoothingSpline(s, np.arange(len(s)), path.position(s), np.ones(len(s)), closed)
+    spline.interpolate()
+    spline.limit_bends(limit)
+    return over_arc_length(spline.path(), closed)
+
+
+def _largest_curvature(path: Path) -> float:
+    share = np.linspace(0.0, 1.0, 8, endpoint=False)
+    s = path.breaks[:-1, None] + share * np.diff(path.breaks)[:, None]
+    return float(np.abs(path.curvature(s)).max())
 
 
 def _bridge_gaps(points: Array, chords: Array) -> tuple[Array, Mask]:
@@ -157,143 +239,3 @@ def _bridge_gaps(points: Array, chords: Array) -> tuple[Array, Mask]:
     share = (np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[index]
     dense = points[index] + share[:, None] * np.diff(points, axis=0)[index]
     return np.vstack((dense, points[-1:])), np.append(share == 0.0, True)
-
-
-def _fit(
-    points: Array, given: Mask, per_segment: int, tolerance: float, closed: bool
-) -> tuple["_SmoothingSpline", float]:
-    """Fit with a fixed number of segments; return the spline and its largest residual at given points."""
-    chord_length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-    knots = np.linspace(0, len(points) - 1, max(1, (len(points) - 1) // per_segment) + 1).round().astype(int)
-    spline = _SmoothingSpline(chord_length, knots, points, given, closed)
-    worst = spline.smooth_within(tolerance)
-    for _ in range(_REPARAMETRISATIONS):
-        s = spline.arc_length()
-        if s[-1] > _STRETCH * chord_length[-1]:
-            break  # a curve that loops between its points only gets worse with its own length
-        spline = _SmoothingSpline(s, knots, points, given, closed)
-        worst = spline.smooth_within(tolerance)
-    return spline, worst
-
-
-class _SmoothingSpline:
-    """Cubic B-spline with knots at some of the points, fitted at parameters s, with a penalty on X'''.
-
-    A closed spline has as many coefficients as segments; they count round and round.
-    """
-
-    def __init__(self, s: Array, knot_index: Index, points: Array, given: Mask, closed: bool) -> None:
-        from scipy.interpolate import BSpline  # slow to import, and only fitting needs it
-
-        self._s, self._closed = s, closed
-        breaks = self._breaks = s[knot_index]
-        self._count = len(breaks) - 1 if closed else len(breaks) + 2
-        if closed:
-            before, after = np.arange(-3, 0), np.arange(1, 4)
-            lap, n = breaks[-1], len(breaks) - 1
-            ring = [breaks[k % n] + lap * (k // n) for k in (*before, *(n + after))]
-            self._knots = np.concatenate((ring[:3], breaks, ring[3:]))
-        else:
-            self._knots = np.concatenate((breaks[[0, 0, 0]], breaks, breaks[[-1, -1, -1]]))
-        at = s[:-1] if closed else s
-        matrix = BSpline.design_matrix(at, self._knots, 3)
-        self._basis = matrix.data.reshape(len(at), 4)
-        self._columns = self._wrap(matrix.indices.reshape(len(at), 4)[:, 0].astype(np.intp))
-        # what an affine function explains costs no roughness; the rest is fitted
-        slope = np.zeros(2) if closed else (points[-1] - points[0]) / s[-1]
-        greville = (self._knots[1:-3] + self._knots[2:-2] + self._knots[3:-1]) / 3.0
-        self._affine = points[0] + greville[: self._count, None] * slope
-        self._data = points[: len(at)] - points[0] - at[:, None] * slope
-        self._given = given[: len(at)]
-        weight = np.gradient(s)[: len(at)]
-        self._fit_matrix = self._normal(self._basis, self._columns, weight)
-        self._right = np.zeros((self._count, 2))
-        weighted = (weight[:, None] * self._basis)[..., None] * self._data[:, None, :]
-        np.add.at(self._right, self._columns, weighted)
-        length = np.diff(breaks)
-        segments = self._wrap(np.arange(len(length)))
-        self._roughness = self._normal(self._third_derivative(), segments, length)
-        self._span = float(np.median(length))
-        self._rest = np.zeros((self._count, 2))
-
-    def smooth_within(self, tolerance: float) -> float:
-        """Find the smoothest fit whose largest residual keeps `tolerance`; return that residual."""
-        low, high = np.log(1e-2 * self._span), np.log(_STIFFEST * self._span)
-        worst = self._solve(np.exp(high))
-        if worst <= tolerance:
-            return worst
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            if self._solve(np.exp(middle)) <= tolerance:
-                low = middle
-            else:
-                high = middle
-        return self._solve(np.exp(low))
-
-    def arc_length(self) -> Array:
-        """Arc length of the curve at each data parameter (Gauss-Legendre between neighbours)."""
-        half = 0.5 * np.diff(self._s)[:, None]
-        at = self._s[:-1, None] + half * (1.0 + _GAUSS_X)
-        first = self.path().derivatives(at)[1]
-        speed = np.hypot(first[..., 0], first[..., 1])
-        return np.concatenate(([0.0], np.cumsum((half * speed) @ _GAUSS_W)))
-
-    def path(self) -> Path:
-        """Eqs (1) and (2): the cubics of each segment over lambda in [0, 1]."""
-        from scipy.interpolate import BSpline
-
-        unwrapped = (self._affine + self._rest)[np.arange(len(self._knots) - 4) % self._count]
-        spline, start = BSpline(self._knots, unwrapped, 3), self._breaks[:-1]
-        length = np.diff(self._breaks)[:, None]
-        taylor = [
-            length**k / factorial * spline(start, k) for k, factorial in ((3, 6), (2, 2), (1, 1), (0, 1))
-        ]
-        return Path(self._breaks, np.stack(taylor, axis=-1))
-
-    def _solve(self, smoothing_length: float) -> float:
-        matrix = self._fit_matrix + smoothing_length**6 * self._roughness
-        if self._closed:
-            from scipy.sparse.linalg import splu
-
-            self._rest = splu(matrix.tocsc()).solve(self._right)
-        else:
-            try:
-                self._rest = solveh_banded(matrix, self._right)
-            except LinAlgError:
-                return np.inf
-        fitted = np.einsum("ij,ijk->ik", self._basis, self._rest[self._columns])
-        return float(np.hypot(*(fitted - self._data)[self._given].T).max())
-
-    def _wrap(self, first: Index) -> Index:
-        """Columns of four neighbouring coefficients from each first one on."""
-        columns: Index = (first[:, None] + np.arange(4)) % self._count
-        return columns
-
-    def _normal(self, rows: Array, columns: Index, weight: Array) -> Any:
-        """Sum of weight row^T row: upper banded form of an open spline, sparse matrix of a closed one."""
-        if self._closed:
-            from scipy.sparse import coo_array
-
-            block = weight[:, None, None] * rows[:, :, None] * rows[:, None, :]
-            i, j = np.broadcast_arrays(columns[:, :, None], columns[:, None, :])
-            return coo_array((block.ravel(), (i.ravel(), j.ravel())), shape=(self._count,) * 2).tocsc()
-        banded = np.zeros((4, self._count))
-        for p in range(4):
-            for q in range(p, 4):
-                product = weight * rows[:, p] * rows[:, q]
-                banded[3 + p - q] += np.bincount(columns[:, q], product, self._count)
-        return banded
-
-    def _third_derivative(self) -> Array:
-        """Third derivative on each segment as four weights on the coefficients (de Boor differences)."""
-        t = self._knots
-        n = len(t) - 4
-        rows = np.zeros((n, 4))
-        rows[:, 0] = 1.0
-        for order in (1, 2, 3):
-            count = n - order
-            gap = t[4 : 4 + count] - t[order : order + count]
-            shifted = np.zeros((count, 4))
-            shifted[:, 1:] = rows[1 : count + 1, :3]
-            rows = (shifted - rows[:count]) * ((4.0 - order) / gap)[:, None]
-        return rows

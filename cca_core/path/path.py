@@ -1,20 +1,13 @@
-"""A road's centre line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable.
-
-All queries of a path stand in one class, so this module is longer than others.
-"""
+"""A road's centre line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable."""
 
 import math
-from bisect import bisect_right
-from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_array, check_real
 from cca_core.errors import InputError
-
-_SWEEPS = 12  # Newton converges in 2 to 4; the rest is for points far off a tight bend
+from cca_core.path.cubics import Cubics
 
 
 class Path:
@@ -61,10 +54,7 @@ class Path:
         s.setflags(write=False)
         c.setflags(write=False)
         self._breaks, self._coefficients = s, c
-        self._tree: tuple[Array, Any] | None = None  # samples for cold projections, made on demand
-        # the same in powers of metres, shape (4, n_segments, 2), cubic term first
-        scale = np.diff(s)[:, None] ** -np.arange(3.0, -1.0, -1.0)
-        self._powers = c.transpose(2, 0, 1) * scale.T[:, :, None]
+        self._cubics = Cubics(s, c)
 
     def __repr__(self) -> str:
         return f"Path({len(self._coefficients)} segments, {self.length:.1f} m)"
@@ -111,19 +101,7 @@ class Path:
         second : ndarray, shape (..., 2)
             Change of the tangent [1/m].
         """
-        s = np.asarray(s, dtype=np.float64)
-        on = np.minimum(np.maximum(s, self._breaks[0]), self._breaks[-1])
-        i = np.searchsorted(self._breaks[1:-1], on, side="right")
-        a, b, c, d = self._powers[:, i]
-        t = (on - self._breaks[i])[..., None]
-        first = (3.0 * a * t + 2.0 * b) * t + c
-        position = ((a * t + b) * t + c) * t + d
-        second = 6.0 * a * t + 2.0 * b
-        beyond = (s - on)[..., None]
-        if beyond.any():
-            position = position + beyond * first
-            second = np.where(beyond == 0.0, second, 0.0)
-        return position, first, second
+        return self._cubics.derivatives(np.asarray(s, dtype=np.float64))
 
     def position(self, s: ArrayLike) -> Array:
         """Point on the path.
@@ -218,6 +196,28 @@ class Path:
         n = max(2, math.ceil(self.length / spacing - 1e-9) + 1)
         return self.position(np.linspace(self.start, self.end, n))
 
+    def cut(self, start: float, end: float) -> "Path":
+        """Part of the path, exactly, with the arc lengths of the whole.
+
+        Parameters
+        ----------
+        start, end : float
+            Arc lengths of the first and last point of the part [m], on the path.
+
+        Returns
+        -------
+        part : Path
+            The same curve from `start` to `end`; segments at its ends are divided.
+
+        Raises
+        ------
+        InputError
+            If `start` is not less than `end`, or one of them is not on the path.
+        """
+        start = check_real("start", start, least=self.start, most=self.end)
+        end = check_real("end", end, above=start, most=self.end)
+        return Path(*self._cubics.cut(start, end, self._coefficients))
+
     def project(self, xy: ArrayLike, near: ArrayLike | None = None) -> tuple[Array, Array]:
         """Foot points: arc length and lateral coordinate of positions.
 
@@ -246,25 +246,15 @@ class Path:
         Newton on (X - x) X' + (Y - y) Y' = 0, with the second derivative kept positive.
         """
         xy = check_any("xy", xy, (2,))
-        start = self._nearest_sample(xy) if near is None else check_any("near", near)
-        if start.shape not in ((), xy.shape[:-1]):
-            raise InputError(f"near must have shape () or {xy.shape[:-1]}, had {start.shape}")
-        s = np.broadcast_to(start, xy.shape[:-1])
-        for _ in range(_SWEEPS):
-            position, first, second = self.derivatives(s)
-            out = position - xy
-            speed2 = np.sum(first * first, axis=-1)
-            slope = np.maximum(speed2 + np.sum(out * second, axis=-1), 0.2 * speed2)
-            step = np.sum(out * first, axis=-1) / slope
-            s = s - step
-            if np.abs(step).max(initial=0.0) < 1e-9:
-                break
-        position, first, _ = self.derivatives(s)
-        out = xy - position
-        d = (first[..., 0] * out[..., 1] - first[..., 1] * out[..., 0]) / np.hypot(
-            first[..., 0], first[..., 1]
-        )
-        return s, d
+        shape, points = xy.shape[:-1], xy.reshape(-1, 2)
+        if near is None:
+            s, d = self._cubics.nearest(points)
+        else:
+            start = check_any("near", near)
+            if start.shape not in ((), shape):
+                raise InputError(f"near must have shape () or {shape}, had {start.shape}")
+            s, d = self._cubics.foot_points(points, np.broadcast_to(start, shape).reshape(-1))
+        return s.reshape(shape), d.reshape(shape)
 
     def foot_point(self, x: float, y: float, near: float) -> tuple[float, float, float, float]:
         """Project one position, in plain floats: the control loop's warm-started `project`.
@@ -285,19 +275,7 @@ class Path:
         kappa : float
             Curvature of the path there [1/m], left turn positive.
         """
-        s = near
-        for _ in range(_SWEEPS):
-            px, py, tx, ty, nx, ny = self._at(s)
-            speed2 = tx * tx + ty * ty
-            out = (px - x) * tx + (py - y) * ty
-            step = out / max(speed2 + (px - x) * nx + (py - y) * ny, 0.2 * speed2)
-            s -= step
-            if -1e-9 < step < 1e-9:
-                break
-        px, py, tx, ty, nx, ny = self._at(s)
-        speed = math.hypot(tx, ty)
-        d = (tx * (y - py) - ty * (x - px)) / speed
-        return s, d, math.atan2(ty, tx), (tx * ny - ty * nx) / speed**3
+        return self._cubics.foot_point(x, y, near)
 
     def curvature_at(self, s: float) -> float:
         """Signed curvature at one arc length, in plain floats.
@@ -312,33 +290,5 @@ class Path:
         kappa : float
             Curvature [1/m], left turn positive.
         """
-        _, _, tx, ty, nx, ny = self._at(s)
+        _, _, tx, ty, nx, ny = self._cubics.at(s)
         return float((tx * ny - ty * nx) / (tx * tx + ty * ty) ** 1.5)
-
-    def _at(self, s: float) -> tuple[float, float, float, float, float, float]:
-        """Position, first and second derivative at one arc length, as six floats."""
-        breaks, pieces = self._lists
-        on = min(max(s, breaks[0]), breaks[-1])
-        i = min(bisect_right(breaks, on), len(pieces)) - 1
-        ax, ay, bx, by, cx, cy, dx, dy = pieces[i]
-        t = on - breaks[i]
-        px, py = ((ax * t + bx) * t + cx) * t + dx, ((ay * t + by) * t + cy) * t + dy
-        tx, ty = (3.0 * ax * t + 2.0 * bx) * t + cx, (3.0 * ay * t + 2.0 * by) * t + cy
-        if s == on:
-            return px, py, tx, ty, 6.0 * ax * t + 2.0 * bx, 6.0 * ay * t + 2.0 * by
-        return px + (s - on) * tx, py + (s - on) * ty, tx, ty, 0.0, 0.0
-
-    @cached_property
-    def _lists(self) -> tuple[list[float], list[list[float]]]:
-        pieces = self._powers.transpose(1, 0, 2).reshape(-1, 8)
-        return self._breaks.tolist(), pieces.tolist()
-
-    def _nearest_sample(self, xy: Array) -> Array:
-        from scipy.spatial import cKDTree  # slow to import, and only the cold start needs it
-
-        if self._tree is None:
-            s = np.linspace(self.start, self.end, max(2, math.ceil(self.length / 2.0) + 1))
-            self._tree = s, cKDTree(self.position(s))
-        s, tree = self._tree
-        nearest: Array = s[tree.query(xy)[1]]
-        return nearest

@@ -5,11 +5,13 @@ from typing import Any
 import numpy as np
 from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
-from cca_core._checks import Array, Index, Mask
+from cca_core._checks import Array, Index
 from cca_core.path.path import Path
 
 _BISECTIONS = 16
-_STIFFEST = 10.0  # longest smoothing length tried, in segments
+_LEAST, _STIFFEST = 1e-2, 10.0  # smoothing lengths tried, in segments
+_FIRM = 0.05  # length of the fixed penalty on X''', in segments: it keeps sparse points from loops
+_OVER = 1.02  # an excess of bend that ends the projections
 _PROJECTIONS = 100  # of the second derivative onto its limit
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(4)
 
@@ -17,13 +19,13 @@ _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(4)
 class SmoothingSpline:
     """Cubic B-spline fitted at parameters s, with a penalty on how the curvature changes.
 
-    The penalty is on X''' - g, where g = -kappa^2 T is the third derivative of the circle that an earlier
-    fit had in each segment: a circle is as free as a straight line. A closed spline has as many
+    The penalty is on X'''' - q, the jumps of X''' between segments standing for X'''', where q is what a
+    clothoid has (from an earlier fit): lines, circles and clothoids are free. A closed spline has as many
     coefficients as segments; they count round and round.
     """
 
     def __init__(
-        self, s: Array, knots: Index, points: Array, given: Mask, closed: bool, guide: Array | None = None
+        self, s: Array, knots: Index, points: Array, asked: Array, closed: bool, guide: Array | None = None
     ) -> None:
         from scipy.interpolate import BSpline  # slow to import, and only fitting needs it
 
@@ -45,36 +47,56 @@ class SmoothingSpline:
         greville = (self._knots[1:-3] + self._knots[2:-2] + self._knots[3:-1]) / 3.0
         self._affine = points[0] + greville[: self._count, None] * slope
         self._data = points[: len(at)] - points[0] - at[:, None] * slope
-        self._given = given[: len(at)]
+        self._asked = asked
         weight = np.gradient(s)[: len(at)]
         length = np.diff(breaks)
         bends, jerks = self._differences()
         segments = self._wrap(np.arange(len(length)))
         self._fit_matrix = self._normal(self._basis, self._columns, weight)
         self._fit_right = self._spread(self._basis, self._columns, weight[:, None] * self._data)
-        self._roughness = self._normal(jerks, segments, length)
+        self._fit_matrix += self._normal(jerks, segments, length * (_FIRM * length) ** 6)
+        joints = np.arange(len(length) if closed else len(length) - 1)
+        jumps = np.zeros((len(joints), 5))
+        jumps[:, 1:] = np.roll(jerks, -1, axis=0)[joints]
+        jumps[:, :4] -= jerks[joints]
+        apart = 0.5 * (length + np.roll(length, -1))[joints]
+        jumps /= apart[:, None]
+        self._roughness = self._normal(jumps, self._wrap(joints, 5), apart)
         self._rough_right = np.zeros((self._count, 2))
         if guide is not None:
-            self._rough_right = self._spread(jerks, segments, length[:, None] * guide)
+            self._rough_right = self._spread(jumps, self._wrap(joints, 5), apart[:, None] * guide[1 + joints])
         borders = self._count if closed else len(breaks)
         self._bends, self._bend_columns = bends[:borders], self._wrap(np.arange(borders))
         self._bend_weight = np.gradient(breaks)[:borders]
         self._span = float(np.median(length))
         self._rest = np.zeros((self._count, 2))
 
-    def smooth_within(self, tolerance: float) -> float:
-        """Find the smoothest fit whose largest residual keeps `tolerance`; return that residual."""
-        low, high = np.log(1e-2 * self._span), np.log(_STIFFEST * self._span)
+    def smooth_within(self, tolerance: float, near: float | None = None) -> tuple[float, float]:
+        """Find the smoothest fit whose largest residual, as far as asked, keeps `tolerance`.
+
+        Returns that residual and the smoothing length; `near` is a first guess of the latter.
+        """
+        low, high = np.log(_LEAST * self._span), np.log(_STIFFEST * self._span)
+        steps = _BISECTIONS
+        if near is not None:
+            low, high, steps = max(low, np.log(near) - 0.5), min(high, np.log(near) + 0.5), steps // 2
         worst = self._solve(np.exp(high))
         if worst <= tolerance:
-            return worst
-        for _ in range(_BISECTIONS):
+            return worst, float(np.exp(high))
+        worst = self._solve(np.exp(low))
+        if worst > tolerance:
+            return worst, float(np.exp(low))
+        for _ in range(steps):
             middle = 0.5 * (low + high)
             if self._solve(np.exp(middle)) <= tolerance:
                 low = middle
             else:
                 high = middle
-        return self._solve(np.exp(low))
+        return self._solve(np.exp(low)), float(np.exp(low))
+
+    def interpolate(self) -> float:
+        """Fit as closely as the knots allow; return the largest residual."""
+        return self._solve(0.1 * self._span)
 
     def limit_bends(self, limit: float) -> None:
         """Bring the second derivative under `limit`, at the least loss of fit and smoothness (ADMM)."""
@@ -83,7 +105,10 @@ class SmoothingSpline:
             return
         stiffness = (2.0 / limit) ** 2  # weighs a bend like the distance it causes over a short turn
         weight = stiffness * self._bend_weight
-        factor = self._factor(self._matrix + self._normal(self._bends, self._bend_columns, weight))
+        try:
+            factor = self._factor(self._matrix + self._normal(self._bends, self._bend_columns, weight))
+        except LinAlgError:
+            return
         dual = np.zeros_like(bend)
         for _ in range(_PROJECTIONS):
             wish = bend + dual
@@ -93,11 +118,14 @@ class SmoothingSpline:
             pull = self._spread(self._bends, self._bend_columns, weight[:, None] * (legal - dual))
             self._rest = factor(self._right + pull)
             bend = self._bend(self._rest)
+            if np.hypot(bend[:, 0], bend[:, 1]).max() <= _OVER * limit:
+                break
 
-    def residual(self) -> float:
-        """Largest distance of a given point from where the curve is at its parameter."""
+    def residuals(self) -> Array:
+        """Distance of each point from where the curve is at its parameter."""
         fitted = np.einsum("ij,ijk->ik", self._basis, self._rest[self._columns])
-        return float(np.hypot(*(fitted - self._data)[self._given].T).max())
+        found = np.hypot(*(fitted - self._data).T)
+        return np.append(found, found[0]) if self._closed else found
 
     def arc_length(self) -> Array:
         """Arc length of the curve at each data parameter (Gauss-Legendre between neighbours)."""
@@ -120,14 +148,14 @@ class SmoothingSpline:
         return Path(self._breaks, np.stack(taylor, axis=-1))
 
     def _solve(self, smoothing_length: float) -> float:
-        stiffness = smoothing_length**6
+        stiffness = smoothing_length**8
         self._matrix = self._fit_matrix + stiffness * self._roughness
         self._right = self._fit_right + stiffness * self._rough_right
         try:
             self._rest = self._factor(self._matrix)(self._right)
         except LinAlgError:
             return np.inf
-        return self.residual()
+        return float((self.residuals() * self._asked).max())
 
     def _factor(self, matrix: Any) -> Any:
         if self._closed:
@@ -142,9 +170,9 @@ class SmoothingSpline:
         bend: Array = np.einsum("ij,ijk->ik", self._bends, rest[self._bend_columns])
         return bend
 
-    def _wrap(self, first: Index) -> Index:
-        """Columns of four neighbouring coefficients from each first one on."""
-        columns: Index = (first[:, None] + np.arange(4)) % self._count
+    def _wrap(self, first: Index, width: int = 4) -> Index:
+        """Columns of neighbouring coefficients from each first one on."""
+        columns: Index = (first[:, None] + np.arange(width)) % self._count
         return columns
 
     def _spread(self, rows: Array, columns: Index, values: Array) -> Array:
@@ -161,11 +189,12 @@ class SmoothingSpline:
             block = weight[:, None, None] * rows[:, :, None] * rows[:, None, :]
             i, j = np.broadcast_arrays(columns[:, :, None], columns[:, None, :])
             return coo_array((block.ravel(), (i.ravel(), j.ravel())), shape=(self._count,) * 2).tocsc()
-        banded = np.zeros((4, self._count))
-        for p in range(4):
-            for q in range(p, 4):
+        banded = np.zeros((5, self._count))
+        width = rows.shape[1]
+        for p in range(width):
+            for q in range(p, width):
                 product = weight * rows[:, p] * rows[:, q]
-                banded[3 + p - q] += np.bincount(columns[:, q], product, self._count)
+                banded[4 + p - q] += np.bincount(columns[:, q], product, self._count)
         return banded
 
     def _differences(self) -> tuple[Array, Array]:

@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from cca_core._checks import check_real
-from cca_core.errors import InputError
 from cca_core.path import Path, Waypoints
 
 _STEP = 1.0  # between two looks at the curvature [m]
@@ -86,31 +85,3 @@ def longest_stretch(path: Path, *, radius: float = 200.0) -> tuple[float, float]
     first, last = turns[0::2], turns[1::2] - 1
     longest = int(np.argmax(last - first))
     return float(s[first[longest]]), float(s[last[longest]])
-
-
-def cut_path(path: Path, start: float, end: float) -> Path:
-    """Part of a path, in whole segments.
-
-    Parameters
-    ----------
-    path : Path
-        The whole road.
-    start, end : float
-        Arc lengths that the part must not exceed [m].
-
-    Returns
-    -------
-    part : Path
-        The segments that lie between `start` and `end`, with the arc lengths of the whole road.
-
-    Raises
-    ------
-    InputError
-        If no segment lies between them.
-    """
-    start, end = check_real("start", start), check_real("end", end)
-    first = int(np.searchsorted(path.breaks, start))
-    last = int(np.searchsorted(path.breaks, end, side="right")) - 1
-    if last <= first:
-        raise InputError(f"no segment of the path lies between {start:.0f} m and {end:.0f} m")
-    return Path(path.breaks[first : last + 1], path.coefficients[first:last])

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import cont2discrete
 
 from cca_core.errors import InputError
 from cca_core.follow import (
     PreviewGains,
+    discretised,
+    kinematic_rates,
     shipped_gains,
     single_track,
     steady_sideslip,
@@ -19,7 +22,8 @@ from cca_core.follow import (
 )
 from cca_core.vehicle import VehicleParams
 
-PRESETS = [VehicleParams.bmw_320i(), VehicleParams.ford_escort(), VehicleParams.vw_vanagon()]
+BMW = VehicleParams.bmw_320i()
+PRESETS = [BMW, VehicleParams.ford_escort(), VehicleParams.vw_vanagon()]
 UNDERSTEER = VehicleParams(m=1500.0, I_z=2500.0, l_f=1.2, l_r=1.5, C_f=80e3, C_r=110e3, length=4.5, width=1.8)
 CARS = [*PRESETS, UNDERSTEER]
 
@@ -227,3 +231,66 @@ def test_bad_gains(changes: dict, words: str) -> None:
 
 def test_replacing_a_preset_keeps_the_others() -> None:
     assert dataclasses.replace(UNDERSTEER, m=1.0).C_f == UNDERSTEER.C_f
+
+
+# --- discrete and kinematic; an independent single track -------------------------------------------------
+
+
+@pytest.mark.parametrize("car", CARS)
+@pytest.mark.parametrize(("v", "dt"), [(3.0, 0.02), (20.0, 0.02), (35.0, 0.1)])
+def test_discretisation_is_zero_order_hold(car: VehicleParams, v: float, dt: float) -> None:
+    model = single_track(car, v, 10.0)
+    B = np.column_stack((model.B, model.E))
+    Ad, Bd, *_ = cont2discrete((model.A, B, np.eye(4), np.zeros((4, 2))), dt, method="zoh")
+    ours = discretised(model, dt)
+    np.testing.assert_allclose(ours.A, Ad, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(np.column_stack((ours.B, ours.E)), Bd, rtol=1e-10, atol=1e-12)
+
+
+def test_two_half_steps_are_one() -> None:
+    model = single_track(UNDERSTEER, 15.0, 15.0)
+    half, whole = discretised(model, 0.05), discretised(model, 0.1)
+    np.testing.assert_allclose(half.A @ half.A, whole.A, atol=1e-12)
+    np.testing.assert_allclose(half.A @ half.B + half.B, whole.B, atol=1e-12)
+    with pytest.raises(InputError, match=r"^dt must be greater than 0"):
+        discretised(model, 0.0)
+
+
+@given(st.floats(-3.0, 3.0), st.floats(0.1, 20.0), st.floats(-0.5, 0.5))
+def test_kinematic_rates_roll_without_slip(psi: float, v: float, delta: float) -> None:
+    """The rear axle moves along the body, the front axle along its wheels."""
+    x, y, r = (float(a) for a in kinematic_rates(psi, v, delta, UNDERSTEER))
+    forward, left = np.array([math.cos(psi), math.sin(psi)]), np.array([-math.sin(psi), math.cos(psi)])
+    centre = np.array([x, y])
+    rear = centre - UNDERSTEER.l_r * r * left
+    front = centre + UNDERSTEER.l_f * r * left
+    np.testing.assert_allclose(rear, v * forward, atol=1e-9)
+    assert math.atan2(front @ left, front @ forward) == pytest.approx(delta, abs=1e-12)
+
+
+def test_kinematic_rates_broadcast() -> None:
+    x, _, r = kinematic_rates(np.zeros((3, 1)), 10.0, np.array([0.0, 0.1]), UNDERSTEER)
+    assert x.shape == (3, 2)
+    assert r.shape == (2,)
+
+
+@pytest.mark.requires("vehiclemodels")
+@pytest.mark.parametrize("v", [10.0, 20.0, 30.0])
+def test_agrees_with_the_commonroad_single_track_linearised(v: float) -> None:
+    """States there: x, y, delta, v, psi, psi', beta; the steering angle is a state."""
+    from vehiclemodels.parameters_vehicle2 import parameters_vehicle2
+    from vehiclemodels.vehicle_dynamics_st import vehicle_dynamics_st
+
+    p, step = parameters_vehicle2(), 1e-5
+
+    def rates(beta: float, r: float, delta: float) -> np.ndarray:
+        f = vehicle_dynamics_st([0.0, 0.0, delta, v, 0.0, r, beta], [0.0, 0.0], p)
+        return np.array([f[6], f[5]])
+
+    columns = [(rates(*e) - rates(*-e)) / (2.0 * step) for e in step * np.eye(3)]
+    model = single_track(VehicleParams.bmw_320i(), v, 0.0)
+    # the moment of the two axles about the centre of gravity is the small difference of large numbers
+    moment = max(BMW.C_f * BMW.l_f, BMW.C_r * BMW.l_r) / BMW.I_z
+    scale = np.array([[abs(model.A[0, 0]), 1.0], [moment, abs(model.A[1, 1])]])
+    np.testing.assert_allclose(np.column_stack(columns[:2]) / scale, model.A[:2, :2] / scale, atol=5e-4)
+    np.testing.assert_allclose(columns[2], model.B[:2], rtol=5e-4)

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cca_core.errors import InputError
 from cca_core.follow import (
     PreviewController,
     shipped_gains,
@@ -15,8 +16,9 @@ from cca_core.follow import (
     steady_sideslip,
     steady_steering,
 )
+from cca_core.follow.schedule import SLIP_SHARE
 from cca_core.path import Path, fit_path, interpolate_path
-from cca_core.sim.plant import SingleTrackPlant
+from cca_core.sim import SingleTrackPlant, lane_change, track
 from cca_core.vehicle import VehicleParams, VehicleState
 
 CAR = VehicleParams.bmw_320i()
@@ -49,10 +51,13 @@ def test_no_steering_on_a_straight_path(v: float, x: float) -> None:
     st.floats(-0.3, 0.3),
 )
 def test_law_on_a_straight_path(d: float, psi: float, v: float, v_y: float, r: float) -> None:
-    """delta = -k_p (d + l_s sin psi) - k_d (v sin psi + v_y cos psi + l_s r), clipped."""
+    """delta = -k_p (d + l_s (sin psi + sin(0.3 beta))) - k_d (v sin psi + v_y cos psi + l_s r), clipped."""
     car = dataclasses.replace(CAR, delta_max=0.3)
     k_p, k_d, l_s = shipped_gains(CAR).at(v)
-    delta = -k_p * (d + l_s * math.sin(psi)) - k_d * (v * math.sin(psi) + v_y * math.cos(psi) + l_s * r)
+    slip = SLIP_SHARE * math.atan2(v_y, v) if v > 3.0 else 0.0
+    delta = -k_p * (d + l_s * (math.sin(psi) + math.sin(slip))) - k_d * (
+        v * math.sin(psi) + v_y * math.cos(psi) + l_s * r
+    )
     state = VehicleState(x=50.0, y=d, psi=psi, v_x=v, v_y=v_y, r=r)
     controller = PreviewController(car, a_y_max=1e9)
     assert controller.steer(state, LINE) == pytest.approx(min(max(delta, -0.3), 0.3), abs=1e-12)
@@ -210,3 +215,90 @@ def test_follows_a_winding_road(v: float) -> None:
     path = fit_path(np.column_stack((x, 8.0 * np.sin(x / 60.0))), tolerance=0.1)  # least radius 450 m
     d, _ = drive(path, CAR, v, 0.0, 500.0 / v)
     assert np.abs(d).max() < 0.1
+
+
+# --- low speed, limits, windup, the other reading ------------------------------------------------------
+
+
+@pytest.mark.parametrize("v", [0.0, 0.01, 0.5, 2.9, 3.1])
+def test_defined_down_to_standstill(v: float) -> None:
+    xy, psi = LEFT.to_cartesian(100.0, 0.3), float(LEFT.heading(100.0))
+    state = VehicleState(x=xy[0], y=xy[1], psi=psi + 0.02, v_x=v, v_y=0.01, r=0.01)
+    controller = PreviewController(CAR)
+    for _ in range(100):
+        assert abs(controller.steer(state, LEFT)) <= CAR.delta_max
+
+
+def test_waiting_with_an_error_does_not_wind_up() -> None:
+    """Ten seconds of standstill beside the path leave the law where it was."""
+    state = VehicleState(x=50.0, y=0.08, psi=0.0, v_x=0.0)
+    controller = PreviewController(CAR)
+    first = controller.steer(state, LINE)
+    for _ in range(500):
+        last = controller.steer(state, LINE)
+    assert last == first
+
+
+def test_being_held_at_the_limit_does_not_wind_up() -> None:
+    """A command that the limits cut adds nothing to the integral."""
+    tight = dataclasses.replace(CAR, delta_max=1e-4)
+    controller = PreviewController(tight)
+    state = VehicleState(x=50.0, y=0.09, psi=0.0, v_x=20.0)
+    for _ in range(500):
+        controller.steer(state, LINE)
+    on = dataclasses.replace(state, y=0.0)
+    assert controller.steer(on, LINE) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_starts_and_stops_on_a_circle() -> None:
+    """From standstill to 8 m/s and back on a radius of 30 m."""
+    path = arc(30.0)
+    plant = SingleTrackPlant(CAR, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=0.0))
+    controller, s, errors, before = PreviewController(CAR), 0.0, [], None
+    for k in range(700):
+        state = plant.state
+        s, d, _, _ = path.foot_point(state.x, state.y, s)
+        delta = controller.steer(state, path)
+        assert math.isfinite(delta)
+        if before is not None:
+            assert abs(delta - before) <= CAR.delta_rate_max * 0.02 + 1e-12
+        before = delta
+        errors.append(abs(d))
+        a_x = 2.0 if k < 200 else -2.0 if k > 400 else 0.0
+        plant.step(delta, a_x, 0.02)
+    assert plant.state.v_x == 0.0
+    assert max(errors[150:]) < 0.1  # the wheels have first to be turned
+    assert max(errors) < 0.25
+
+
+def test_rate_limit() -> None:
+    controller = PreviewController(CAR)
+    controller.steer(VehicleState(x=50.0, y=0.0, psi=0.0, v_x=10.0), LINE)
+    jumped = controller.steer(VehicleState(x=50.2, y=-5.0, psi=0.0, v_x=10.0), LINE)
+    assert jumped == pytest.approx(CAR.delta_rate_max * 0.02, abs=1e-12)
+
+
+@pytest.mark.parametrize("v", [10.0, 20.0, 30.0])
+def test_lateral_acceleration_limit(v: float) -> None:
+    """The steady turn of the largest command has a_y_max."""
+    controller = PreviewController(CAR, a_y_max=3.0)
+    delta = controller.steer(VehicleState(x=50.0, y=-50.0, psi=0.0, v_x=v), LINE)
+    most = math.atan(3.0 / v**2 * (CAR.wheelbase + max(CAR.understeer_gradient, 0.0) * v**2))
+    assert delta == pytest.approx(most, rel=1e-6)
+
+
+def test_the_tangent_is_the_better_reading() -> None:
+    """The path itself at the preview point sees a bend too early: an error where curvature changes."""
+    peaks = {}
+    path = lane_change(3.5, 60.0)
+    for error in ("tangent", "ahead"):
+        plant = SingleTrackPlant(CAR, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0))
+        peaks[error] = track(plant, PreviewController(CAR, error=error).steer, path, 20.0).peak  # type: ignore[arg-type]
+    assert peaks["tangent"] < 0.05
+    assert peaks["ahead"] > 3.0 * peaks["tangent"]
+
+
+def test_bad_controller_input() -> None:
+    for changes in ({"error": "nose"}, {"delay": -0.1}, {"a_y_max": 0.0}):
+        with pytest.raises(InputError, match=f"^{next(iter(changes))} must"):
+            PreviewController(CAR, **changes)  # type: ignore[arg-type]

@@ -12,10 +12,17 @@ from cca_core.errors import InputError
 from cca_core.follow import (
     SpeedSettings,
     arrival_times,
+    cacc_acceleration,
     cruise_acceleration,
     follow_acceleration,
+    friction_limited,
+    idm_acceleration,
+    jerk_limited,
     required_deceleration,
+    squared_speed_limit,
+    stop_acceleration,
 )
+from cca_core.path import fit_path
 
 S = SpeedSettings(a_max=2.0, b_comfort=1.5, b_max=7.0, standstill_gap=3.0, time_gap=1.5)  # not the defaults
 
@@ -234,3 +241,116 @@ def test_late_detection_of_a_standing_obstacle_uses_the_brakes(gap: float) -> No
 def test_bad_settings(name: str, value: object) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be"):
         SpeedSettings(**{name: value})
+
+
+# --- IDM, CACC, stopping, limits --------------------------------------------------------------------------
+
+
+@given(st.floats(0.0, 25.0), st.floats(26.0, 40.0))
+def test_idm_equilibrium(v: float, target: float) -> None:
+    """At equal speeds the gap (s_0 + v T) / sqrt(1 - (v/v_0)^4) is held; more accelerates, less brakes."""
+    gap = (S.standstill_gap + v * S.time_gap) / math.sqrt(1.0 - (v / target) ** 4)
+    assert idm_acceleration(v, gap, v, target, S) == pytest.approx(0.0, abs=1e-9)
+    assert idm_acceleration(v, 1.01 * gap, v, target, S) > 0.0
+    assert idm_acceleration(v, 0.99 * gap, v, target, S) < 0.0
+
+
+def test_idm_free_road_and_limits() -> None:
+    assert idm_acceleration(0.0, 1e9, 0.0, 30.0, S) == pytest.approx(S.a_max)
+    assert idm_acceleration(30.0, 1e9, 30.0, 30.0, S) == pytest.approx(0.0, abs=1e-9)
+    assert idm_acceleration(30.0, 0.0, 0.0, 30.0, S) == -S.b_max
+    assert math.isfinite(idm_acceleration(0.0, -5.0, 0.0, 0.0, S))
+
+
+@given(st.floats(0.0, 35.0))
+def test_cacc_equilibrium(v: float) -> None:
+    gap = S.standstill_gap + S.time_gap * v
+    assert cacc_acceleration(v, gap, v, 0.0, S) == pytest.approx(0.0, abs=1e-12)
+    assert cacc_acceleration(v, gap, v, -1.0, S) == pytest.approx(-1.0)
+    assert cacc_acceleration(v, -50.0, 0.0, -9.0, S) == -S.b_max
+    assert cacc_acceleration(v, 1e6, 99.0, 0.0, S) == S.a_max
+
+
+def test_a_cacc_platoon_is_string_stable() -> None:
+    """Eight cars behind one whose speed swings: each swings, and leaves its gap, less than the one before."""
+    dt, n = 0.02, 8
+    speeds, a = np.full(n + 1, 20.0), np.zeros(n + 1)
+    places = -np.arange(n + 1) * (S.standstill_gap + S.time_gap * 20.0)
+    swing = []
+    for k in range(round(120.0 / dt)):
+        a[0] = 0.5 * math.cos(0.3 * k * dt)
+        for i in range(n, 0, -1):
+            gap = places[i - 1] - places[i]
+            wanted = cacc_acceleration(speeds[i], gap, speeds[i - 1], a[i - 1], S)
+            a[i] += dt / 0.1 * (wanted - a[i])
+        speeds += dt * a
+        places += dt * speeds
+        swing.append(speeds.copy())
+    width = np.ptp(np.array(swing)[round(60.0 / dt) :], axis=0)
+    assert (np.diff(width) < 0.0).all()
+    assert width[-1] < 0.9 * width[0]
+
+
+@pytest.mark.parametrize("v", [3.0, 10.0, 20.0, 30.0])
+@pytest.mark.parametrize("more", [1.0, 1.5, 4.0])
+def test_stops_at_a_point(v: float, more: float) -> None:
+    """Comfortable braking or up to four times its distance away: at rest within 0.1 m."""
+    dt, place, distance = 0.005, 0.0, more * v * v / (2.0 * S.b_comfort)
+    hardest = 0.0
+    for _ in range(60_000):
+        a = stop_acceleration(v, distance - place, S)
+        hardest = min(hardest, a)
+        place += dt * max(v + 0.5 * a * dt, 0.0)
+        v = max(v + a * dt, 0.0)
+        if v == 0.0:
+            break
+    assert v == 0.0
+    assert place == pytest.approx(distance, abs=0.1)
+    assert hardest > -1.5 * S.b_comfort or more == 1.0
+
+
+def test_behind_the_point_it_brakes_as_hard_as_it_can() -> None:
+    assert stop_acceleration(5.0, -1.0, S) == -S.b_max
+    assert stop_acceleration(5.0, 0.0, S) == -S.b_max
+    assert stop_acceleration(0.0, 5.0, S) == 0.0
+    assert stop_acceleration(5.0, 1e3, S) == S.a_max
+
+
+@given(st.floats(-20.0, 20.0), st.floats(-9.0, 3.0), st.floats(0.001, 0.2), st.booleans())
+def test_jerk_is_limited(wanted: float, last: float, dt: float, emergency: bool) -> None:
+    a = jerk_limited(wanted, last, dt, S, emergency=emergency)
+    jerk = S.jerk_emergency if emergency else S.jerk
+    assert abs(a - last) <= jerk * dt + 1e-12
+    assert min(wanted, last) - 1e-12 <= a <= max(wanted, last) + 1e-12
+    if abs(wanted - last) <= jerk * dt:
+        assert a == wanted
+
+
+@given(st.floats(-20.0, 20.0), st.floats(-12.0, 12.0), st.floats(0.1, 1.2))
+def test_what_is_left_lies_in_the_friction_circle(a_x: float, a_y: float, mu: float) -> None:
+    a = friction_limited(a_x, a_y, mu)
+    most = 0.9 * mu * 9.81
+    assert abs(a) <= abs(a_x)
+    assert a * a_x >= 0.0
+    if abs(a_y) < most:
+        assert math.hypot(a, a_y) <= most + 1e-9 or a == a_x
+        assert a == a_x or math.hypot(a, a_y) == pytest.approx(most, rel=1e-9)
+    else:
+        assert a == 0.0
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 5.0, 15.0])
+def test_speed_limit_along_a_path(amplitude: float) -> None:
+    """Never above cruise or what the bend allows; never falling faster than comfortable braking."""
+    x = np.arange(0.0, 801.0, 10.0)
+    path = fit_path(np.column_stack((x, amplitude * np.sin(x / 40.0))), tolerance=0.05)
+    s, squared = squared_speed_limit(path, 25.0, 2.5, S)
+    on = s <= path.end
+    assert (squared[on] <= 25.0**2 + 1e-9).all()
+    assert (squared[on] * np.abs(path.curvature(s[on])) <= 2.5 + 1e-9).all()
+    assert (np.diff(squared) >= -2.0 * S.b_comfort * np.diff(s) - 1e-6).all()
+    assert np.interp(path.end, s, squared) == pytest.approx(0.0, abs=1e-9)
+    tight = np.minimum(625.0, 2.5 / np.maximum(np.abs(path.curvature(s[on])), 1e-9))
+    # where it is below both, it is because of a slower place ahead, exactly
+    for i in np.flatnonzero(squared[on] < tight - 1e-6)[:-1]:
+        assert squared[i + 1] - squared[i] == pytest.approx(-2.0 * S.b_comfort * (s[i + 1] - s[i]), rel=1e-6)

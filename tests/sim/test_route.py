@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from cca_core import InputError, LocalFrame, Path, fit_path
-from cca_core.sim.route import cut_path, demo_route, longest_stretch
+from cca_core import LocalFrame, Path, fit_path
+from cca_core.sim.route import demo_route, longest_stretch
 
 
 def winding_road() -> Path:
@@ -46,21 +46,6 @@ def test_a_roundabout_has_no_gentle_stretch() -> None:
     path = fit_path(30.0 * np.column_stack((np.cos(turn), np.sin(turn)))[:-1], closed=True)
     start, end = longest_stretch(path)
     assert start == end
-
-
-def test_a_cut_path_is_the_same_road(winding: Path) -> None:
-    part = cut_path(winding, 50.0, 400.0)
-    assert 50.0 <= part.start < part.end <= 400.0
-    s = np.linspace(part.start, part.end, 200)
-    np.testing.assert_allclose(part.position(s), winding.position(s), atol=1e-9)
-    np.testing.assert_allclose(part.curvature(s), winding.curvature(s), atol=1e-9)
-
-
-def test_a_cut_to_nothing_is_refused(winding: Path) -> None:
-    with pytest.raises(InputError, match="no segment"):
-        cut_path(winding, 100.0, 101.0)
-    with pytest.raises(InputError, match="radius"):
-        longest_stretch(winding, radius=0.0)
 
 
 def test_the_demo_route_is_a_gentle_road() -> None:

@@ -1,0 +1,271 @@
+"""Three textbook steering laws to compare with: pure pursuit, Stanley, LQR."""
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.linalg import solve_discrete_are
+
+from cca_core._checks import Array, check_real
+from cca_core.follow import discretised, single_track, steady_sideslip, steady_steering
+from cca_core.geometry import wrap_angle
+from cca_core.path import Path
+from cca_core.vehicle import VehicleParams, VehicleState
+
+__all__ = ["LqrSteering", "PurePursuit", "Stanley"]
+
+_CYCLE = 0.02  # of the discrete LQR [s]
+_SLOWEST = 2.0  # below this speed the LQR keeps the gains it has there [m/s]
+_SPEED_STEP = 0.25  # LQR gains are computed once for each step of speed [m/s]
+
+
+class PurePursuit:
+    """Steer the rear axle along the circle to a goal point on the path ahead.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        Geometry and the limit of the steering angle.
+    look_ahead_time : float
+        Distance of the goal point per speed [s].
+    least_look_ahead : float
+        Its distance at low speed [m].
+
+    Raises
+    ------
+    InputError
+        If a tuning value is not positive.
+
+    Notes
+    -----
+    delta = atan(L 2 y_g / D^2) with the goal point's lateral offset y_g in the axes of the car and its
+    distance D, both from the rear axle [1]_. The goal lies on the path, `look_ahead` of arc length beyond
+    the foot point of the rear axle.
+
+    References
+    ----------
+    .. [1] R. C. Coulter, *Implementation of the Pure Pursuit Path Tracking Algorithm*, CMU-RI-TR-92-01,
+       Carnegie Mellon University, 1992.
+    """
+
+    name = "pure pursuit"
+
+    def __init__(
+        self, vehicle: VehicleParams, *, look_ahead_time: float = 0.7, least_look_ahead: float = 4.0
+    ) -> None:
+        self.vehicle = vehicle
+        self.look_ahead_time = check_real("look_ahead_time", look_ahead_time, above=0.0)
+        self.least_look_ahead = check_real("least_look_ahead", least_look_ahead, above=0.0)
+        self._near = _Near()
+
+    def steer(self, state: VehicleState, path: Path) -> float:
+        """Road-wheel angle for this cycle.
+
+        Parameters
+        ----------
+        state : VehicleState
+            Motion of the car now.
+        path : Path
+            Path to follow.
+
+        Returns
+        -------
+        delta : float
+            Road-wheel angle [rad], left positive, within the limit of the angle.
+        """
+        p = self.vehicle
+        cos, sin = math.cos(state.psi), math.sin(state.psi)
+        x, y = state.x - p.l_r * cos, state.y - p.l_r * sin
+        s, _, _, _ = self._near.foot_point(x, y, path)
+        ahead = max(self.look_ahead_time * state.v_x, self.least_look_ahead)
+        goal_x, goal_y = path.position(s + ahead).tolist()
+        dx, dy = goal_x - x, goal_y - y
+        side = cos * dy - sin * dx
+        return _limited(math.atan(2.0 * p.wheelbase * side / (dx * dx + dy * dy)), p)
+
+
+class Stanley:
+    """Steer the front wheels along the path, and towards it by their lateral error.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        Geometry, mass, front tyres and the limit of the steering angle.
+    gain : float
+        Approach to the path: lateral error times this per speed [1/s].
+    softening : float
+        Added to the speed in that ratio [m/s].
+    yaw_damping : float
+        Steering against the difference to the path's yaw rate [s].
+
+    Raises
+    ------
+    InputError
+        If a tuning value is negative.
+
+    Notes
+    -----
+    delta = -(psi - psi_p) + psi_ss - atan(gain e / (softening + v)) - yaw_damping (r - v kappa) with error e,
+    path heading psi_p and curvature kappa at the foot point of the front axle [1]_; psi_ss, the slip of the
+    front tyres in the steady turn, is m v^2 kappa l_r / (C_f L). The damping of the steering actuator that
+    the source adds for its slow actuator is left out.
+
+    References
+    ----------
+    .. [1] G. M. Hoffmann, C. J. Tomlin, M. Montemerlo, S. Thrun, *Autonomous Automobile Trajectory Tracking
+       for Off-Road Driving*, American Control Conference, 2007.
+    """
+
+    name = "Stanley"
+
+    def __init__(
+        self,
+        vehicle: VehicleParams,
+        *,
+        gain: float = 2.5,
+        softening: float = 1.0,
+        yaw_damping: float = 0.1,
+    ) -> None:
+        self.vehicle = vehicle
+        self.gain = check_real("gain", gain, least=0.0)
+        self.softening = check_real("softening", softening, least=0.0)
+        self.yaw_damping = check_real("yaw_damping", yaw_damping, least=0.0)
+        self._near = _Near()
+
+    def steer(self, state: VehicleState, path: Path) -> float:
+        """Road-wheel angle for this cycle.
+
+        Parameters
+        ----------
+        state : VehicleState
+            Motion of the car now.
+        path : Path
+            Path to follow.
+
+        Returns
+        -------
+        delta : float
+            Road-wheel angle [rad], left positive, within the limit of the angle.
+        """
+        p, v = self.vehicle, max(state.v_x, 0.0)
+        x, y = state.x + p.l_f * math.cos(state.psi), state.y + p.l_f * math.sin(state.psi)
+        _, e, heading, kappa = self._near.foot_point(x, y, path)
+        slip = p.m * v * v * kappa * p.l_r / (p.C_f * p.wheelbase)
+        approach = math.atan2(self.gain * e, self.softening + v) if e else 0.0
+        damping = self.yaw_damping * (state.r - v * kappa)
+        return _limited(slip - wrap_angle(state.psi - heading) - approach - damping, p)
+
+
+class LqrSteering:
+    """Linear-quadratic regulator of the error states, with steady-state feed-forward of the curvature.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        Geometry, mass, inertia, tyres and the limit of the steering angle.
+    q_d : float
+        Weight of the squared lateral error, that of the squared steering angle being 1 [rad^2/m^2].
+    q_rate : float
+        Weight of the square of its rate [rad^2 s^2/m^2].
+    q_psi : float
+        Weight of the squared heading error [-].
+
+    Raises
+    ------
+    InputError
+        If a weight is negative, or that of the lateral error zero.
+
+    Notes
+    -----
+    States, model and feed-forward of [1]_, chapters 2 and 3: the single-track model in the lateral error of
+    the centre of gravity, its rate, the heading error and its rate. With the steady turn
+    (beta_ss, v kappa, -beta_ss, 0) and delta_ss = kappa (L + K v^2) the law is
+    delta = delta_ss - k (x - x_ss). The gains k come from the discrete Riccati equation for a cycle of
+    20 ms, once for every quarter of a metre per second.
+
+    References
+    ----------
+    .. [1] R. Rajamani, *Vehicle Dynamics and Control*, 2nd ed., Springer, 2012.
+    """
+
+    name = "LQR"
+
+    def __init__(
+        self, vehicle: VehicleParams, *, q_d: float = 0.01, q_rate: float = 0.0, q_psi: float = 1.0
+    ) -> None:
+        self.vehicle = vehicle
+        self.q_d = check_real("q_d", q_d, above=0.0)
+        self.q_rate = check_real("q_rate", q_rate, least=0.0)
+        self.q_psi = check_real("q_psi", q_psi, least=0.0)
+        self._near = _Near()
+        self._gains: dict[int, list[float]] = {}
+
+    def gains(self, v_x: float) -> Array:
+        """Feedback gains at a speed.
+
+        Parameters
+        ----------
+        v_x : float
+            Forward speed [m/s].
+
+        Returns
+        -------
+        k : ndarray, shape (4,)
+            On sideslip [-], yaw rate [s], heading error [-] and lateral error [rad/m].
+        """
+        return np.array(self._gains_at(v_x))
+
+    def steer(self, state: VehicleState, path: Path) -> float:
+        """Road-wheel angle for this cycle.
+
+        Parameters
+        ----------
+        state : VehicleState
+            Motion of the car now.
+        path : Path
+            Path to follow.
+
+        Returns
+        -------
+        delta : float
+            Road-wheel angle [rad], left positive, within the limit of the angle.
+        """
+        p, v = self.vehicle, max(state.v_x, _SLOWEST)
+        _, d, heading, kappa = self._near.foot_point(state.x, state.y, path)
+        beta_ss = float(steady_sideslip(kappa, v, p))
+        k_beta, k_r, k_psi, k_d = self._gains_at(v)
+        delta = float(steady_steering(kappa, v, p))
+        delta -= k_beta * (math.atan2(state.v_y, v) - beta_ss) + k_r * (state.r - v * kappa)
+        delta -= k_psi * (wrap_angle(state.psi - heading) + beta_ss) + k_d * d
+        return _limited(delta, p)
+
+    def _gains_at(self, v_x: float) -> list[float]:
+        step = round(max(v_x, _SLOWEST) / _SPEED_STEP)
+        if step not in self._gains:
+            v = step * _SPEED_STEP
+            model = discretised(single_track(self.vehicle, v, 0.0), _CYCLE)
+            rate = np.array([v, 0.0, v, 0.0])  # of the lateral error
+            Q = self.q_rate * np.outer(rate, rate) + np.diag([0.0, 0.0, self.q_psi, self.q_d])
+            A, B = model.A, model.B[:, None]
+            P: Any = solve_discrete_are(A, B, Q, np.eye(1))
+            self._gains[step] = ((B.T @ P @ A) / (1.0 + B.T @ P @ B))[0].tolist()
+        return self._gains[step]
+
+
+class _Near:
+    """Foot point on a path, sought near the last one."""
+
+    def __init__(self) -> None:
+        self._last: tuple[Path, float] | None = None
+
+    def foot_point(self, x: float, y: float, path: Path) -> tuple[float, float, float, float]:
+        """Arc length [m], lateral offset [m], heading [rad] and curvature [1/m] at the foot point."""
+        same = self._last is not None and self._last[0] is path
+        near = self._last[1] if same and self._last is not None else float(path.project((x, y))[0])
+        found = path.foot_point(x, y, near)
+        self._last = path, found[0]
+        return found
+
+
+def _limited(delta: float, vehicle: VehicleParams) -> float:
+    return min(max(delta, -vehicle.delta_max), vehicle.delta_max)

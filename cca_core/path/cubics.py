@@ -1,0 +1,170 @@
+"""Piecewise cubics in plane: evaluation and foot points, for arrays and for single floats."""
+
+import math
+from bisect import bisect_right
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cca_core._checks import Array
+
+_SWEEPS = 12  # Newton converges in 2 to 4; the rest is for points far off a tight bend
+_CONVERGED = 1e-9  # step [m]
+_CHUNK = 8192  # positions whose intermediate results stay in the cache
+_SPACING = 2.0  # of the samples for cold starts [m]
+
+
+class Cubics:
+    """Cubics over s in powers of metres, straight beyond both ends.
+
+    `Path` checks and documents what this computes.
+    """
+
+    def __init__(self, breaks: Array, coefficients: Array) -> None:
+        self._breaks, self._inner = breaks, breaks[1:-1]
+        # shape (4, n_segments, 2), cubic term first
+        scale = np.diff(breaks)[:, None] ** -np.arange(3.0, -1.0, -1.0)
+        self._powers = coefficients.transpose(2, 0, 1) * scale.T[:, :, None]
+
+    def derivatives(self, s: Array) -> tuple[Array, Array, Array]:
+        """Position, first and second derivative, shapes (..., 2)."""
+        on = np.minimum(np.maximum(s, self._breaks[0]), self._breaks[-1])
+        i = np.searchsorted(self._inner, on, side="right")
+        a, b, c, d = self._powers[:, i]
+        t = (on - self._breaks[i])[..., None]
+        first = (3.0 * a * t + 2.0 * b) * t + c
+        position = ((a * t + b) * t + c) * t + d
+        second = 6.0 * a * t + 2.0 * b
+        beyond = (s - on)[..., None]
+        if beyond.any():
+            position = position + beyond * first
+            second = np.where(beyond == 0.0, second, 0.0)
+        return position, first, second
+
+    def cut(self, start: float, end: float, coefficients: Array) -> tuple[Array, Array]:
+        """Return breaks and coefficients over lambda between two s."""
+        breaks = self._breaks
+        first = int(np.searchsorted(breaks, start, side="right")) - 1
+        last = int(np.searchsorted(breaks, end))
+        borders = np.concatenate(([start], breaks[first + 1 : last], [end]))
+        length = np.diff(breaks[first : last + 1])
+        scale = (np.diff(borders) / length)[:, None]
+        offset = ((borders[:-1] - breaks[first:last]) / length)[:, None]
+        a, b, c, d = np.moveaxis(coefficients[first:last], -1, 0)
+        taylor = (
+            a * scale**3,
+            (3.0 * a * offset + b) * scale**2,
+            ((3.0 * a * offset + 2.0 * b) * offset + c) * scale,
+            ((a * offset + b) * offset + c) * offset + d,
+        )
+        return borders, np.stack(taylor, axis=-1)
+
+    def at(self, s: float) -> tuple[float, float, float, float, float, float]:
+        """Position, first and second derivative at one s, as six floats."""
+        breaks, pieces = self._lists
+        on = min(max(s, breaks[0]), breaks[-1])
+        i = min(bisect_right(breaks, on), len(pieces)) - 1
+        ax, ay, bx, by, cx, cy, dx, dy = pieces[i]
+        t = on - breaks[i]
+        px, py = ((ax * t + bx) * t + cx) * t + dx, ((ay * t + by) * t + cy) * t + dy
+        tx, ty = (3.0 * ax * t + 2.0 * bx) * t + cx, (3.0 * ay * t + 2.0 * by) * t + cy
+        if s == on:
+            return px, py, tx, ty, 6.0 * ax * t + 2.0 * bx, 6.0 * ay * t + 2.0 * by
+        return px + (s - on) * tx, py + (s - on) * ty, tx, ty, 0.0, 0.0
+
+    def foot_point(self, x: float, y: float, near: float) -> tuple[float, float, float, float]:
+        """Foot point of one position: s, d, heading and curvature."""
+        s = near
+        for _ in range(_SWEEPS):
+            px, py, tx, ty, nx, ny = self.at(s)
+            speed2 = tx * tx + ty * ty
+            out = (px - x) * tx + (py - y) * ty
+            step = out / max(speed2 + (px - x) * nx + (py - y) * ny, 0.2 * speed2)
+            s -= step
+            if -_CONVERGED < step < _CONVERGED:
+                break
+        px, py, tx, ty, nx, ny = self.at(s)
+        speed = math.hypot(tx, ty)
+        d = (tx * (y - py) - ty * (x - px)) / speed
+        return s, d, math.atan2(ty, tx), (tx * ny - ty * nx) / speed**3
+
+    def foot_points(self, xy: Array, near: Array) -> tuple[Array, Array]:
+        """Foot points s, d of positions, shape (n, 2), each by Newton from its `near`, shape (n,)."""
+        s, d = near.copy(), np.empty(len(xy))
+        for begin in range(0, len(xy), _CHUNK):
+            chunk = slice(begin, begin + _CHUNK)
+            self._newton(xy[chunk, 0].copy(), xy[chunk, 1].copy(), s[chunk], d[chunk])
+        return s, d
+
+    def nearest(self, xy: Array) -> tuple[Array, Array]:
+        """Foot points s, d of positions, shape (n, 2), nearest on the whole curve."""
+        s, d = np.empty(len(xy)), np.empty(len(xy))
+        for begin in range(0, len(xy), _CHUNK):
+            chunk = slice(begin, begin + _CHUNK)
+            self._search(xy[chunk], s[chunk], d[chunk])
+        return s, d
+
+    def _newton(self, x: Array, y: Array, s: Array, d: Array) -> None:
+        """Move `s` to the foot points and fill `d`; positions that have converged are left alone."""
+        left = np.arange(len(s))
+        u = s.copy()
+        for sweep in range(_SWEEPS + 1):
+            on = np.minimum(np.maximum(u, self._breaks[0]), self._breaks[-1])
+            i = np.searchsorted(self._inner, on, side="right")
+            ax, ay, bx, by, cx, cy, dx, dy = (row.take(i) for row in self._table)
+            t, beyond = on - self._breaks.take(i), u - on
+            tx, ty = (3.0 * ax * t + 2.0 * bx) * t + cx, (3.0 * ay * t + 2.0 * by) * t + cy
+            px = ((ax * t + bx) * t + cx) * t + dx + beyond * tx - x
+            py = ((ay * t + by) * t + cy) * t + dy + beyond * ty - y
+            speed2 = tx * tx + ty * ty
+            bend = px * (6.0 * ax * t + 2.0 * bx) + py * (6.0 * ay * t + 2.0 * by)
+            bend[beyond != 0.0] = 0.0
+            step = (px * tx + py * ty) / np.maximum(speed2 + bend, 0.2 * speed2)
+            s[left], d[left] = u, (ty * px - tx * py) / np.sqrt(speed2)
+            far = np.flatnonzero(np.abs(step) >= _CONVERGED)
+            if not len(far) or sweep == _SWEEPS:
+                return
+            left, x, y, u = left[far], x[far], y[far], (u - step)[far]
+
+    def _search(self, xy: Array, s: Array, d: Array) -> None:
+        """Newton from each sample that is nearer than its neighbours and may belong to the nearest point."""
+        at, tree, points = self._samples
+        left, k = np.arange(len(xy)), min(4, len(at))
+        while len(left):
+            apart, sample = tree.query(xy[left], k=k)
+            # the nearest point of the curve has a sample within half a spacing
+            reach = apart[:, :1] + 0.5 * _SPACING
+            sure = (apart[:, -1:] >= reach)[:, 0] | (k == len(at))
+            here = xy[left[sure], None, :]
+            near, index = apart[sure], sample[sure]
+            valley = near <= reach[sure]
+            for side in (-1, 1):
+                other = points[np.clip(index + side, 0, len(at) - 1)] - here
+                valley &= near <= np.hypot(other[..., 0], other[..., 1])
+            valley[:, 0] = True  # also where rounding decides between two
+            row, column = np.nonzero(valley)
+            owner = left[sure][row]
+            u, offset = self.foot_points(xy[owner], at[index[row, column]])
+            best = np.lexsort((np.abs(offset), owner))
+            best = best[np.unique(owner[best], return_index=True)[1]]
+            s[owner[best]], d[owner[best]] = u[best], offset[best]
+            left, k = left[~sure], min(4 * k, len(at))
+
+    @cached_property
+    def _lists(self) -> tuple[list[float], list[list[float]]]:
+        return self._breaks.tolist(), self._table.T.tolist()
+
+    @cached_property
+    def _table(self) -> Array:
+        """The powers as rows ax, ay, bx, by, cx, cy, dx, dy, shape (8, n_segments)."""
+        return np.ascontiguousarray(self._powers.transpose(0, 2, 1).reshape(8, -1))
+
+    @cached_property
+    def _samples(self) -> tuple[Array, Any, Array]:
+        from scipy.spatial import cKDTree  # slow to import, and only the cold start needs it
+
+        length = self._breaks[-1] - self._breaks[0]
+        s = np.linspace(self._breaks[0], self._breaks[-1], max(2, math.ceil(length / _SPACING) + 1))
+        points = self.derivatives(s)[0]
+        return s, cKDTree(points), points

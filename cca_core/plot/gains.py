@@ -1,0 +1,110 @@
+"""Steering gains: the admissible region at one speed, and margins over speed."""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cca_core._optional import require_extra
+from cca_core.follow import GainRegion, Margins, PreviewGains
+from cca_core.plot.style import EGO
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_REGION = "#A9D8F5"
+_OTHER = "#D55E00"
+_DECAYS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0)  # contours [1/s]
+_DAMPINGS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # contours [-]
+
+
+def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) -> "Figure":
+    """Draw which gains keep the poles where they belong for every car in the box.
+
+    Parameters
+    ----------
+    region : GainRegion
+        What `gain_region` found at one speed.
+    shipped : PreviewGains, optional
+        A schedule whose gains at that speed are marked as well.
+
+    Returns
+    -------
+    figure : Figure
+        The plane of k_p and k_d: the admissible region, contours of the worst decay and of the worst
+        damping ratio, and the gains chosen.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    figure: Figure = require_extra("matplotlib.figure", "plot").Figure(
+        figsize=(7.0, 4.6), layout="constrained"
+    )
+    axis = figure.subplots()
+    k_p, k_d = region.k_p, region.k_d
+    axis.contourf(k_p, k_d, region.admissible.astype(float), levels=[0.5, 1.5], colors=[_REGION])
+    curves = axis.contour(k_p, k_d, region.decay, levels=_DECAYS, colors=EGO, linewidths=0.9)
+    axis.clabel(curves, fmt=lambda value: f"{value:g} 1/s", fontsize=8)
+    curves = axis.contour(
+        k_p, k_d, region.damping, levels=_DAMPINGS, colors=_OTHER, linewidths=0.9, linestyles="--"
+    )
+    axis.clabel(curves, fmt=lambda value: f"{value:g}", fontsize=8)
+    if region.chosen is not None:
+        axis.plot(*region.chosen, "o", color="black", label="chosen")
+    if shipped is not None:
+        at_p, at_d, _ = shipped.at(region.v_x)
+        axis.plot(at_p, at_d, "D", color="black", fillstyle="none", markersize=9, label="schedule")
+    axis.plot([], [], color=EGO, linewidth=0.9, label="worst decay")
+    axis.plot([], [], color=_OTHER, linewidth=0.9, linestyle="--", label="worst damping ratio")
+    axis.fill_between([], [], color=_REGION, label="admissible")
+    stable = np.where(region.decay > 0.0)
+    if len(stable[0]):
+        axis.set_xlim(0.0, 1.05 * float(k_p[stable].max()))
+        axis.set_ylim(0.0, 1.05 * float(k_d[stable].max()))
+    axis.set_xlabel("gain on the error at the preview point k_p [rad/m]")
+    axis.set_ylabel("gain on its rate k_d [rad s/m]")
+    axis.set_title(f"{region.v_x:g} m/s, preview distance {region.l_s:g} m")
+    axis.legend(loc="upper left", fontsize=8)
+    return figure
+
+
+def plot_margins(margins: Sequence[Margins]) -> "Figure":
+    """Draw the robustness of a gain schedule over speed.
+
+    Parameters
+    ----------
+    margins : sequence of Margins
+        What `stability_margins` gives, at increasing speeds.
+
+    Returns
+    -------
+    figure : Figure
+        Gain margin, phase margin, delay margin and disk margin over speed.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    figure: Figure = require_extra("matplotlib.figure", "plot").Figure(
+        figsize=(8.0, 5.0), layout="constrained"
+    )
+    v = [m.v_x for m in margins]
+    rows = (
+        ("gain margin [-]", [m.gain for m in margins]),
+        ("phase margin [deg]", [math.degrees(m.phase) for m in margins]),
+        ("delay margin [s]", [m.delay for m in margins]),
+        ("disk margin [-]", [m.disk for m in margins]),
+    )
+    for axis, (name, values) in zip(figure.subplots(2, 2, sharex=True).flat, rows, strict=True):
+        axis.plot(v, values, "o-", color=EGO, markersize=4)
+        finite = [value for value in values if math.isfinite(value)]
+        axis.set_ylim(0.0, 1.1 * max(finite, default=1.0))
+        axis.set_ylabel(name)
+        axis.grid(alpha=0.3)
+        if axis.get_subplotspec().is_last_row():
+            axis.set_xlabel("speed [m/s]")
+    return figure

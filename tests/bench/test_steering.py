@@ -1,0 +1,322 @@
+"""Lateral errors of four steering laws on two plants; `make bench` prints the table.
+
+`python tests/bench/test_steering.py` finds the tuning of the three other laws anew.
+"""
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path as FilePath
+from timeit import repeat
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_banded
+from scipy.optimize import differential_evolution
+
+from cca_core import LocalFrame, Path, PreviewController, VehicleParams, VehicleState
+from cca_core.baselines import LqrSteering, PurePursuit, Stanley
+from cca_core.follow import StabilityRegion, design_gains
+from cca_core.path import fit_path, interpolate_path, read_waypoints
+from cca_core.sim import MultiBodyPlant, SingleTrackPlant, TrackingRun, lane_change, track
+
+CAR = VehicleParams.bmw_320i()
+DELAY = 0.15  # [s]
+SPEEDS = (4.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0)  # of the gains designed for it [m/s]
+NOISE = 0.1  # [m]
+PLANTS = ("single_track", "multi_body")
+Law = Callable[[VehicleState, Path], float]
+
+# found by `python tests/bench/test_steering.py`: least rms error on `tuning_track`, single track
+TUNED: dict[str, dict[str, float]] = {
+    "pure pursuit": {"look_ahead_time": 0.6769, "least_look_ahead": 3.368},
+    "Stanley": {"gain": 29.12, "softening": 19.48, "yaw_damping": 0.2234},
+    "LQR": {"q_d": 0.01017, "q_rate": 1.855e-6, "q_psi": 1.423},
+}
+# where one of them has less error, given the exact state and the dead time it was tuned for: docs/steering.md
+WINS: dict[str, set[tuple[str, str]]] = {
+    "Stanley": {
+        ("3.5 m over 44 m, 50 km/h", "multi_body"),
+        ("3.5 m over 60 m, 70 km/h", "single_track"),
+        ("3.5 m over 60 m, 70 km/h", "multi_body"),
+        ("3.5 m over 60 m, 25 m/s", "multi_body"),
+        ("I-80, 20 km, 30 m/s", "single_track"),
+        ("I-80, 2 km, 30 m/s", "multi_body"),
+    },
+    "LQR": {
+        ("3.5 m over 60 m, 70 km/h", "multi_body"),
+        ("3.5 m over 60 m, 25 m/s", "multi_body"),
+        ("I-80, 20 km, 30 m/s", "single_track"),
+        ("I-80, 2 km, 30 m/s", "multi_body"),
+    },
+}
+LAWS: dict[str, Callable[[], Law]] = {
+    "preview": lambda: PreviewController(CAR).steer,
+    "pure pursuit": lambda: PurePursuit(CAR, **TUNED["pure pursuit"]).steer,
+    "Stanley": lambda: Stanley(CAR, **TUNED["Stanley"]).steer,
+    "LQR": lambda: LqrSteering(CAR, **TUNED["LQR"]).steer,
+}
+
+
+def start_on(path: Path, speed: float) -> VehicleState:
+    x, y = path.position(path.start).tolist()
+    return VehicleState(x=x, y=y, psi=float(path.heading(path.start)), v_x=speed)
+
+
+# --- tracks -------------------------------------------------------------------------------------------
+
+
+@cache
+def interstate(data: FilePath) -> Path:
+    """The 20 km of I-80 with the greatest rms curvature on which no radius is below 300 m."""
+    points = read_waypoints(data / "gps" / "I_80_Eastbound_Vertices.csv")
+    whole = fit_path(LocalFrame(points.lat[0], points.lon[0]).to_local(points.lat, points.lon), tolerance=0.5)
+    return stretch(whole, 20e3)
+
+
+def stretch(path: Path, length: float) -> Path:
+    """Part of a path with the greatest rms curvature; a radius below 300 m counts as a defect of the map."""
+    step = 5.0
+    kappa = path.curvature(np.arange(path.start, path.end, step))
+    n = round(length / step)
+
+    def sums(values: Any) -> Any:
+        total = np.concatenate(([0.0], np.cumsum(values)))
+        return total[n:] - total[:-n]
+
+    sound = sums(np.abs(kappa) > 1.0 / 300.0) == 0.0
+    begin = path.start + step * float(np.argmax(np.where(sound, sums(kappa**2), -1.0)))
+    i, j = np.searchsorted(path.breaks, [begin, begin + length])
+    return Path(path.breaks[i : j + 1], path.coefficients[i:j])
+
+
+@dataclass(frozen=True)
+class Track:
+    path: Callable[[FilePath], Path]
+    speed: float
+    bounds: tuple[float, float]  # largest error on the single track and on the multi-body car [m]
+    recorded: bool = False
+
+
+TRACKS = {
+    "3.5 m over 44 m, 50 km/h": Track(lambda _: lane_change(3.5, 44.0), 50.0 / 3.6, (0.04, 0.05)),
+    "3.5 m over 60 m, 70 km/h": Track(lambda _: lane_change(3.5, 60.0), 70.0 / 3.6, (0.04, 0.05)),
+    "3.5 m over 60 m, 25 m/s": Track(lambda _: lane_change(3.5, 60.0), 25.0, (0.08, 0.08)),
+    "I-80, 20 km, 30 m/s": Track(interstate, 30.0, (0.04, 0.06), recorded=True),
+    "I-80, 2 km, 30 m/s": Track(
+        lambda data: stretch(interstate(data), 2e3), 30.0, (0.04, 0.06), recorded=True
+    ),
+}
+CASES = [
+    (name, plant)
+    for name in TRACKS
+    for plant in PLANTS
+    if (name, plant) != ("I-80, 2 km, 30 m/s", "single_track")
+]
+
+
+# --- variants: what the controller does not know, unless "told" ---------------------------------------
+
+
+@cache
+def told_of_delay() -> Any:
+    return design_gains(CAR, SPEEDS, region=StabilityRegion(delay=0.04 + DELAY, decay=0.4, damping=0.35))
+
+
+def make_plant(name: str, start: VehicleState, variant: str) -> Any:
+    mass = 1.3 if variant == "mass +30 %" else 1.0
+    friction = 0.5 if variant == "friction 0.5" else 1.0
+    if name == "multi_body":
+        return MultiBodyPlant(start, mass=mass, friction=friction)
+    return SingleTrackPlant(replace(CAR, m=CAR.m * mass, I_z=CAR.I_z * mass, mu=CAR.mu * friction), start)
+
+
+VARIANTS = ("mass +30 %", "friction 0.5", "delay told", "delay not told", "noise")
+Key = tuple[str, str, str, str]
+RUNS: dict[Key, TrackingRun] = {}
+
+
+def drive(name: str, plant: str, law: str, data: FilePath, variant: str = "") -> TrackingRun:
+    """One run; equal runs are driven once."""
+    key = (name, plant, law, variant)
+    if key not in RUNS:
+        path, speed = TRACKS[name].path(data), TRACKS[name].speed
+        steer = LAWS[law]()
+        if variant == "delay told":
+            steer = PreviewController(CAR, told_of_delay(), delay=DELAY).steer
+        RUNS[key] = _track(
+            make_plant(plant, start_on(path, speed), variant), steer, path, speed,
+            delay=DELAY if "delay" in variant else 0.0, fix_sigma=NOISE if variant == "noise" else 0.0,
+        )  # fmt: skip
+    return RUNS[key]
+
+
+def _track(*args: Any, **options: Any) -> TrackingRun:
+    try:
+        return track(*args, **options)
+    except ZeroDivisionError:  # the multi-body model has spun round until a wheel stood still
+        nothing = np.array([np.nan])
+        return TrackingRun(s=nothing, d=nothing, delta=nothing, a_y=nothing, finished=False)
+
+
+def needs(plant: str) -> None:
+    if plant == "multi_body" and find_spec("vehiclemodels") is None:
+        pytest.skip("needs vehiclemodels")
+
+
+def data_for(name: str, request: pytest.FixtureRequest) -> FilePath:
+    recorded = TRACKS[name].recorded
+    return request.getfixturevalue("data_dir") if recorded else FilePath()
+
+
+@pytest.mark.parametrize(("name", "plant"), CASES)
+def test_errors(benchmark: Any, request: pytest.FixtureRequest, name: str, plant: str) -> None:
+    """Ours stays within its bounds, and below the three others wherever all four are driven."""
+    needs(plant)
+    data = data_for(name, request)
+    ours = benchmark.pedantic(drive, args=(name, plant, "preview", data), rounds=1)
+    assert ours.peak <= TRACKS[name].bounds[PLANTS.index(plant)]
+    if "20 km" in name and plant == "multi_body":
+        return  # a minute and a half for each law: the others are driven on the worst 2 km of it
+    for law in list(LAWS)[1:]:
+        other = drive(name, plant, law, data)
+        if (name, plant) not in WINS.get(law, ()):
+            assert ours.rms < other.rms, law
+            assert ours.peak < other.peak, law
+
+
+@pytest.mark.parametrize("name", [name for name, on in TRACKS.items() if not on.recorded])
+@pytest.mark.parametrize("law", ["Stanley", "LQR"])
+def test_what_the_high_gains_of_the_others_cost(benchmark: Any, name: str, law: str) -> None:
+    """With a dead time nobody told them of they leave the track, or nearly so; ours only loses accuracy."""
+    other = benchmark.pedantic(
+        drive, args=(name, "single_track", law, FilePath(), "delay not told"), rounds=1
+    )
+    ours = drive(name, "single_track", "preview", FilePath(), "delay not told")
+    assert ours.peak < 0.1 * other.peak
+
+
+def test_steer_takes_at_most_20_us(benchmark: Any) -> None:
+    """On a machine that solves a banded system of 100 rows in 16.6 us, and in proportion on a slower one."""
+    matrix, right = np.repeat(np.array([[-1.0], [2.0], [-1.0]]), 100, axis=1), np.ones((100, 2))
+    slowness = (
+        float(np.median(repeat(lambda: solve_banded((1, 1), matrix, right), number=20, repeat=50))) / 20
+    )
+    path, controller = lane_change(3.5, 60.0), PreviewController(CAR)
+    state = VehicleState(x=110.0, y=1.0, psi=0.08, v_x=20.0)
+    benchmark(controller.steer, state, path)
+    assert benchmark.stats.stats.median < 20e-6 * max(1.0, slowness / 16.6e-6)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("plant", PLANTS)
+def test_robust(benchmark: Any, plant: str, variant: str) -> None:
+    """At most twice the bounds, 0.15 m more with noise; an unknown delay has only to leave it stable."""
+    needs(plant)
+
+    def runs() -> list[tuple[Track, TrackingRun]]:
+        return [
+            (on, drive(name, plant, "preview", FilePath(), variant))
+            for name, on in TRACKS.items()
+            if not on.recorded
+        ]
+
+    for on, run in benchmark.pedantic(runs, rounds=1):
+        bound = 2.0 * on.bounds[PLANTS.index(plant)] + (0.15 if variant == "noise" else 0.0)
+        assert run.finished
+        if variant == "delay not told":
+            assert np.abs(run.d[-50:]).max() < 0.1
+        else:
+            assert run.peak <= bound
+
+
+def test_gain_schedule(benchmark: Any) -> None:
+    benchmark.pedantic(design_gains, args=(CAR,), rounds=1)
+    assert benchmark.stats.stats.max < 20.0
+
+
+def test_table(benchmark: Any, request: pytest.FixtureRequest) -> None:
+    """Print what the tests above have driven."""
+    lines = benchmark.pedantic(table, rounds=1)
+    reporter = request.config.pluginmanager.getplugin("terminalreporter")
+    with request.config.pluginmanager.getplugin("capturemanager").global_and_fixture_disabled():
+        reporter.write_line("")
+        for line in lines:
+            reporter.write_line(line)
+    assert len(lines) > 2
+
+
+def table() -> list[str]:
+    lines = [f"{'track':26}{'plant':14}{'law':28}{'peak [m]':>9}{'rms [m]':>9}{'a_y [m/s^2]':>13}"]
+    for (name, plant, law, variant), run in sorted(RUNS.items(), key=_place):
+        a_y = np.abs(run.a_y).max()
+        title = f"{law}, {variant}" if variant else law
+        lines.append(f"{name:26}{plant:14}{title:28}{run.peak:9.3f}{run.rms:9.4f}{a_y:13.2f}")
+    return lines
+
+
+def _place(item: tuple[Key, TrackingRun]) -> tuple[bool, int, int, int]:
+    (name, plant, law, variant), _ = item
+    return (
+        bool(variant),
+        list(TRACKS).index(name),
+        PLANTS.index(plant),
+        [*LAWS, *VARIANTS].index(variant or law),
+    )
+
+
+# --- tuning of the others -----------------------------------------------------------------------------
+
+
+@cache
+def tuning_track() -> Path:
+    """Lane change of 3.0 m over 50 m, then a bend of 200 m radius to the right with clothoids of 40 m."""
+    s = np.arange(0.0, 520.0, 1.0)
+    share = np.clip((s - 60.0) / 50.0, 0.0, 1.0)
+    kappa = 3.0 / 50.0**2 * (60.0 * share - 180.0 * share**2 + 120.0 * share**3)
+    kappa -= np.interp(s, [200.0, 240.0, 340.0, 380.0], [0.0, 1.0, 1.0, 0.0]) / 200.0
+    psi = np.concatenate(([0.0], np.cumsum(0.5 * (kappa[1:] + kappa[:-1]))))
+    middle = 0.5 * (psi[1:] + psi[:-1])
+    xy = np.vstack(([0.0, 0.0], np.cumsum(np.column_stack((np.cos(middle), np.sin(middle))), axis=0)))
+    return interpolate_path(xy, start_tangent=(1.0, 0.0), end_tangent=(np.cos(psi[-1]), np.sin(psi[-1])))
+
+
+def cost(values: Any, law: type[Any], names: list[str], robust: bool) -> float:
+    """Mean rms error at 14 and 25 m/s with 40 ms of dead time [m]; 10 m for a run that leaves the path.
+
+    `robust` asks for the stability that ours is designed for: 0.15 s of dead time must not make it swing.
+    """
+    path, total = tuning_track(), 0.0
+    for speed in (14.0, 25.0):
+        for delay in (0.04, DELAY) if robust else (0.04,):
+            steer = law(CAR, **dict(zip(names, np.power(10.0, values).tolist(), strict=True))).steer
+            run = track(SingleTrackPlant(CAR, start_on(path, speed)), steer, path, speed, delay=delay)
+            if delay == DELAY:
+                total += 0.0 if run.finished and np.abs(run.d[-50:]).max() < 0.1 else 10.0
+            else:
+                total += 0.5 * min(run.rms, 10.0)
+    return total
+
+
+SPACES: dict[type[Any], dict[str, tuple[float, float]]] = {  # decimal logarithms
+    PurePursuit: {"look_ahead_time": (-1.0, 0.5), "least_look_ahead": (0.0, 1.2)},
+    Stanley: {"gain": (-1.0, 2.0), "softening": (-1.0, 1.5), "yaw_damping": (-3.0, 0.5)},
+    LqrSteering: {"q_d": (-4.0, 2.0), "q_rate": (-6.0, 1.0), "q_psi": (-3.0, 2.0)},
+}
+
+
+def tune(law: type[Any], robust: bool) -> tuple[dict[str, float], float]:
+    names, limits = list(SPACES[law]), list(SPACES[law].values())
+    found = differential_evolution(
+        cost, limits, args=(law, names, robust), seed=1, popsize=8, maxiter=14, tol=1e-3, polish=False
+    )
+    return {n: float(f"{10.0**v:.4g}") for n, v in zip(names, found.x, strict=True)}, float(found.fun)
+
+
+if __name__ == "__main__":
+    for wanted in SPACES:
+        if wanted.__name__ in sys.argv[1:] or not {law.__name__ for law in SPACES} & set(sys.argv[1:]):
+            print(wanted.name, *tune(wanted, "robust" in sys.argv[1:]))  # noqa: T201

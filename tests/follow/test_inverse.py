@@ -1,0 +1,94 @@
+"""The single track solved backwards: exact for a linear car, steady in a steady turn, never undefined."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cca_core.follow import InverseSteering, single_track, steady_sideslip, steady_steering
+from cca_core.vehicle import VehicleParams
+
+CARS = [VehicleParams.bmw_320i(), VehicleParams.ford_escort(), VehicleParams.vw_vanagon()]
+LINEAR = [replace(car, mu=1e3) for car in CARS]
+
+
+@pytest.mark.parametrize("car", LINEAR)
+@pytest.mark.parametrize("v", [5.0, 15.0, 30.0])
+def test_steady_turn(car: VehicleParams, v: float) -> None:
+    """After any start the angle, the sideslip and the yaw rate are those of the steady turn."""
+    kappa, inverse = 1.0 / 400.0, InverseSteering(car)
+    inverse.advance(0.0, 0.0, v, 0.02)
+    for k in range(1, 400):
+        delta = inverse.advance(0.02 * v * k, kappa, v, 0.02)
+    beta, r = inverse.motion_at(0.02 * v * 399)
+    assert delta == pytest.approx(float(steady_steering(kappa, v, car)), rel=2e-3)
+    assert r == pytest.approx(v * kappa, rel=1e-3)
+    assert beta == pytest.approx(float(steady_sideslip(kappa, v, car)), rel=1e-2, abs=1e-6)
+
+
+@pytest.mark.parametrize("car", LINEAR)
+@pytest.mark.parametrize("v", [8.0, 20.0, 30.0])
+def test_open_loop_keeps_a_linear_car_on_the_path(car: VehicleParams, v: float) -> None:
+    """x' = A x + B delta + E kappa, driven through a lane change by the inverse alone."""
+    dt, model, inverse = 0.002, single_track(car, v, 0.0), InverseSteering(car)
+    length = 3.0 * v
+    x, worst = np.zeros(4), 0.0
+    for k in range(round(5.0 / dt)):
+        s = v * dt * k
+        share = min(max((s - v) / length, 0.0), 1.0)
+        kappa = 3.5 / length**2 * (60.0 * share - 180.0 * share**2 + 120.0 * share**3)
+        delta = inverse.advance(s, kappa, v, dt)
+        x = x + dt * (model.A @ x + model.B * delta + model.E * kappa)
+        worst = max(worst, abs(x[3]))
+    assert worst < 0.01
+
+
+@given(
+    st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(0.0, 40.0)), min_size=2, max_size=30),
+    st.sampled_from(CARS),
+)
+def test_mirror(places: list[tuple[float, float]], car: VehicleParams) -> None:
+    left, right, s = InverseSteering(car), InverseSteering(car), 0.0
+    for kappa, v in places:
+        s += 0.02 * v
+        assert right.advance(s, -kappa, v, 0.02) == pytest.approx(-left.advance(s, kappa, v, 0.02), abs=1e-12)
+        np.testing.assert_allclose(right.motion_at(s), -np.array(left.motion_at(s)), atol=1e-12)
+
+
+@given(
+    st.lists(st.tuples(st.floats(-10.0, 10.0), st.floats(0.0, 60.0)), min_size=1, max_size=60),
+    st.sampled_from(CARS),
+    st.floats(0.001, 1.0),
+)
+def test_always_an_angle(places: list[tuple[float, float]], car: VehicleParams, dt: float) -> None:
+    """From standstill to 60 m/s, with curvature no car can follow, and jumps of both."""
+    inverse, s = InverseSteering(car), 0.0
+    for kappa, v in places:
+        s += dt * v
+        assert abs(inverse.advance(s, kappa, v, dt)) < math.pi
+        assert all(map(math.isfinite, inverse.motion_at(s - 5.0)))
+
+
+def test_motion_is_remembered_by_place() -> None:
+    """Asked for where it was five cycles ago, it says what it said there; in between, what lies between."""
+    now, later = InverseSteering(CARS[0]), InverseSteering(CARS[0])
+    passed: list[float] = []
+    for k in range(100):
+        now.advance(0.4 * k, 4e-5 * k, 20.0, 0.02)
+        later.advance(0.4 * k, 4e-5 * k, 20.0, 0.02)
+        passed.append(now.motion_at(0.4 * k)[1])
+        if k >= 6:
+            between = later.motion_at(0.4 * (k - 5.5))[1]
+            assert between == pytest.approx(0.5 * (passed[k - 6] + passed[k - 5]), abs=1e-9)
+            assert later.motion_at(0.4 * (k - 5))[1] == pytest.approx(passed[k - 5], abs=1e-9)
+
+
+def test_a_jump_along_the_path_starts_afresh() -> None:
+    inverse, fresh = InverseSteering(CARS[0]), InverseSteering(CARS[0])
+    for k in range(50):
+        inverse.advance(0.4 * k, -0.01, 20.0, 0.02)
+    assert inverse.advance(500.0, 0.005, 20.0, 0.02) == fresh.advance(500.0, 0.005, 20.0, 0.02)
+    assert inverse.motion_at(500.0) == fresh.motion_at(500.0)

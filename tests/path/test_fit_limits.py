@@ -1,0 +1,112 @@
+"""Fits held to figures: circle, clothoid, arc length, curvature limit, adaptive segments."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import fresnel
+
+from cca_core.errors import InfeasibleError, InputError
+from cca_core.path import Path, fit_path
+
+
+def speed_error(path: Path) -> float:
+    share = np.linspace(0.0, 1.0, 21)
+    s = path.breaks[:-1, None] + share * np.diff(path.breaks)[:, None]
+    first = path.derivatives(s)[1]
+    return float(np.abs(np.hypot(first[..., 0], first[..., 1]) - 1.0).max())
+
+
+def corner(noise: float = 0.0) -> np.ndarray:
+    """Two streets at a right angle, a point each 10 m."""
+    leg = np.arange(0.0, 101.0, 10.0)
+    xy = np.vstack((np.column_stack((leg, 0.0 * leg)), np.column_stack((0.0 * leg[1:] + 100.0, leg[1:]))))
+    return xy + noise * np.random.default_rng(1).standard_normal(xy.shape)
+
+
+@pytest.mark.parametrize("segmentation", ["equal", "adaptive"])
+@pytest.mark.parametrize("turn", [1.0, 2.0, 6.2])
+def test_circle(segmentation: str, turn: float) -> None:
+    phi = np.arange(0.0, turn, 2.0 / 50.0)
+    xy = 50.0 * np.column_stack((np.sin(phi), 1.0 - np.cos(phi)))
+    path = fit_path(xy, tolerance=0.001, segmentation=segmentation)
+    s = np.linspace(path.start, path.end, 5001)
+    assert np.abs(np.hypot(*(path.position(s) - [0.0, 50.0]).T) - 50.0).max() <= 1e-3
+    assert np.abs(50.0 * path.curvature(s) - 1.0).max() <= 1e-3
+
+
+@pytest.mark.parametrize(("length", "radius"), [(100.0, 50.0), (200.0, 300.0)])
+@pytest.mark.parametrize("tolerance", [0.001, 0.05])
+def test_clothoid(length: float, radius: float, tolerance: float) -> None:
+    scale = math.sqrt(length * radius * math.pi)
+    s = np.arange(0.0, length + 1e-9, 2.0)
+    y, x = fresnel(s / scale)
+    path = fit_path(scale * np.column_stack((x, y)), tolerance=tolerance)
+    at = np.linspace(0.0, path.length, 2000)
+    assert np.abs(path.curvature(at) - at / (length * radius)).max() <= 0.01 / radius
+
+
+@pytest.mark.parametrize("segmentation", ["equal", "adaptive"])
+@pytest.mark.parametrize("tolerance", [0.0, 0.05, 0.5])
+def test_s_is_arc_length_also_round_a_sharp_corner(segmentation: str, tolerance: float) -> None:
+    assert speed_error(fit_path(corner(0.1), tolerance=tolerance, segmentation=segmentation)) <= 1e-3
+
+
+@pytest.mark.parametrize("segmentation", ["equal", "adaptive"])
+@pytest.mark.parametrize("radius", [5.5, 12.0, 30.0])
+def test_curvature_limit_wins_over_the_tolerance(segmentation: str, radius: float) -> None:
+    xy = corner()
+    path = fit_path(xy, tolerance=0.2, segmentation=segmentation, curvature_limit=1.0 / radius)
+    s = np.linspace(path.start, path.end, 5001)
+    assert np.abs(path.curvature(s)).max() <= 1.0 / radius
+    assert speed_error(path) <= 1e-3
+    off = np.hypot(*(path.position(s)[:, None] - xy).T).min(axis=1)
+    assert off.max() <= 0.6 * radius + 0.2  # the arc inside the corner passes it at 0.41 radii
+    assert np.delete(off, slice(6, 15)).max() <= 1.0  # and away from it the road is kept
+
+
+def test_a_limit_that_is_kept_anyway_changes_nothing() -> None:
+    x = np.arange(0.0, 500.0, 10.0)
+    xy = np.column_stack((x, 20.0 * np.sin(x / 80.0)))
+    free, limited = fit_path(xy), fit_path(xy, curvature_limit=0.1)
+    np.testing.assert_array_equal(free.coefficients, limited.coefficients)
+
+
+def test_a_closed_road_cannot_be_wider_than_it_is() -> None:
+    phi = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)
+    xy = 40.0 * np.column_stack((np.cos(phi), np.sin(phi)))
+    assert fit_path(xy, closed=True, curvature_limit=1.0 / 35.0).length == pytest.approx(
+        80.0 * math.pi, rel=0.01
+    )
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 0.3])
+def test_adaptive_segments_are_fewer_and_keep_the_tolerance(tolerance: float) -> None:
+    rng = np.random.default_rng(3)
+    x = np.arange(0.0, 4000.0, 8.0)
+    y = np.where(x < 2000.0, 0.0, 40.0 * (1.0 - np.cos((x - 2000.0) / 120.0)))
+    xy = np.column_stack((x, y)) + 0.3 * tolerance * rng.standard_normal((len(x), 2))
+    equal, adaptive = (fit_path(xy, tolerance=tolerance, segmentation=kind) for kind in ("equal", "adaptive"))
+    assert len(adaptive.coefficients) < len(equal.coefficients)
+    for path in (equal, adaptive):
+        assert np.abs(path.project(xy)[1]).max() <= tolerance + 1e-6
+        assert speed_error(path) <= 1e-3
+
+
+@pytest.mark.parametrize("limit", [0.0, -1.0, math.nan, "a"])
+def test_bad_limit(limit: object) -> None:
+    with pytest.raises(InputError, match=r"^curvature_limit must"):
+        fit_path(corner(), curvature_limit=limit)  # type: ignore[arg-type]
+
+
+def test_bad_segmentation() -> None:
+    with pytest.raises(InputError, match=r"^segmentation must be 'equal' or 'adaptive', was 'even'"):
+        fit_path(corner(), segmentation="even")
+
+
+@pytest.mark.parametrize("radius", [10.5, 15.0, 1e4])
+def test_infeasible_is_an_error_of_its_own(radius: float) -> None:
+    phi = np.linspace(0.0, 2.0 * math.pi, 40, endpoint=False)
+    xy = 10.0 * np.column_stack((np.cos(phi), np.sin(phi)))
+    with pytest.raises(InfeasibleError, match=r"^no path"):
+        fit_path(xy, closed=True, curvature_limit=1.0 / radius)

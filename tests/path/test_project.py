@@ -1,0 +1,126 @@
+"""Projection against brute force, where the road passes near itself; cutting a path."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from cca_core.errors import InputError
+from cca_core.path import Path, fit_path
+
+
+def hairpin() -> Path:
+    """Two legs 16 m apart, joined by a half circle of radius 8 m."""
+    phi = np.arange(-0.5 * math.pi, 0.5 * math.pi, 0.2)
+    out = np.arange(0.0, 200.0, 5.0)
+    bend = np.column_stack((200.0 + 8.0 * np.cos(phi), 8.0 * np.sin(phi)))
+    legs = np.column_stack((out, 0.0 * out - 8.0)), np.column_stack((out[::-1], 0.0 * out + 8.0))
+    return fit_path(np.vstack((legs[0], bend, legs[1])), tolerance=0.05)
+
+
+def roundabout() -> Path:
+    """One and three quarter turns of a slowly widening roundabout of radius 12 m."""
+    phi = np.arange(0.0, 3.5 * math.pi, 0.25)
+    r = 12.0 + 0.15 * phi
+    return fit_path(np.column_stack((r * np.cos(phi), r * np.sin(phi))), tolerance=0.02)
+
+
+def eight() -> Path:
+    phi = np.linspace(0.0, 2.0 * math.pi, 129)
+    return fit_path(np.column_stack((100.0 * np.sin(phi), 50.0 * np.sin(2.0 * phi))), tolerance=0.05)
+
+
+ROADS = pytest.mark.parametrize("make", [hairpin, roundabout, eight])
+
+
+def brute(path: Path, xy: np.ndarray, low: float, high: float) -> tuple[float, float]:
+    """Arc length and distance of the nearest point in [low, high], by dense search and bisection."""
+    s = np.arange(low, high + 0.05, 0.05)
+    i = int(np.argmin(np.hypot(*(path.position(s) - xy).T)))
+
+    def slope(u: float) -> float:
+        position, first, _ = path.derivatives(u)
+        return float((position - xy) @ first)
+
+    if slope(s[i] - 0.06) < 0.0 < slope(s[i] + 0.06):
+        u = float(brentq(slope, s[i] - 0.06, s[i] + 0.06, xtol=1e-12))
+    else:
+        u = float(s[i])  # an end
+    return u, float(np.hypot(*(path.position(u) - xy)))
+
+
+@ROADS
+def test_with_last_s_the_branch_is_kept(make: Callable[[], Path]) -> None:
+    path = make()
+    rng = np.random.default_rng(0)
+    s = rng.uniform(path.start + 5.0, path.end - 5.0, 150)
+    xy = path.to_cartesian(s, rng.uniform(-3.0, 3.0, 150))
+    near = s + rng.uniform(-2.0, 2.0, 150)
+    found, d = path.project(xy, near=near)
+    for i in range(150):
+        at, distance = brute(path, xy[i], s[i] - 4.0, s[i] + 4.0)
+        assert abs(abs(d[i]) - distance) <= 1e-6
+        assert np.hypot(*(path.position(found[i]) - path.position(at))) <= 1e-6
+        one = path.foot_point(*xy[i].tolist(), float(near[i]))
+        assert one[:2] == pytest.approx((found[i], d[i]), abs=1e-8)
+
+
+@ROADS
+def test_without_last_s_the_nearest_of_all_branches_is_found(make: Callable[[], Path]) -> None:
+    path = make()
+    rng = np.random.default_rng(1)
+    low, high = path.sample(1.0).min(axis=0) - 30.0, path.sample(1.0).max(axis=0) + 30.0
+    xy = np.vstack(
+        (rng.uniform(low, high, (150, 2)), np.column_stack((np.linspace(5, 195, 50), np.zeros(50))))
+    )
+    _, d = path.project(xy)
+    for i in range(len(xy)):
+        _, distance = brute(path, xy[i], path.start, path.end)
+        assert abs(d[i]) <= distance + 1e-6
+
+
+@ROADS
+def test_far_away_the_nearest_point_is_found_too(make: Callable[[], Path]) -> None:
+    path = make()
+    rng = np.random.default_rng(2)
+    xy = rng.uniform(-3e3, 3e3, (100, 2))
+    on = path.position(np.linspace(path.start, path.end, 20_001))
+    _, d = path.project(xy)
+    for point, found in zip(xy, d, strict=True):
+        assert abs(found) <= np.hypot(*(on - point).T).min() + 1e-6
+
+
+def test_many_positions_at_once_are_as_each_alone() -> None:
+    path = hairpin()
+    s = np.random.default_rng(3).uniform(path.start, path.end, 20_000)
+    found, d = path.project(path.to_cartesian(s, 2.0), near=s + 0.3)
+    np.testing.assert_allclose(found, s, rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(d, 2.0, rtol=0.0, atol=1e-7)
+
+
+# --- cut ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("start", "end"), [(10.3, 97.1), (0.0, 50.0), (31.0, 31.2), (3.0, 3.0 + 1e-6)])
+def test_a_cut_is_the_same_curve(start: float, end: float) -> None:
+    path = eight()
+    part = path.cut(start, end)
+    assert (part.start, part.end) == (start, end)
+    s = np.linspace(start, end, 200)
+    for mine, whole in zip(part.derivatives(s), path.derivatives(s), strict=True):
+        np.testing.assert_allclose(mine, whole, rtol=0.0, atol=1e-7)
+
+
+def test_cutting_at_borders_divides_nothing() -> None:
+    path = hairpin()
+    np.testing.assert_array_equal(path.cut(path.start, path.end).coefficients, path.coefficients)
+    inner = path.cut(path.breaks[3], path.breaks[9])
+    np.testing.assert_array_equal(inner.breaks, path.breaks[3:10])
+
+
+@pytest.mark.parametrize(("start", "end"), [(-1.0, 5.0), (5.0, 5.0), (6.0, 5.0), (5.0, 1e6), (math.nan, 5.0)])
+def test_bad_cuts(start: float, end: float) -> None:
+    with pytest.raises(InputError, match=r"^(start|end) must"):
+        hairpin().cut(start, end)

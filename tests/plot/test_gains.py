@@ -1,0 +1,42 @@
+import math
+
+import numpy as np
+import pytest
+
+from cca_core import VehicleParams
+from cca_core.follow import StabilityRegion, gain_region, shipped_gains, stability_margins
+from cca_core.plot import plot_gain_region, plot_margins
+
+pytestmark = pytest.mark.requires("matplotlib")
+
+CAR = VehicleParams.bmw_320i()
+GAINS = shipped_gains(CAR)
+
+
+@pytest.mark.parametrize("v", [5.0, 20.0])
+def test_region_shows_the_points(v: float) -> None:
+    found = gain_region(CAR, v, max(v, 4.0), StabilityRegion())
+    (axis,) = plot_gain_region(found, GAINS).axes
+    points = {line.get_label(): line.get_xydata() for line in axis.lines}
+    np.testing.assert_allclose(points["chosen"], [found.chosen])
+    np.testing.assert_allclose(points["schedule"], [GAINS.at(v)[:2]])
+    low, high = axis.get_xlim()
+    assert low <= found.chosen[0] <= high
+    assert "[rad/m]" in axis.get_xlabel()
+    assert f"{v:g} m/s" in axis.get_title()
+
+
+def test_region_without_admissible_gains() -> None:
+    found = gain_region(CAR, 20.0, 20.0, StabilityRegion(damping=1.0, delay=0.5))
+    assert found.chosen is None
+    (axis,) = plot_gain_region(found).axes
+    assert "chosen" not in {line.get_label() for line in axis.lines}
+
+
+def test_margins_over_speed() -> None:
+    margins = [stability_margins(CAR, GAINS, v) for v in GAINS.speeds]
+    gain, phase, delay, disk = plot_margins(margins).axes
+    assert all("[" in axis.get_ylabel() for axis in (gain, phase, delay, disk))
+    np.testing.assert_array_equal(gain.lines[0].get_xdata(), GAINS.speeds)
+    np.testing.assert_array_equal(disk.lines[0].get_ydata(), [m.disk for m in margins])
+    np.testing.assert_allclose(phase.lines[0].get_ydata(), [math.degrees(m.phase) for m in margins])
