@@ -274,7 +274,7 @@ def stability_margins(
 
     Notes
     -----
-    Disk margin: alpha = 2 / max |S - T| with the sensitivities S and T.
+    Disk margin: ``alpha = 2 / max |S - T|`` with the sensitivities S and T.
     """
     v_x = check_real("v_x", v_x, above=0.0)
     delay = check_real("delay", delay, least=0.0)

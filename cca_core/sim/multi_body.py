@@ -1,6 +1,7 @@
 """A 29-state multi-body car as plant (extra ``plant``): the stand-in for a high-fidelity simulation."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,8 @@ class MultiBodyPlant:
     The model's input is a steering rate (at most 0.4 rad/s) and an acceleration at the wheels; both follow
     their commands with a first-order lag. Its fastest eigenvalue is about -4700/v, so it is integrated with
     1 ms steps of the classical Runge-Kutta scheme above 2 m/s; below, the car rolls to rest along its
-    heading. It has no anti-lock brakes: commands are limited to what it holds without locking.
+    heading. It has no anti-lock brakes: commands are limited to what it holds without locking. A car that
+    has spun round is beyond the model; it stays where it was.
 
     References
     ----------
@@ -113,6 +115,16 @@ class MultiBodyPlant:
         if self._stopped is not None or self._x[3] < _SLOWEST:
             self._roll(a_x, dt)
             return
+        before = self.state
+        try:
+            self._integrate(delta, a_x, dt)
+        except (ArithmeticError, ValueError):  # spun round: the model's tyres divide by the forward speed
+            self._x[3] = math.nan
+        if not np.isfinite(self._x).all():
+            self._stopped = replace(before, v_x=0.0, v_y=0.0, r=0.0, a_x=0.0)
+            self.a_y = 0.0
+
+    def _integrate(self, delta: float, a_x: float, dt: float) -> None:
         n = max(1, math.ceil(dt / _STEP - 1e-9))
         h = dt / n
         slope = self._x
