@@ -1,4 +1,8 @@
-"""One cycle: decide, bend the route, follow it."""
+"""One cycle: decide, bend the route, follow it.
+
+The state of a manoeuvre, its renewal and the fall-back ladder belong together, so this module is longer
+than others.
+"""
 
 import math
 from collections.abc import Iterable

@@ -10,27 +10,28 @@ from cca_core.follow.bicycle import (
     steady_yaw_rate,
 )
 from cca_core.follow.estimate import PoseEstimator
+from cca_core.follow.following import (
+    cacc_acceleration,
+    follow_acceleration,
+    idm_acceleration,
+    required_deceleration,
+)
 from cca_core.follow.gains import (
     GainRegion,
-    Margins,
     StabilityRegion,
     design_gains,
     gain_region,
-    stability_margins,
 )
 from cca_core.follow.inverse import InverseSteering
+from cca_core.follow.margins import Margins, stability_margins
 from cca_core.follow.preview import PreviewController
 from cca_core.follow.schedule import PreviewGains, shipped_gains
 from cca_core.follow.speed import (
     SpeedSettings,
     arrival_times,
-    cacc_acceleration,
     cruise_acceleration,
-    follow_acceleration,
     friction_limited,
-    idm_acceleration,
     jerk_limited,
-    required_deceleration,
     squared_speed_limit,
     stop_acceleration,
 )
