@@ -51,13 +51,11 @@ WINS: dict[str, set[tuple[str, str]]] = {
         ("3.5 m over 60 m, 70 km/h", "single_track"),
         ("3.5 m over 60 m, 70 km/h", "multi_body"),
         ("3.5 m over 60 m, 25 m/s", "multi_body"),
-        ("I-80, 20 km, 30 m/s", "single_track"),
         ("I-80, 2 km, 30 m/s", "multi_body"),
     },
     "LQR": {
         ("3.5 m over 60 m, 70 km/h", "multi_body"),
         ("3.5 m over 60 m, 25 m/s", "multi_body"),
-        ("I-80, 20 km, 30 m/s", "single_track"),
         ("I-80, 2 km, 30 m/s", "multi_body"),
     },
 }
