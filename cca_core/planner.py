@@ -113,6 +113,10 @@ class Planner:
         self._inside = True
         self._status = Status.OK
 
+    def __repr__(self) -> str:
+        action = self._decision.action.value
+        return f"Planner({self.road!r}, cruise_speed={self.cruise_speed:g}, {action} at t={self._t:g})"
+
     def step(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
         """Compute steering and acceleration for this cycle.
 
@@ -180,7 +184,7 @@ class Planner:
         reference = path if self._maneuver is None else self._maneuver.reference
         delta = self._controller.steer(state, reference)
         self._command = Command(
-            delta=delta, a_x=a_x, decision=self._decision, reference=reference, status=self._status,
+            delta=delta, a_x=float(a_x), decision=self._decision, reference=reference, status=self._status,
             band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,
         )  # fmt: skip
         return self._command

@@ -16,7 +16,7 @@ settings.register_profile(
     max_examples=50,
     suppress_health_check=[HealthCheck.too_slow],
 )
-settings.register_profile("full", parent=settings.get_profile("ci"), max_examples=2000)
+settings.register_profile("full", parent=settings.get_profile("ci"), max_examples=1000)
 settings.load_profile(os.environ.get("CCA_HYPOTHESIS_PROFILE", "ci"))
 
 

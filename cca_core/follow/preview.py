@@ -94,7 +94,7 @@ class PreviewController:
             near = self._foot[1] + v * dt
         else:
             near = float(path.project((state.x, state.y))[0])
-        s, d, heading, kappa = path.foot_point(state.x, state.y, near)
+        s, d, heading, kappa = path.foot_point(float(state.x), float(state.y), near)
         self._foot = path, s
         ahead = s + v * (self.delay + p.steering_lag)
         feed_forward = self._inverse.advance(ahead, path.curvature_at(ahead), v, dt)
@@ -113,8 +113,8 @@ class PreviewController:
         if delta == wanted and abs(d) < _SMALL and v > 1.0:
             grown = self._integral + k_p * d * dt / _INTEGRAL_TIME
             self._integral = min(max(grown, -_INTEGRAL_LIMIT), _INTEGRAL_LIMIT)
-        self._delta = delta
-        return delta
+        self._delta = float(delta)
+        return self._delta
 
     def _error_ahead(self, state: VehicleState, path: Path, s: float, l_s: float) -> float:
         x, y = state.x + l_s * math.cos(state.psi), state.y + l_s * math.sin(state.psi)
