@@ -157,12 +157,25 @@ def _corners_to_box(
 ) -> Array:
     """Least distance from the corners of a box at (x, y) to a box at the origin, axes aligned with it."""
     along_x, along_y = half_l * cos, half_l * sin
-    across_x, across_y = -half_w * sin, half_w * cos
-    least: Array | None = None
-    for i, j in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-        out_x = np.maximum(np.abs(x + i * along_x + j * across_x) - box_l, 0.0)
-        out_y = np.maximum(np.abs(y + i * along_y + j * across_y) - box_w, 0.0)
-        squared = out_x * out_x + out_y * out_y
-        least = squared if least is None else np.minimum(least, squared)
-    distance: Array = np.sqrt(np.asarray(least))
+    across_x, across_y = half_w * sin, half_w * cos
+    # the four corners stand in front of all other axes
+    corner_x = np.stack(
+        (
+            x + (along_x - across_x),
+            x + (along_x + across_x),
+            x - (along_x + across_x),
+            x - (along_x - across_x),
+        )
+    )
+    corner_y = np.stack(
+        (
+            y + (along_y + across_y),
+            y + (along_y - across_y),
+            y - (along_y - across_y),
+            y - (along_y + across_y),
+        )
+    )
+    out_x = np.maximum(np.abs(corner_x) - box_l, 0.0)
+    out_y = np.maximum(np.abs(corner_y) - box_w, 0.0)
+    distance: Array = np.sqrt((out_x * out_x + out_y * out_y).min(axis=0))
     return distance

@@ -27,7 +27,7 @@ def per_node(obstacles: Sequence[Boxes], n: int) -> list[Boxes]:
             raise InputError(f"obstacles must have fields of shape () or ({n},), one box per node")
         if fields[3].min() < 0.0 or fields[4].min() < 0.0:
             raise InputError("obstacles must have lengths and widths that are not negative")
-        full.append(Boxes(*(np.broadcast_to(value, (n,)) for value in fields)))
+        full.append(Boxes(*(value if value.ndim else np.full(n, value) for value in fields)))
     return full
 
 

@@ -8,6 +8,8 @@ from cca_core._checks import Array
 __all__ = ["equilibrium"]
 
 _SOLVES = 30  # a contact set settles in 3 to 8
+_SECANTS = 12
+_FLAT = 1e-3  # share of the first slope that is flat enough
 
 
 def equilibrium(stencil: Array, contact: float, lower: Array, upper: Array) -> tuple[Array, int, bool]:
@@ -69,17 +71,25 @@ def equilibrium(stencil: Array, contact: float, lower: Array, upper: Array) -> t
 def _least_along(
     u: Array, step: Array, inside: Array, forces: Array, contact: float, low: Array, high: Array
 ) -> float:
-    """Share of a Newton step at which the energy is least: the root of its slope, found by bisection."""
+    """Share of a Newton step at which the energy is least: the root of its slope, by the Illinois method."""
 
     def slope(share: float) -> float:
         at = u + share * step
         push = np.maximum(low - at, 0.0) - np.maximum(at - high, 0.0)
         return float(step @ (inside + share * forces - contact * push))
 
-    if slope(1.0) <= 0.0:
-        return 1.0
     a, b = 0.0, 1.0
-    for _ in range(12):
-        middle = 0.5 * (a + b)
-        a, b = (middle, b) if slope(middle) <= 0.0 else (a, middle)
-    return 0.5 * (a + b)
+    at_a, at_b = slope(a), slope(b)
+    if at_b <= 0.0 or at_a >= 0.0:
+        return 1.0
+    flat = -_FLAT * at_a
+    for _ in range(_SECANTS):
+        share = (a * at_b - b * at_a) / (at_b - at_a)
+        value = slope(share)
+        if abs(value) < flat or b - a < 1e-6:
+            return share
+        if value < 0.0:
+            a, at_a, at_b = share, value, 0.5 * at_b
+        else:
+            b, at_b, at_a = share, value, 0.5 * at_a
+    return a

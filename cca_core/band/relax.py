@@ -218,10 +218,11 @@ def _swept_gaps(
     size = np.array(vehicle.length), np.array(vehicle.width)
     least = np.full(n, math.inf)
     for o in obstacles:
-        # circles around the boxes bound their gap from below, the distance of the centres from above
+        # circles around the boxes bound their gap from below, circles inside them from above
         centres = np.hypot(o.x - x, o.y - y)
         apart = centres - 0.5 * (np.hypot(o.length, o.width) + math.hypot(vehicle.length, vehicle.width))
-        near = apart <= max(clearance, centres.min())
+        inner = 0.5 * (np.minimum(o.length, o.width) + min(vehicle.length, vehicle.width))
+        near = apart <= max(clearance, (centres - inner).min())
         ego = Boxes(x[near], y[near], psi[near], *size)
         apart[near] = box_gap(ego, Boxes(o.x[near], o.y[near], o.psi[near], o.length[near], o.width[near]))
         least = np.minimum(least, apart)
