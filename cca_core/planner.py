@@ -28,7 +28,7 @@ from cca_core.follow import (
     required_deceleration,
     squared_speed_limit,
 )
-from cca_core.path import Path, Road
+from cca_core.path import Path, Road, interpolate_path
 from cca_core.scene import Ego, Neighbour, locate
 from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
 
@@ -101,6 +101,9 @@ class Planner:
         self._cap = squared_speed_limit(
             self.road.path, min(self.cruise_speed, self.road.speed_limit), _CURVE_ACCELERATION, self.speed
         )
+        # what is slow to import or to build is there before the first cycle
+        interpolate_path([[0.0, 0.0], [1.0, 0.0]])
+        self.road.path.project(self.road.path.position(self.road.path.start))
         self._t = -math.inf
         self._s: float | None = None
         self._command: Command | None = None

@@ -350,6 +350,15 @@ class TestOneId:
 
 
 class TestRouteAlone:
+    def test_a_closed_route_can_be_driven(self) -> None:
+        angle = np.linspace(0.0, 2.0 * math.pi, 100, endpoint=False)
+        ring = fit_path(150.0 * np.column_stack((np.cos(angle), np.sin(angle))), tolerance=0.05, closed=True)
+        p = Planner(CAR, ring, cruise_speed=15.0)
+        x, y = ring.position(0.0)
+        command = p.step(0.0, VehicleState(x=x, y=y, psi=float(ring.heading(0.0)), v_x=15.0), [])
+        assert command.status is Status.OK
+        assert command.delta == pytest.approx(CAR.wheelbase / 150.0, rel=0.2)
+
     def test_stops_at_the_end_of_the_route(self) -> None:
         p = Planner(CAR, Road(straight(300.0), TWO), cruise_speed=20.0)
         run = Drive(p, [], 40.0)

@@ -1,7 +1,6 @@
 """Equilibrium of a band against one-sided bounds: a handful of banded solves."""
 
 import numpy as np
-from scipy.linalg import lapack
 
 from cca_core._checks import Array
 
@@ -39,6 +38,8 @@ def equilibrium(stencil: Array, contact: float, lower: Array, upper: Array) -> t
     Newton iteration. The energy is convex and piecewise quadratic, so a step whose contact set is its own is
     the minimum; a step that overshoots is shortened to where the energy along it is least.
     """
+    from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
+
     n = len(lower) - 2
     low, high = lower[1:-1], upper[1:-1]
     kernel = np.concatenate((stencil[:0:-1], stencil))

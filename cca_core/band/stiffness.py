@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import lapack
 
 from cca_core._checks import Array, check_array, check_points, check_real
 from cca_core.errors import InputError
@@ -117,6 +116,8 @@ def displacement(F_e: ArrayLike, *, k_s: float) -> Array:
     -----
     Eq (9) is one shot: the forces are those at the undeformed nodes. Solved as a tridiagonal system.
     """
+    from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
+
     forces = check_points("F_e", F_e, 3)
     k_s = check_real("k_s", k_s, above=0.0)
     inner = len(forces) - 2

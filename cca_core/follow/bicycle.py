@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import expm
 
 from cca_core._checks import Array, check_real
 from cca_core.vehicle import VehicleParams
@@ -99,6 +98,8 @@ def discretised(model: SingleTrack, dt: float) -> SingleTrack:
     -----
     The matrix exponential of [[A, B, E], [0, 0, 0]] dt holds A, B and E of the discrete model.
     """
+    from scipy.linalg import expm  # slow to import
+
     dt = check_real("dt", dt, above=0.0)
     n = len(model.A)
     block = np.zeros((n + 2, n + 2))

@@ -2,7 +2,6 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import lapack
 
 from cca_core._checks import check_array, check_points, check_real
 from cca_core.errors import InputError
@@ -45,6 +44,8 @@ def interpolate_path(
     >>> interpolate_path([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]).length
     2.0
     """
+    from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
+
     points = check_points("nodes", nodes, 2)
     steps = np.diff(points, axis=0)
     h = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from scipy.linalg import LinAlgError, cho_solve_banded, cholesky_banded
 
 from cca_core._checks import Array, Index
 from cca_core.path.path import Path
@@ -107,7 +106,7 @@ class SmoothingSpline:
         weight = stiffness * self._bend_weight
         try:
             factor = self._factor(self._matrix + self._normal(self._bends, self._bend_columns, weight))
-        except LinAlgError:
+        except np.linalg.LinAlgError:
             return
         dual = np.zeros_like(bend)
         for _ in range(_PROJECTIONS):
@@ -153,7 +152,7 @@ class SmoothingSpline:
         self._right = self._fit_right + stiffness * self._rough_right
         try:
             self._rest = self._factor(self._matrix)(self._right)
-        except LinAlgError:
+        except np.linalg.LinAlgError:
             return np.inf
         return float((self.residuals() * self._asked).max())
 
@@ -162,6 +161,8 @@ class SmoothingSpline:
             from scipy.sparse.linalg import splu
 
             return splu(matrix.tocsc()).solve
+        from scipy.linalg import cho_solve_banded, cholesky_banded
+
         factor = cholesky_banded(matrix, check_finite=False)
         return lambda right: cho_solve_banded((factor, False), right, check_finite=False)
 
