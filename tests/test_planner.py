@@ -24,6 +24,7 @@ from cca_core import (
     VehicleState,
 )  # fmt: skip
 from cca_core.evasion import EvasionSettings
+from cca_core.follow import steady_sideslip
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import fit_path
 from cca_core.sim import SingleTrackPlant
@@ -355,7 +356,10 @@ class TestRouteAlone:
         ring = fit_path(150.0 * np.column_stack((np.cos(angle), np.sin(angle))), tolerance=0.05, closed=True)
         p = Planner(CAR, ring, cruise_speed=15.0)
         x, y = ring.position(0.0)
-        command = p.step(0.0, VehicleState(x=x, y=y, psi=float(ring.heading(0.0)), v_x=15.0), [])
+        beta = float(steady_sideslip(1.0 / 150.0, 15.0, CAR))
+        psi = float(ring.heading(0.0)) - beta
+        ego = VehicleState(x=x, y=y, psi=psi, v_x=15.0, v_y=15.0 * beta, r=15.0 / 150.0)
+        command = p.step(0.0, ego, [])
         assert command.status is Status.OK
         assert command.delta == pytest.approx(CAR.wheelbase / 150.0, rel=0.2)
 
