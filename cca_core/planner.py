@@ -21,10 +21,10 @@ from cca_core.evasion import Evasion, EvasionSettings, plan_evasion
 from cca_core.follow import (
     PreviewController,
     SpeedSettings,
-    cruise_acceleration,
     follow_acceleration,
     friction_limited,
     jerk_limited,
+    profile_acceleration,
     required_deceleration,
     squared_speed_limit,
 )
@@ -183,7 +183,7 @@ class Planner:
             offset = self._maneuver.offset_at
             in_front = sorted((n for n in neighbours if self._blocks(n, offset(n.s))), key=lambda n: n.s)
             leader = self._leader(in_front, s, state.v_x)
-        a_x = self._acceleration(s, state.v_x, state.r, v_target, leader, dt)
+        a_x = self._acceleration(s, state.v_x, state.r, leader, dt)
         reference = path if self._maneuver is None else self._maneuver.reference
         delta = self._controller.steer(state, reference)
         self._command = Command(
@@ -296,12 +296,8 @@ class Planner:
                 return
         self._status = Status.FALLBACK
 
-    def _acceleration(
-        self, s: float, v_x: float, yaw_rate: float, v_target: float, leader: Leader | None, dt: float
-    ) -> float:
-        horizon = 2.0 + max(v_x, 0.0)
-        ahead = (float(np.interp(s + horizon, *self._cap)) - v_x * v_x) / (2.0 * horizon)
-        wanted = min(cruise_acceleration(v_x, v_target, self.speed), max(ahead, -self.speed.b_max))
+    def _acceleration(self, s: float, v_x: float, yaw_rate: float, leader: Leader | None, dt: float) -> float:
+        wanted = profile_acceleration(s, v_x, self._cap, self.speed)
         action = self._decision.action
         if leader is not None:
             if action is Action.BRAKE:

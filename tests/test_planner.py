@@ -565,6 +565,14 @@ class TestDanger:
         run = Drive(planner(None), [Mover("O", 400.0, 0.0, 15.0, psi=math.pi)], 14.0)
         assert min(run.v) < 0.5  # all that can be done is to stand when it comes
 
+    def test_lateral_limit_holds_for_a_car_seen_late(self) -> None:
+        """60 m ahead at a difference of 21 m/s: faster than comfort, within the limit of 4 m/s^2."""
+        run = Drive(
+            planner(cruise=27.9), [Mover("R", 60.0, 0.0, 6.9), Mover("R2", 131.0, 0.0, 6.9)], 15.0, v=27.9
+        )  # fmt: skip
+        assert run.hit is None
+        assert max(map(abs, run.a_y)) < EvasionSettings().lateral_limit
+
     def test_lateral_acceleration_of_a_quiet_pass_keeps_to_the_setting(self) -> None:
         """Seen in time, a large difference in speed: the knob of 2 m/s^2 still means about 2."""
         run = Drive(

@@ -32,6 +32,7 @@ from cca_core.follow.speed import (
     cruise_acceleration,
     friction_limited,
     jerk_limited,
+    profile_acceleration,
     squared_speed_limit,
     stop_acceleration,
 )
@@ -57,6 +58,7 @@ __all__ = [
     "idm_acceleration",
     "jerk_limited",
     "kinematic_rates",
+    "profile_acceleration",
     "required_deceleration",
     "shipped_gains",
     "single_track",

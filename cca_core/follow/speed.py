@@ -202,5 +202,35 @@ def squared_speed_limit(
     return np.append(s, s[-1] + _TAIL), np.append(squared, -2.0 * settings.b_comfort * _TAIL)
 
 
+def profile_acceleration(
+    s: float, v_x: float, profile: tuple[Array, Array], settings: SpeedSettings
+) -> float:
+    """Acceleration along a speed profile, with its slope as feed-forward.
+
+    Parameters
+    ----------
+    s : float
+        Arc length of the car [m].
+    v_x : float
+        Forward speed [m/s].
+    profile : tuple of ndarray
+        Arc lengths [m] and squared speeds [m^2/s^2], as `squared_speed_limit` gives them.
+    settings : SpeedSettings
+        Limits.
+
+    Returns
+    -------
+    a_x : float
+        Acceleration [m/s^2], between -b_max and a_max: what leads to the speed of the place about a second
+        ahead, or towards the speed of this place if that is less.
+    """
+    horizon = 2.0 + max(v_x, 0.0)
+    here, there = (
+        max(float(np.interp(at, *profile)), low) for at, low in ((s, 0.0), (s + horizon, -math.inf))
+    )
+    ahead = (there - v_x * v_x) / (2.0 * horizon)
+    return min(cruise_acceleration(v_x, math.sqrt(here), settings), max(ahead, -settings.b_max))
+
+
 _TAIL = 200.0  # the profile goes on falling behind the end [m]
 _G = 9.81  # [m/s^2]

@@ -8,12 +8,13 @@ from typing import Protocol
 import numpy as np
 
 from cca_core._checks import Array, check_real
-from cca_core.follow import PoseEstimator
+from cca_core.follow import PoseEstimator, SpeedSettings, profile_acceleration
 from cca_core.path import Path, interpolate_path
 from cca_core.vehicle import VehicleState
 
 __all__ = ["TrackingRun", "lane_change", "track"]
 
+_SPEED = SpeedSettings()
 _CYCLE = 0.02  # [s]
 _FIXES = 5  # cycles between two position fixes
 _LOST = 5.0  # a run ends when the car is this far from its path [m]
@@ -175,8 +176,5 @@ def track(
 
 def _acceleration(v_x: float, s: float, speed: float | tuple[Array, Array]) -> float:
     if isinstance(speed, tuple):
-        horizon = 2.0 + v_x
-        squared = float(np.interp(s, *speed))
-        ahead = (float(np.interp(s + horizon, *speed)) - v_x * v_x) / (2.0 * horizon)
-        return min(2.0, math.sqrt(max(squared, 0.0)) - v_x, max(ahead, -4.0))
+        return profile_acceleration(s, v_x, speed, _SPEED)
     return min(max(1.5 * (speed - v_x), -3.0), 2.0)

@@ -178,7 +178,7 @@ def test_no_error_is_left_on_a_circle_for_a_car_with_linear_tyres(car: VehiclePa
     car = dataclasses.replace(car, mu=1e3)
     model, controller = single_track(car, v, 0.0), PreviewController(car)
     x, delta, s = np.array([0.0, 0.0, 0.0, 0.5]), 0.0, 10.0
-    for _ in range(min(round(12.0 / dt), round(1750.0 / v / dt))):
+    for _ in range(min(round(40.0 / dt), round(1750.0 / v / dt))):
         xy, beta = path.to_cartesian(s, x[3]), x[0]
         state = VehicleState(
             x=xy[0], y=xy[1], psi=float(path.heading(s)) + x[2], v_x=v, v_y=v * beta, r=x[1], delta=delta
@@ -187,7 +187,7 @@ def test_no_error_is_left_on_a_circle_for_a_car_with_linear_tyres(car: VehiclePa
         x = x + dt * (model.A @ x + model.B * delta + model.E * kappa)
         s += v * dt
     assert abs(x[3]) < 0.01
-    assert x[1] == pytest.approx(v * kappa, rel=5e-3)
+    assert x[1] == pytest.approx(v * kappa, rel=1e-3)
     assert delta == pytest.approx(float(steady_steering(kappa, v, car)), rel=2e-2)
     assert x[0] == pytest.approx(float(steady_sideslip(kappa, v, car)), abs=5e-4)
 
@@ -196,8 +196,8 @@ def test_no_error_is_left_on_a_circle_for_a_car_with_linear_tyres(car: VehiclePa
 @pytest.mark.parametrize("car", [CAR, UNDERSTEER, VehicleParams.ford_escort(), VehicleParams.vw_vanagon()])
 def test_offset_on_a_straight_road_dies_out_without_swinging(v: float, car: VehicleParams) -> None:
     d, _ = drive(LINE, car, v, 0.5, 12.0)
-    assert np.abs(d[-100:]).max() < 0.015  # what the integral has still to give back
-    assert d.min() > -0.12
+    assert np.abs(d[-100:]).max() < 0.01
+    assert d.min() > -0.1
     assert d.max() < 0.5 + 1e-9
 
 
