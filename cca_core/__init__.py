@@ -3,7 +3,7 @@
 From GPS waypoints and the Basic Safety Messages of other cars to steering and acceleration.
 """
 
-from cca_core.band import Band, relax_band
+from cca_core.band import Band, relax_band, smooth_band
 from cca_core.command import Command
 from cca_core.decide import Action, Decision, choose_action, danger_zone
 from cca_core.errors import CcaError, InfeasibleError, InputError, MissingExtraError, Status
@@ -18,5 +18,5 @@ __all__ = [
     "Action", "Band", "CcaError", "Command", "Decision", "InfeasibleError", "InputError", "Lane",
     "LocalFrame", "MissingExtraError", "Path", "Planner", "PreviewController", "RemoteVehicle", "Road",
     "Status", "VehicleParams", "VehicleState", "choose_action", "danger_zone",
-    "design_gains", "fit_path", "relax_band",
+    "design_gains", "fit_path", "relax_band", "smooth_band",
 ]  # fmt: skip

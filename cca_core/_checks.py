@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from cca_core.errors import InputError
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
+Complex = np.ndarray[Any, np.dtype[np.complex128]]
 Mask = np.ndarray[Any, np.dtype[np.bool_]]
 Index = np.ndarray[Any, np.dtype[np.intp]]
 

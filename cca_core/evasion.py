@@ -199,7 +199,7 @@ def plan_evasion(
         vehicle=ego.vehicle,
         clearance=settings.clearance,
         lead=[*leads, *(0.0 for _ in others)],
-        corridor=(right + half_width, left - half_width),
+        corridor=(right, left),
         curvature_limit=settings.lateral_limit / max(ego.v_x, ego.v_target, 1.0) ** 2,
     )
     found = band.status is Status.OK

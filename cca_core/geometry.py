@@ -7,7 +7,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array
+from cca_core._checks import Array, Complex
 
 __all__ = ["Boxes", "box_gap", "boxes", "wrap_angle"]
 
@@ -125,57 +125,56 @@ def box_gap(a: Boxes, b: Boxes) -> Array:
     >>> float(box_gap(boxes(0, 0, 0, 4, 2), boxes(7, 0, 0, 4, 2)))
     3.0
     """
-    dx, dy = b.x - a.x, b.y - a.y
-    cos_a, sin_a, cos_b, sin_b = np.cos(a.psi), np.sin(a.psi), np.cos(b.psi), np.sin(b.psi)
-    # centre of the other box in each box's own frame, and the rotation between the two
-    ax, ay = cos_a * dx + sin_a * dy, cos_a * dy - sin_a * dx
-    bx, by = -(cos_b * dx + sin_b * dy), -(cos_b * dy - sin_b * dx)
-    cos, sin = cos_a * cos_b + sin_a * sin_b, cos_a * sin_b - sin_a * cos_b
-    la, wa, lb, wb = 0.5 * a.length, 0.5 * a.width, 0.5 * b.length, 0.5 * b.width
-    c, s = np.abs(cos), np.abs(sin)
-    separation = np.maximum(
-        np.maximum(np.abs(ax) - la - (lb * c + wb * s), np.abs(ay) - wa - (lb * s + wb * c)),
-        np.maximum(np.abs(bx) - lb - (la * c + wa * s), np.abs(by) - wb - (la * s + wa * c)),
-    )
-    distance = np.minimum(
-        _corners_to_box(ax, ay, cos, sin, lb, wb, la, wa),
-        _corners_to_box(bx, by, cos, -sin, la, wa, lb, wb),
-    )
+    ahead_a, ahead_b = np.exp(1j * a.psi), np.exp(1j * b.psi)
+    offset = (b.x - a.x) + 1j * (b.y - a.y)
+    halves = (0.5 * a.length, 0.5 * a.width, 0.5 * b.length, 0.5 * b.width)
+    return gap_between(offset, ahead_a, ahead_b, *halves)
+
+
+def gap_between(
+    offset: Complex,
+    ahead_a: Complex,
+    ahead_b: Complex,
+    length_a: Array | float,
+    width_a: Array | float,
+    length_b: Array | float,
+    width_b: Array | float,
+) -> Array:
+    """Signed distance between oriented boxes in the complex plane x + iy.
+
+    Parameters
+    ----------
+    offset : ndarray of complex, shape (...)
+        From the centre of box a to that of box b [m].
+    ahead_a, ahead_b : ndarray of complex, shape (...)
+        Headings as unit numbers exp(i psi) [-].
+    length_a, width_a, length_b, width_b : ndarray or float
+        Half extents along and across the headings [m].
+
+    Returns
+    -------
+    gap : ndarray, shape (...)
+        As for `box_gap` [m].
+    """
+    # first each box as seen from box a, then from box b
+    turn = ahead_b * ahead_a.conj()
+    seen = np.empty((2, *np.shape(turn * offset)), dtype=np.complex128)
+    seen[0], seen[1] = offset * ahead_a.conj(), -offset * ahead_b.conj()
+    half = np.empty((4, *seen.shape[1:]))
+    half[0], half[1], half[2], half[3] = length_a, length_b, width_a, width_b
+    own, other = half.reshape(2, 2, *seen.shape[1:]), half.reshape(2, 2, *seen.shape[1:])[:, ::-1]
+    c, s = np.abs(turn.real), np.abs(turn.imag)
+    # how far centres are apart along each axis of each box, beyond the own half extent
+    apart = np.array((np.abs(seen.real), np.abs(seen.imag))) - own
+    reach = np.array((other[0] * c + other[1] * s, other[0] * s + other[1] * c))
+    separation = (apart - reach).max(axis=(0, 1))
+    # corners of the other box: the closest points of boxes that are apart include a corner
+    along = np.array((turn, turn.conj())) * other[0]
+    across = 1j * np.array((turn, turn.conj())) * other[1]
+    corners = np.array((along + across, along - across))
+    corners = np.array((seen + corners, seen - corners))
+    out_x = np.maximum(np.abs(corners.real) - own[0], 0.0)
+    out_y = np.maximum(np.abs(corners.imag) - own[1], 0.0)
+    distance = np.sqrt((out_x * out_x + out_y * out_y).min(axis=(0, 1, 2)))
     gap: Array = np.where(separation > 0.0, distance, separation)
     return gap
-
-
-def _corners_to_box(
-    x: Array,
-    y: Array,
-    cos: Array,
-    sin: Array,
-    half_l: Array,
-    half_w: Array,
-    box_l: Array,
-    box_w: Array,
-) -> Array:
-    """Least distance from the corners of a box at (x, y) to a box at the origin, axes aligned with it."""
-    along_x, along_y = half_l * cos, half_l * sin
-    across_x, across_y = half_w * sin, half_w * cos
-    # the four corners stand in front of all other axes
-    corner_x = np.stack(
-        (
-            x + (along_x - across_x),
-            x + (along_x + across_x),
-            x - (along_x + across_x),
-            x - (along_x - across_x),
-        )
-    )
-    corner_y = np.stack(
-        (
-            y + (along_y + across_y),
-            y + (along_y - across_y),
-            y - (along_y - across_y),
-            y - (along_y + across_y),
-        )
-    )
-    out_x = np.maximum(np.abs(corner_x) - box_l, 0.0)
-    out_y = np.maximum(np.abs(corner_y) - box_w, 0.0)
-    distance: Array = np.sqrt((out_x * out_x + out_y * out_y).min(axis=0))
-    return distance

@@ -1,9 +1,12 @@
 """Elastic band: eqs 3-10 of the paper, and a band that a car can drive."""
 
+from cca_core.band.band import Band
 from cca_core.band.corridor import Side
+from cca_core.band.energy import band_energy, band_gradient, band_hessian, kkt_residual
 from cca_core.band.equilibrium import equilibrium
 from cca_core.band.forces import external_force
-from cca_core.band.relax import Band, relax_band
+from cca_core.band.relax import relax_band
+from cca_core.band.smooth import smooth_band
 from cca_core.band.stiffness import (
     BandStiffness,
     balancing_force,
@@ -18,11 +21,16 @@ __all__ = [
     "BandStiffness",
     "Side",
     "balancing_force",
+    "band_energy",
+    "band_gradient",
+    "band_hessian",
     "deformed",
     "displacement",
     "equilibrium",
     "external_force",
     "internal_force",
+    "kkt_residual",
     "relax_band",
+    "smooth_band",
     "stiffness_matrix",
 ]  # fmt: skip

@@ -1,118 +1,226 @@
-"""Bounds of a band's displacement: edges of the corridor, and obstacles on the side where they are passed."""
+"""What bounds a band: edges of the road, and obstacles on the side on which they are passed."""
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, Mask, check_any
+from cca_core._checks import Array, Complex, Index, Mask, check_any
 from cca_core.errors import InputError
 from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
 
 Side = Literal["left", "right"]
+_ALIGNED = 0.02  # sine of a turn below which a box is as good as parallel
+_OF_OBSTACLES = ("centre", "ahead", "half_length", "half_width", "radius", "abeam", "right", "left")
 
 
-def per_node(obstacles: Sequence[Boxes], n: int) -> list[Boxes]:
-    """Obstacles with one box per node in every field."""
-    given: object = obstacles
-    if not isinstance(given, (list, tuple)) or not all(isinstance(o, Boxes) for o in given):
-        raise InputError("obstacles must be a list of Boxes")
-    full = []
-    for o in obstacles:
-        fields = [check_any("obstacles", value) for value in (o.x, o.y, o.psi, o.length, o.width)]
-        if any(value.shape not in ((), (n,)) for value in fields):
-            raise InputError(f"obstacles must have fields of shape () or ({n},), one box per node")
-        if fields[3].min() < 0.0 or fields[4].min() < 0.0:
-            raise InputError("obstacles must have lengths and widths that are not negative")
-        full.append(Boxes(*(value if value.ndim else np.full(n, value) for value in fields)))
-    return full
-
-
-def leads(lead: ArrayLike, count: int) -> list[float]:
-    """One run-up per obstacle [m]."""
-    array = check_any("lead", lead)
-    if array.shape not in ((), (count,)) or (array < 0.0).any():
-        raise InputError(f"lead must have shape () or ({count},) and not be negative, was {lead!r}")
-    leads: list[float] = np.broadcast_to(array, (count,)).tolist()
-    return leads
-
-
-def bounds_of_corridor(corridor: tuple[ArrayLike, ArrayLike] | None, n: int) -> tuple[Array, Array]:
-    """Right and left bound at each node [m], infinite without a corridor."""
-    if corridor is None:
-        return np.full(n, -math.inf), np.full(n, math.inf)
-    pair: object = corridor
-    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
-        raise InputError("corridor must be a pair of bounds, right and left")
-    right, left = (np.asarray(bound, dtype=np.float64) for bound in pair)
-    for bound in (right, left):
-        if bound.shape not in ((), (n,)) or np.isnan(bound).any():
-            raise InputError(
-                f"corridor must have bounds of shape () or ({n},) without NaN, had {bound.shape}"
-            )
-    return np.broadcast_to(right, (n,)).copy(), np.broadcast_to(left, (n,)).copy()
-
-
-def bounds_of_obstacle(
-    base: Array,
-    tangents: Array,
-    obstacle: Boxes,
-    side: Side,
-    vehicle: VehicleParams,
-    clearance: float,
-    lead: float,
-) -> tuple[Array, Array]:
-    """Bounds of the displacement that keep the ego's box beside the obstacle at clearance."""
-    reach = 0.5 * vehicle.length + clearance
-    abeam, right, left = lateral_span(base, tangents, obstacle, reach, lead, vehicle.box_offset)
-    keep = 0.5 * vehicle.width + clearance
-    none = np.full(len(base), math.inf)
-    if not abeam.any():
-        return -none, none
-    if (right[abeam] < keep).any() and (left[abeam] > -keep).any():
-        passes_left = side == "left"
-    else:
-        passes_left = bool((right[abeam] + left[abeam]).sum() < 0.0)
-    if passes_left:
-        return np.where(abeam, left + keep, -none), none
-    return -none, np.where(abeam, right - keep, none)
-
-
-def lateral_span(
-    nodes: Array, tangents: Array, obstacle: Boxes, reach: float, lead: float, offset: float
-) -> tuple[Mask, Array, Array]:
-    """Where an obstacle stands in the frame of each node.
+@dataclass(frozen=True, slots=True, eq=False)
+class Corridor:
+    """Obstacles and edges in the frame of each node.
 
     Parameters
     ----------
-    nodes, tangents : ndarray, shape (n, 2)
-        Positions [m] and unit tangents [-] of the undeformed band.
-    obstacle : Boxes
-        The obstacle's box when the ego arrives at each node, fields of shape (n,) or ().
-    reach : float
-        Half the ego's length plus the distance to keep along the band [m].
-    lead : float
-        Further distance to keep while the obstacle is in front [m].
-    offset : float
-        From the node to the centre of the ego's box, forward positive [m].
+    centre, ahead : ndarray of complex, shape (m, bands, n)
+        Middle of each obstacle's box x + iy when the ego is at each node [m] and its unit heading [-].
+    half_length, half_width : ndarray, shape (m, bands, n)
+        Half extents of the boxes [m].
+    radius : ndarray, shape (m, bands, n)
+        Of the circles around the boxes [m].
+    abeam : ndarray of bool, shape (m, bands, n)
+        Whether an obstacle is beside the ego there.
+    right, left : ndarray, shape (m, bands, n)
+        Displacement at which the ego passes an obstacle on its right and on its left at clearance [m].
+    lower, upper : ndarray, shape (bands, n)
+        Displacement at which the ego drives along the right and the left edge [m].
+    edged : bool
+        Whether there are edges at all.
+    """
+
+    centre: Complex
+    ahead: Complex
+    half_length: Array
+    half_width: Array
+    radius: Array
+    abeam: Mask
+    right: Array
+    left: Array
+    lower: Array
+    upper: Array
+    edged: bool
+
+    def select(self, bands: Index) -> "Corridor":
+        """Return the same for some bands, each as often as it is named."""
+        of_obstacles = {name: getattr(self, name)[:, bands] for name in _OF_OBSTACLES}
+        return replace(self, **of_obstacles, lower=self.lower[bands], upper=self.upper[bands])
+
+    def natural_sides(self) -> tuple[Mask, Mask]:
+        """Whether obstacles are in the way, and whether the route passes them on their left.
+
+        Returns
+        -------
+        in_the_way, passes_left : ndarray of bool, shape (m, bands)
+            An obstacle is in the way if the undisplaced ego would come closer to it than the clearance; if
+            all are, there is no natural side.
+        """
+        on_right = np.any(self.abeam & (self.left > 0.0), axis=-1)
+        on_left = np.any(self.abeam & (self.right < 0.0), axis=-1)
+        both: Mask = on_right & on_left
+        return both, on_right if both.all() else self.middle() < 0.0
+
+    def middle(self) -> Array:
+        """Mean lateral coordinate of each obstacle where it is abeam, up to a factor, shape (m, bands)."""
+        middle: Array = np.where(self.abeam, self.left + self.right, 0.0).sum(axis=-1)
+        return middle
+
+    def bounds(self, passes_left: Mask) -> tuple[Array, Array]:
+        """Bounds of the displacement.
+
+        Parameters
+        ----------
+        passes_left : ndarray of bool, shape (m, bands)
+            Whether the ego passes each obstacle on the obstacle's left.
+
+        Returns
+        -------
+        lower, upper : ndarray, shape (bands, n)
+            Least and largest displacement [m]; nothing lies between them where lower > upper.
+        """
+        lower, upper = self.lower, self.upper
+        for abeam, sides, right, left in zip(self.abeam, passes_left, self.right, self.left, strict=True):
+            beside = abeam & sides[:, None]
+            lower = np.where(beside, np.maximum(lower, left), lower)
+            upper = np.where(beside < abeam, np.minimum(upper, right), upper)
+        return lower, upper
+
+
+def corridor_around(
+    base: Complex,
+    tangents: Complex,
+    obstacles: Sequence[Boxes],
+    edges: tuple[ArrayLike, ArrayLike] | None,
+    vehicle: VehicleParams,
+    clearance: float,
+    lead: ArrayLike,
+    leading: tuple[int, ...],
+) -> Corridor:
+    """Check obstacles and edges and find what they leave free.
+
+    Parameters
+    ----------
+    base, tangents : ndarray of complex, shape (bands, n)
+        Nodes x + iy of the undeformed route [m] and unit tangents there [-].
+    obstacles : sequence of Boxes
+        Fields broadcast against (..., n).
+    edges : pair of array_like, optional
+        Right and left edge [m], left positive, which the ego's body does not cross.
+    vehicle : VehicleParams
+        The ego.
+    clearance : float
+        Distance to keep from obstacles [m].
+    lead : array_like, shape (m,) or ()
+        Distance before each obstacle from which on the ego is beside it [m].
+    leading : tuple of int
+        Leading axes of obstacles and edges, which are flattened to `bands`.
 
     Returns
     -------
-    abeam : ndarray of bool, shape (n,)
-        Whether the obstacle is beside the ego there.
-    right, left : ndarray, shape (n,)
-        Lateral coordinates of the obstacle's sides [m], left of the node positive.
+    corridor : Corridor
+        The same, node by node.
+
+    Raises
+    ------
+    InputError
+        If a shape does not fit, or a value is not finite or has the wrong sign.
     """
-    dx, dy = obstacle.x - nodes[:, 0], obstacle.y - nodes[:, 1]
-    along = dx * tangents[:, 0] + dy * tangents[:, 1] - offset
-    across = dy * tangents[:, 0] - dx * tangents[:, 1]
-    cos, sin = np.cos(obstacle.psi), np.sin(obstacle.psi)
-    c = np.abs(cos * tangents[:, 0] + sin * tangents[:, 1])
-    s = np.abs(sin * tangents[:, 0] - cos * tangents[:, 1])
-    half_along = 0.5 * (obstacle.length * c + obstacle.width * s)
-    half_across = 0.5 * (obstacle.length * s + obstacle.width * c)
-    abeam: Mask = (along >= -half_along - reach) & (along <= half_along + reach + lead)
-    return abeam, across - half_across, across + half_across
+    shape = (*leading, base.shape[1])
+    m = len(obstacles)
+    run_up = check_any("lead", lead)
+    if run_up.shape not in ((), (m,)) or (run_up < 0.0).any():
+        raise InputError(f"lead must have shape () or ({m},) and not be negative, was {lead!r}")
+    x, y, psi, half_length, half_width = _stacked(obstacles, shape)
+    centre, ahead = x + 1j * y, np.exp(1j * psi)
+    apart = (centre - base) * tangents.conj()
+    abeam, right, left = _span(
+        apart - vehicle.box_offset, ahead * tangents.conj(), half_length + clearance, half_width + clearance,
+        0.5 * vehicle.length, run_up[..., None, None],
+    )  # fmt: skip
+    keep = 0.5 * vehicle.width
+    lower, upper = _edges(edges, shape)
+    return Corridor(
+        centre, ahead, half_length, half_width, np.hypot(half_length, half_width),
+        abeam, right - keep, left + keep,
+        lower + 0.5 * vehicle.width, upper - 0.5 * vehicle.width, edges is not None,
+    )  # fmt: skip
+
+
+def _stacked(obstacles: Sequence[Boxes], shape: tuple[int, ...]) -> Array:
+    """Position, heading and half extents of all obstacles, shape (5, m, bands, n)."""
+    given: object = obstacles
+    if not isinstance(given, (list, tuple)) or not all(isinstance(o, Boxes) for o in given):
+        raise InputError("obstacles must be a list of Boxes")
+    fields = np.empty((5, len(obstacles), *shape))
+    for i, o in enumerate(obstacles):
+        for field, value in zip(fields, (o.x, o.y, o.psi, o.length, o.width), strict=True):
+            try:
+                field[i] = value
+            except (TypeError, ValueError):
+                raise InputError(
+                    f"obstacles must have fields of real numbers, one or one per node {shape}, "
+                    f"obstacle {i} had one of shape {np.shape(value)}"
+                ) from None
+    if not np.isfinite(fields).all():
+        raise InputError("obstacles must be finite")
+    fields[3:] *= 0.5
+    if fields[3:].min(initial=0.0) < 0.0:
+        raise InputError("obstacles must have lengths and widths that are not negative")
+    return fields.reshape(5, len(obstacles), math.prod(shape[:-1]), shape[-1])
+
+
+def _span(
+    centre: Complex, turn: Complex, length: Array, width: Array, reach: float, lead: Array
+) -> tuple[Mask, Array, Array]:
+    """Where boxes are abeam of a stretch of the x axis from -reach to reach + lead, and what they cover.
+
+    Centres and turns are relative to that stretch, extents are half ones. Covered is what the upper and the
+    lower roof of the box reach over the stretch: a roof has its ridge at a corner and falls to both sides
+    along the edges that meet there.
+    """
+    c, s = np.abs(turn.real), np.abs(turn.imag)
+    x, y = centre.real, centre.imag
+    half_x, half_y = length * c + width * s, length * s + width * c
+    abeam: Mask = (x >= -half_x - reach) & (x <= half_x + reach + lead)
+    if s.max(initial=0.0) < _ALIGNED:
+        return abeam, y - half_y, y + half_y
+    counter = turn.real * turn.imag >= 0.0  # turned counter-clockwise by less than a right angle
+    ridge = np.where(counter, length * c - width * s, width * s - length * c)
+    along_edge, across_edge = s / np.maximum(c, _ALIGNED), c / np.maximum(s, _ALIGNED)
+    rise, fall = np.where(counter, along_edge, across_edge), np.where(counter, across_edge, along_edge)
+    before, behind = -reach - lead - x, reach - x
+    upper = half_y - np.maximum(ridge - behind, 0.0) * rise - np.maximum(before - ridge, 0.0) * fall
+    lower = half_y - np.maximum(ridge + before, 0.0) * rise - np.maximum(-behind - ridge, 0.0) * fall
+    return abeam, y - np.maximum(lower, -half_y), y + np.maximum(upper, -half_y)
+
+
+def _edges(edges: tuple[ArrayLike, ArrayLike] | None, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Right and left edge at each node [m], infinite where there is none."""
+    if edges is None:
+        return np.full(shape, -math.inf), np.full(shape, math.inf)
+    pair: object = edges
+    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+        raise InputError("corridor must be a pair of edges, right and left")
+    full = []
+    for edge in pair:
+        try:
+            full.append(np.array(np.broadcast_to(np.asarray(edge, dtype=np.float64), shape)))
+        except (TypeError, ValueError):
+            raise InputError(
+                f"corridor must have edges of real numbers, one or one per node {shape}, "
+                f"had shape {np.shape(edge)}"
+            ) from None
+        if np.isnan(full[-1]).any():
+            raise InputError("corridor must not be NaN")
+    return full[0].reshape(-1, shape[-1]), full[1].reshape(-1, shape[-1])

@@ -1,83 +1,239 @@
-"""Equilibrium of a band against one-sided bounds: a handful of banded solves."""
+"""Equilibrium of bands against one-sided bounds: a handful of banded solves."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core._checks import Array, Index, Mask
 
-__all__ = ["equilibrium"]
+__all__ = ["Bends", "equilibrium"]
 
-_SOLVES = 30  # a contact set settles in 3 to 8
+_FULL_STEPS = 10  # a contact set settles in 3 to 6
+_SOLVES = 60  # full and shortened steps together
 _SECANTS = 12
 _FLAT = 1e-3  # share of the first slope that is flat enough
+_STIFF = 1e5  # stiffness per contact stiffness above which digits are lost that corrections win back
+_CORRECTIONS = 2
 
 
-def equilibrium(stencil: Array, contact: float, lower: Array, upper: Array) -> tuple[Array, int, bool]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Bends:
+    """One-sided bounds of how bands bend.
+
+    Parameters
+    ----------
+    contact : ndarray, shape (bands,)
+        Force per violation of a bound [N/m], positive.
+    least, most : ndarray, shape (bands, n)
+        Bounds of u[i-1] - 2 u[i] + u[i+1], the change of curvature times the spacing squared [m].
+    """
+
+    contact: Array
+    least: Array
+    most: Array
+
+
+def equilibrium(
+    stencil: Array, contact: float | Array, lower: Array, upper: Array, bends: Bends | None = None
+) -> tuple[Array, Index, Mask]:
     """Displacement of least energy between pinned ends and one-sided bounds.
 
     Parameters
     ----------
-    stencil : ndarray, shape (4,)
-        Row of the stiffness matrix from its diagonal on [N/m], see `BandStiffness.stencil`.
-    contact : float
+    stencil : ndarray, shape (..., 4) or (4,)
+        Row of the stiffness matrix from its diagonal on [N/m], see `BandStiffness.stencil`; its rounding
+        errors tilt long bands with fine meshes unless it is given in extended precision.
+    contact : float or ndarray, shape (...)
         Force per violation of a bound at a node [N/m], positive.
-    lower, upper : ndarray, shape (n,)
+    lower, upper : ndarray, shape (..., n)
         Bounds of the displacement [m], lower <= upper; infinite where there is none.
+    bends : Bends, optional
+        Bounds of the bending.
 
     Returns
     -------
-    u : ndarray, shape (n,)
+    u : ndarray, shape (..., n)
         Displacement [m], 0 at both ends.
-    solves : int
+    solves : ndarray of int, shape (...)
         Banded systems solved [-].
-    settled : bool
+    settled : ndarray of bool, shape (...)
         Whether the set of violated bounds has settled; if not, `u` is the best so far.
 
     Notes
     -----
-    Minimises ``1/2 u K u + 1/2 contact (sum max(lower - u, 0)^2 + max(u - upper, 0)^2)`` by a semi-smooth
-    Newton iteration. The energy is convex and piecewise quadratic, so a step whose contact set is its own is
-    the minimum; a step that overshoots is shortened to where the energy along it is least.
+    Minimises ``1/2 u K u + 1/2 contact (sum max(lower - u, 0)^2 + max(u - upper, 0)^2)``, and the same for
+    the bounds of the bending, by a semi-smooth Newton iteration. The energy is convex and quadratic in parts,
+    so a step whose contact set is its own is the minimum. Where full steps have not settled after a while,
+    steps are shortened to where the energy along them is least, so that it falls with every one. Bands are
+    stacked into one block-diagonal system.
     """
-    from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
-
-    n = len(lower) - 2
-    low, high = lower[1:-1], upper[1:-1]
-    kernel = np.concatenate((stencil[:0:-1], stencil))
-    matrix = np.repeat(stencil[::-1, None], n, axis=1)
-    u = np.zeros(n)
-    inside = np.zeros(n)  # the internal forces at u
-    active = (u < low) | (u > high)
-    for solve in range(_SOLVES):
-        if not active.any():
+    shape = lower.shape
+    low, high = (bound[..., 1:-1].reshape(-1, shape[-1] - 2) for bound in (lower, upper))
+    bands = len(low)
+    # in units in which the outermost coefficient is 1 the row sum keeps its digits
+    stencil = np.reshape(stencil, (-1, 4))
+    unit = -stencil[:, 3:] if stencil[0, 3] else np.abs(stencil[:, 2:3] if stencil[0, 2] else stencil[:, 1:2])
+    held = np.asarray(np.reshape(contact, (-1, 1)) / unit, dtype=np.float64)
+    stencil = stencil / unit
+    if len(stencil) != bands:
+        stencil, held = stencil.repeat(bands, axis=0), held.repeat(bands, axis=0)
+    if bends is not None:
+        bends = Bends(np.asarray(bends.contact[:, None] / unit, dtype=np.float64), bends.least, bends.most)
+    system = _System(stencil, held, low, high, bends)
+    u = np.zeros((bands, shape[-1]))
+    solves = np.zeros(bands, dtype=np.intp)
+    settled = np.zeros(bands, dtype=np.bool_)
+    left = np.arange(bands)  # those that have not settled
+    contacts = system.first()
+    for count in range(1, 1 + _FULL_STEPS):
+        target, reached = system.solve(contacts)
+        done = (reached[0] == contacts[0]).all(axis=1)
+        for now, before in zip(reached[1:], contacts[1:], strict=True):
+            done &= (now == before).all(axis=1)
+        contacts = reached
+        if not done.any():
+            continue
+        at = left[done]
+        u[at, 1:-1], solves[at], settled[at] = target[done], count, True
+        left = left[~done]
+        if not len(left):
             break
-        bound = np.where(u < low, low, high)
-        matrix[3] = stencil[0] + contact * active
-        target = lapack.dpbsv(matrix, np.where(active, contact * bound, 0.0))[1]
-        reached = (target < low) | (target > high)
-        if (reached == active).all():
-            full = np.zeros(n + 2)
-            full[1:-1] = target
-            return full, solve + 1, True
-        step = target - u
-        forces = np.convolve(target, kernel)[3:-3] - inside
-        share = _least_along(u, step, inside, forces, contact, low, high)
-        u = u + share * step
-        inside = inside + share * forces
-        active = (u < low) | (u > high)
-    full = np.zeros(n + 2)
-    full[1:-1] = u
-    return full, _SOLVES if active.any() else 0, not active.any()
+        system, contacts = system.select(~done), tuple(side[~done] for side in contacts)
+    for i, each in enumerate(left):
+        u[each, 1:-1], steps, settled[each] = _shortened(system.select(slice(i, i + 1)))
+        solves[each] = _FULL_STEPS + steps
+    return u.reshape(shape), solves.reshape(shape[:-1]), settled.reshape(shape[:-1])
 
 
-def _least_along(
-    u: Array, step: Array, inside: Array, forces: Array, contact: float, low: Array, high: Array
-) -> float:
+class _System:
+    """Bands side by side: stiffness as one block-diagonal matrix in LAPACK's upper band storage.
+
+    Contacts are masks of nodes: under the lower bound, over the upper one, and the same for bends.
+    """
+
+    def __init__(self, stencil: Array, contact: Array, low: Array, high: Array, bends: Bends | None) -> None:
+        from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
+
+        self._solve = lapack.dpbsv
+        self.stencil, self.contact, self.low, self.high, self.bends = stencil, contact, low, high, bends
+        self._push_low, self._push_high = contact * low, contact * high
+        rounded = stencil.astype(np.float64)
+        self._stiff = bool((rounded[:, :1] > _STIFF * contact).any())
+        self._diagonal = rounded[:, :1]
+        self._matrix = np.empty((*low.shape, 4))
+        self._matrix[:] = rounded[:, None, ::-1]
+        for k in range(3):
+            self._matrix[:, : 3 - k, k] = 0.0  # nothing couples a band's first nodes with the band before
+
+    def select(self, bands: Mask | slice) -> "_System":
+        """Return the system of some of the bands."""
+        b = self.bends
+        some = None if b is None else Bends(b.contact[bands], b.least[bands], b.most[bands])
+        return _System(self.stencil[bands], self.contact[bands], self.low[bands], self.high[bands], some)
+
+    def first(self) -> tuple[Mask, ...]:
+        """Contacts to begin with: a stiff band touches a straight bound at its first and last node only."""
+        under, over = self.low > 0.0, self.high < 0.0
+        for side in (under, over):
+            side[:, 1:-1] &= ~(side[:, :-2] & side[:, 2:])
+        if self.bends is None:
+            return under, over
+        return under, over, self.bends.least > 0.0, self.bends.most < 0.0
+
+    def reached(self, u: Array) -> tuple[Mask, ...]:
+        """Contacts at a displacement (bands, inner)."""
+        under, over = u < self.low, u > self.high
+        if self.bends is None:
+            return under, over
+        bend = _second_difference(u)
+        return under, over, bend < self.bends.least, bend > self.bends.most
+
+    def forces(self, u: Array) -> Array:
+        """Gradient of the energy."""
+        pushed = self.contact * (np.maximum(self.low - u, 0.0) - np.maximum(u - self.high, 0.0))
+        if self.bends is not None:
+            bend = _second_difference(u)
+            short = np.maximum(self.bends.least - bend, 0.0) - np.maximum(bend - self.bends.most, 0.0)
+            pushed = pushed + np.diff(self.bends.contact * short, n=2)
+        gradient: Array = internal(self.stencil, u) - pushed
+        return gradient
+
+    def solve(self, contacts: tuple[Mask, ...]) -> tuple[Array, tuple[Mask, ...]]:
+        """Equilibrium with a set of contacts held, and the contacts there."""
+        under, over = contacts[:2]
+        held = self.contact * (under | over)
+        force = np.where(under, self._push_low, np.where(over, self._push_high, 0.0))
+        matrix = self._matrix
+        if self.bends is None:
+            np.add(self._diagonal, held, out=matrix[:, :, 3])
+        else:
+            sharp, wide = contacts[2:]
+            bent = self.bends.contact * (sharp | wide)
+            force = force + np.diff(bent * np.where(sharp, self.bends.least, self.bends.most), n=2)
+            matrix = matrix.copy()
+            matrix[:, :, 3] += held + (4.0 * bent[:, 1:-1] + bent[:, :-2] + bent[:, 2:])
+            matrix[:, 1:, 2] -= 2.0 * (bent[:, 1:-2] + bent[:, 2:-1])
+            matrix[:, 2:, 1] += bent[:, 2:-2]
+        columns = matrix.reshape(-1, 4).T
+        u = self._solve(columns, force.ravel())[1].reshape(force.shape)
+        if self._stiff:
+            for _ in range(_CORRECTIONS):
+                rest = force - held * u - internal(self.stencil, u)
+                if self.bends is not None:
+                    rest = rest - np.diff(bent * _second_difference(u), n=2)
+                rest = rest.astype(np.float64)
+                u = u + self._solve(columns, rest.ravel())[1].reshape(force.shape)
+        return u, self.reached(u)
+
+
+def _second_difference(u: Array) -> Array:
+    """Second difference at all nodes (bands, inner + 2) of inner nodes between pinned ends."""
+    wide = np.zeros((len(u), u.shape[1] + 4))
+    wide[:, 2:-2] = u
+    return np.diff(wide, n=2)
+
+
+def internal(stencil: Array, u: Array) -> Array:
+    """Return the internal forces K u at the inner nodes.
+
+    Parameters
+    ----------
+    stencil : ndarray, shape (..., 4)
+        Row of the stiffness matrix from its diagonal on [N/m].
+    u : ndarray, shape (..., n - 2)
+        Displacement of the inner nodes [m].
+
+    Returns
+    -------
+    force : ndarray, shape (..., n - 2)
+        Internal force [N], in the precision of the stencil.
+    """
+    n = u.shape[-1]
+    wide = np.zeros((*u.shape[:-1], n + 6), dtype=stencil.dtype)
+    wide[..., 3:-3] = u
+    force: Array = stencil[..., :1] * wide[..., 3:-3]
+    for k in (1, 2, 3):
+        force += stencil[..., k, None] * (wide[..., 3 - k : n + 3 - k] + wide[..., 3 + k : n + 3 + k])
+    return force
+
+
+def _shortened(system: _System) -> tuple[Array, int, bool]:
+    """Return one band's displacement (1, inner) by steps along which the energy falls."""
+    u = np.zeros(system.low.shape)
+    for solve in range(_SOLVES - _FULL_STEPS):
+        contacts = system.reached(u)
+        target, reached = system.solve(contacts)
+        if all((now == before).all() for now, before in zip(reached, contacts, strict=True)):
+            return target, solve + 1, True
+        u = u + _least_along(system, u, target - u) * (target - u)
+    return u, _SOLVES - _FULL_STEPS, False
+
+
+def _least_along(system: _System, u: Array, step: Array) -> float:
     """Share of a Newton step at which the energy is least: the root of its slope, by the Illinois method."""
 
     def slope(share: float) -> float:
-        at = u + share * step
-        push = np.maximum(low - at, 0.0) - np.maximum(at - high, 0.0)
-        return float(step @ (inside + share * forces - contact * push))
+        return float((step * system.forces(u + share * step)).sum())
 
     a, b = 0.0, 1.0
     at_a, at_b = slope(a), slope(b)

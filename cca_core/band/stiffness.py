@@ -193,22 +193,29 @@ class BandStiffness:
         if self.k_s + self.k_b + self.k_c <= 0.0:
             raise InputError("k_s, k_b or k_c must be positive, all were 0")
 
-    def stencil(self, h: float) -> Array:
+    def stencil(self, h: ArrayLike) -> Array:
         """Return the internal force per displacement of a node and of its three neighbours on one side.
 
         Parameters
         ----------
-        h : float
+        h : array_like, shape (...)
             Distance between nodes [m].
 
         Returns
         -------
-        stencil : ndarray, shape (4,)
+        stencil : ndarray, shape (..., 4)
             Diagonal and three off-diagonals of the stiffness [N/m]; every row of the matrix is the same
-            because the band goes on undisplaced beyond its pinned ends.
+            because the band goes on undisplaced beyond its pinned ends. In the machine's longest precision:
+            a rounding error of the row sum would act like a spring to the ground.
         """
-        tension = self.k_s / h * np.array([2.0, -1.0, 0.0, 0.0])
-        bending = self.k_b / h**3 * np.array([6.0, -4.0, 1.0, 0.0])
-        rate = self.k_c / h**5 * np.array([20.0, -15.0, 6.0, -1.0])
-        stencil: Array = tension + bending + rate
+        spacing = np.asarray(h, dtype=np.longdouble)[..., None]
+        stencil: Array = self.k_c / spacing**5 * _CURVATURE_RATE
+        if self.k_s:
+            stencil += self.k_s / spacing * _TENSION
+        if self.k_b:
+            stencil += self.k_b / spacing**3 * _BENDING
         return stencil
+
+
+_TENSION, _BENDING = np.array([2, -1, 0, 0]), np.array([6, -4, 1, 0])
+_CURVATURE_RATE = np.array([20, -15, 6, -1])

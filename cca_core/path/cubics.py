@@ -24,8 +24,9 @@ class Cubics:
     def __init__(self, breaks: Array, coefficients: Array) -> None:
         self._breaks, self._inner = breaks, breaks[1:-1]
         # shape (4, n_segments, 2), cubic term first
-        scale = np.diff(breaks)[:, None] ** -np.arange(3.0, -1.0, -1.0)
-        self._powers = coefficients.transpose(2, 0, 1) * scale.T[:, :, None]
+        rate = 1.0 / (breaks[1:] - breaks[:-1])
+        scale = np.array((rate * rate * rate, rate * rate, rate, np.ones_like(rate)))
+        self._powers = coefficients.transpose(2, 0, 1) * scale[:, :, None]
 
     def derivatives(self, s: Array) -> tuple[Array, Array, Array]:
         """Position, first and second derivative, shapes (..., 2)."""

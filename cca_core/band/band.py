@@ -1,0 +1,255 @@
+"""The bent route, what it was asked to keep and what it keeps."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+import numpy as np
+
+from cca_core._checks import Array, Index, Mask
+from cca_core.band.certificate import Certificate
+from cca_core.band.corridor import Side
+from cca_core.band.energy import kkt_residual
+from cca_core.band.task import Task
+from cca_core.errors import InfeasibleError, InputError, Status
+from cca_core.path import Path, interpolate_path
+
+_EXACT = 1e-9  # rounding error that is forgiven [m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Band:
+    """A stretch of the route, bent around obstacles; or many of them, with leading axes in every field.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (..., n, 2)
+        Deformed nodes [m] (eq 10), first and last on the route.
+    displacement : ndarray, shape (..., n)
+        Lateral displacement u of each node [m], left positive.
+    clearance : float or ndarray, shape (...)
+        Least distance between the ego's box, swept along the band between nodes as at nodes, and any
+        obstacle's box at the same time [m]; infinite without obstacles, negative where they overlap. A lower
+        bound, exact within 5 mm.
+    edge_clearance : float or ndarray, shape (...)
+        The same towards the edges of the corridor [m].
+    curvature : float or ndarray, shape (...)
+        Largest curvature along the band [1/m], without sign.
+    passes_left : ndarray of bool, shape (n_obstacles, ...)
+        Whether the ego passes each obstacle on the obstacle's left.
+    lower, upper : ndarray, shape (..., n)
+        Bounds of the displacement that hold the band [m].
+    spacing : float or ndarray, shape (...)
+        Distance between nodes [m].
+    status : Status or ndarray of Status, shape (...)
+        `Status.OK` only if the clearance is at least what was asked, the body stays between the edges and
+        the curvature within its limit.
+    message : str or ndarray of str, shape (...)
+        Why the status is what it is.
+    binding : str or ndarray of str, shape (...)
+        What the band comes closest to or is stopped by: "obstacle 0", "left edge", "right edge", "curvature"
+        or nothing.
+    solves : int or ndarray of int, shape (...)
+        Banded systems solved [-].
+    task : Task
+        What was asked, for those who go on with the band.
+    qp_residual : float, optional
+        Largest KKT residual of the quadratic programme, if the band was smoothed by one; scaled units.
+    """
+
+    nodes: Array
+    displacement: Array
+    clearance: Any
+    edge_clearance: Any
+    curvature: Any
+    passes_left: Mask
+    lower: Array
+    upper: Array
+    spacing: Any
+    status: Any
+    message: Any
+    binding: Any
+    solves: Any
+    task: Task
+    qp_residual: float | None = None
+
+    def __repr__(self) -> str:
+        if self.nodes.ndim > 2:
+            return f"Band({self.nodes.shape[:-2]} bands, {int(np.sum(self.ok))} OK)"
+        return (
+            f"Band({self.status.name}, {len(self.nodes)} nodes, swerves {self.side} by "
+            f"{np.abs(self.displacement).max():.2f} m, clearance {self.clearance:.2f} m, "
+            f"curvature {self.curvature:.4f} 1/m)"
+        )
+
+    def __len__(self) -> int:
+        return len(self.nodes)
+
+    def __getitem__(self, index: int) -> "Band":
+        """One band of many."""
+        if self.nodes.ndim < 3:
+            raise InputError("this is a single band, it has no leading axis to index")
+        first, rest = self.nodes.shape[0], self.nodes.shape[1:-2]
+        at = range(first)[index]
+        chosen = {}
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if f.name == "passes_left":
+                chosen[f.name] = value[:, at]
+            elif value is None:
+                chosen[f.name] = None
+            elif f.name == "task":
+                chosen[f.name] = value.select(np.arange(len(value.base)).reshape(first, -1)[at])
+            else:
+                item = value[at]
+                chosen[f.name] = item.item() if not rest and isinstance(item, np.generic) else item
+        return Band(**chosen)
+
+    @property
+    def ok(self) -> Any:
+        """Whether the status is OK; for many bands an array of shape (...)."""
+        return self.status == Status.OK
+
+    @property
+    def side(self) -> Side:
+        """Side to which a single band swerves farthest; left if it does not swerve."""
+        u = self._single().displacement
+        return "left" if u.max() >= -u.min() else "right"
+
+    @property
+    def sides(self) -> tuple[Side, ...]:
+        """Side on which a single band passes each obstacle."""
+        return tuple("left" if left else "right" for left in self._single().passes_left)
+
+    @property
+    def residual(self) -> float:
+        """KKT residual of a single band: largest missing force, as the violation of a bound [m]."""
+        band = self._single()
+        return float(
+            kkt_residual(
+                band.displacement, lower=band.lower, upper=band.upper, spacing=band.spacing,
+                stiffness=band.task.stiffness,
+            )
+        )  # fmt: skip
+
+    def path(self, start: float = 0.0) -> Path:
+        """Return the C2 curve through the nodes of a single band, tangent to the route at both ends.
+
+        Parameters
+        ----------
+        start : float
+            Arc length of the first node [m].
+
+        Returns
+        -------
+        path : Path
+            The bent route to be driven.
+        """
+        nodes = self._single().nodes
+        first, last = self.task.tangents[0, [0, -1]]
+        return interpolate_path(
+            nodes, start=start, start_tangent=(first.real, first.imag), end_tangent=(last.real, last.imag)
+        )
+
+    def require(self) -> Self:
+        """Return this band if it is usable.
+
+        Returns
+        -------
+        band : Band
+            The band itself.
+
+        Raises
+        ------
+        InfeasibleError
+            If the status is not OK, of any band if there are many.
+        """
+        if not np.all(self.ok):
+            failed = self.message if self.nodes.ndim == 2 else self.message[~self.ok].flat[0]
+            raise InfeasibleError(failed, self)
+        return self
+
+    def _single(self) -> Self:
+        if self.nodes.ndim > 2:
+            raise InputError("these are many bands; choose one, as in band[0]")
+        return self
+
+
+def judged(
+    task: Task,
+    leading: tuple[int, ...],
+    u: Array,
+    certificate: Certificate,
+    *,
+    passes_left: Mask,
+    lower: Array,
+    upper: Array,
+    solves: Index,
+    stuck: Mapping[int, tuple[Status, str, str]],
+) -> Band:
+    """Compare what bands keep with what was asked.
+
+    Parameters
+    ----------
+    task : Task
+        What was asked.
+    leading : tuple of int
+        Leading axes of the result; () for a single band.
+    u : ndarray, shape (bands, n)
+        Displacement [m].
+    certificate : Certificate
+        What it keeps.
+    passes_left : ndarray of bool, shape (m, bands)
+        Sides.
+    lower, upper : ndarray, shape (bands, n)
+        Bounds that hold the displacement [m].
+    solves : ndarray of int, shape (bands,)
+        Banded systems solved [-].
+    stuck : mapping of int to (Status, str, str)
+        Status, message and what binds of those bands that were not solved.
+
+    Returns
+    -------
+    band : Band
+        The bands with their status.
+    """
+    count = len(u)
+    kept, edge = certificate.least_gap, certificate.least_edge
+    bends = np.abs(certificate.curvature)
+    curvature, bent = bends.max(axis=1), (bends / task.curvature_limit).max(axis=1)
+    status, message, binding = (np.empty(count, dtype=object) for _ in range(3))
+    for i in range(count):
+        spare = float(kept[i]) - task.clearance
+        nearest = f"obstacle {certificate.gaps[:, i].min(axis=1).argmin()}" if spare < math.inf else ""
+        closest = nearest
+        if edge[i] < spare:
+            closest = f"{'right' if certificate.right[i].min() == edge[i] else 'left'} edge"
+        outcome = Status.OK, "clearance and limits kept", closest
+        if i in stuck:
+            outcome = stuck[i]
+        elif spare < -_EXACT:
+            reason = f"{kept[i]:.3f} m from {nearest} is below the {task.clearance:.3f} m asked"
+            outcome = Status.INFEASIBLE, reason, nearest
+        elif edge[i] < -_EXACT:
+            outcome = Status.INFEASIBLE, f"the body crosses the {closest} by {-edge[i]:.3f} m", closest
+        elif bent[i] > 1.0 + _EXACT:
+            reason = f"curvature {curvature[i]:.4f} 1/m is {bent[i]:.2f} times the limit"
+            outcome = Status.INFEASIBLE, reason, "curvature"
+        status[i], message[i], binding[i] = outcome
+    nodes = task.base + 1j * task.tangents * u
+    arrays = {
+        "nodes": nodes.view(np.float64).reshape(*u.shape, 2), "displacement": u,
+        "lower": lower, "upper": upper,
+    }  # fmt: skip
+    values = {
+        "clearance": kept, "edge_clearance": edge, "curvature": curvature, "spacing": task.h,
+        "status": status, "message": message, "binding": binding, "solves": solves,
+    }  # fmt: skip
+    shaped: dict[str, Any] = {k: v.reshape(leading + v.shape[1:]) for k, v in arrays.items()}
+    shaped["passes_left"] = passes_left.reshape(-1, *leading)
+    for array in shaped.values():
+        array.setflags(write=False)
+    for name, value in values.items():
+        shaped[name] = value.reshape(leading) if leading else value.tolist()[0]
+    return Band(task=task, **shaped)

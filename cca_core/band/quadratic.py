@@ -1,0 +1,192 @@
+"""The smoothest band within hard bounds on displacement, curvature and change of curvature."""
+
+import math
+import warnings
+from copy import copy
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any, Literal
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core._optional import require_extra
+from cca_core.errors import InputError
+
+__all__ = ["Smoothest", "smoothest"]
+
+QPSolver = Literal["piqp", "osqp"]
+
+_SETTINGS: dict[str, dict[str, Any]] = {
+    "piqp": {"max_iter": 100, "preconditioner_iter": 2},  # 8 to 15 iterations are usual
+    "osqp": {"max_iter": 4000, "eps_abs": 1e-5, "eps_rel": 1e-5, "polishing": True},  # then polished
+}
+_UNITS_PER_BAND = 10.0  # lengths along the band are counted in tenths of it, which keeps all numbers near 1
+_SLACK = 1e-6  # bounds may be missed by this [m, 1/m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Smoothest:
+    """Outcome of `smoothest`.
+
+    Parameters
+    ----------
+    u : ndarray, shape (n,)
+        Lateral displacement [m], left positive; zero everywhere if not solved.
+    solved : bool
+        Whether `u` is the optimum and keeps all bounds.
+    message : str
+        What the solver said.
+    iterations : int
+        Iterations of the solver [-].
+    solution : qpsolvers.Solution, optional
+        The solver's answer to the scaled problem; None if it was not asked.
+    """
+
+    u: Array
+    solved: bool
+    message: str
+    iterations: int = 0
+    solution: Any = field(default=None, repr=False)
+
+    @property
+    def primal_residual(self) -> float:
+        """Largest violation of a bound or link, in the problem's scaled units; infinite if not solved."""
+        return float(self.solution.primal_residual()) if self.solved else math.inf
+
+    @property
+    def dual_residual(self) -> float:
+        """Largest force that nothing balances, in the problem's scaled units; infinite if not solved."""
+        return float(self.solution.dual_residual()) if self.solved else math.inf
+
+    @property
+    def gap(self) -> float:
+        """Cost minus its lower bound from the dual, in the problem's scaled units; infinite if not solved."""
+        return float(self.solution.duality_gap()) if self.solved else math.inf
+
+
+def smoothest(
+    *,
+    spacing: float,
+    route_curvature: Array,
+    lower: Array,
+    upper: Array,
+    curvature_limit: float | Array = math.inf,
+    curvature_rate_limit: float = math.inf,
+    weights: tuple[float, float] = (0.0, 1.0),
+    curvature_error: float | Array = 0.0,
+    solver: QPSolver = "piqp",
+    start: Array | None = None,
+) -> Smoothest:
+    """Displacement of least curvature change between pinned ends, with hard bounds.
+
+    Parameters
+    ----------
+    spacing : float
+        Distance h between nodes [m].
+    route_curvature : ndarray, shape (n,)
+        Curvature kappa_0 of the route at the nodes [1/m]; n is at least 5.
+    lower, upper : ndarray, shape (n,)
+        Bounds of the displacement [m]; infinite where there is none.
+    curvature_limit : float or ndarray, shape (n,)
+        Largest curvature of the band, without sign [1/m].
+    curvature_rate_limit : float
+        Largest change of the band's curvature from node to node per length [1/m^2], without sign.
+    weights : pair of float
+        Weight of c^2 [m^2] and of c'^2 [m^4]; only their ratio matters.
+    curvature_error : float or ndarray, shape (n,)
+        True curvature of an earlier outcome minus its linear one [1/m]: with it, repeated calls converge to
+        limits on the true curvature.
+    solver : {"piqp", "osqp"}
+        Interior points, or operator splitting, which can be started near the solution.
+    start : ndarray, shape (n,), optional
+        Displacement near the solution [m]; used by "osqp" only.
+
+    Returns
+    -------
+    outcome : Smoothest
+        The optimum, or why there is none.
+
+    Raises
+    ------
+    InputError
+        If `solver` is unknown or a curvature is not finite.
+    MissingExtraError
+        If qpsolvers or the solver is not installed.
+
+    Notes
+    -----
+    Minimises ``integral w_1 c^2 + w_2 c'^2 ds`` where ``c = u'' + kappa_0^2 u`` is the linear change of the
+    route's curvature by an offset u. Displacement and curvature change of every node are the unknowns, so
+    that all limits but those of c' are plain bounds. The band goes on undisplaced beyond its ends, on a route
+    of constant curvature there.
+    """
+    if solver not in _SETTINGS:
+        raise InputError(f"solver must be 'piqp' or 'osqp', was {solver!r}")
+    n = len(lower)
+    u = np.zeros(n)
+    if not ((lower <= upper).all() and max(lower[0], lower[-1]) <= 0.0 <= min(upper[0], upper[-1])):
+        return Smoothest(u=u, solved=False, message="the bounds leave no room between them")
+    qpsolvers = require_extra("qpsolvers", "qp")
+    require_extra(solver, "qp")
+
+    inner = n - 2
+    nodes_per_unit = (n - 1) / _UNITS_PER_BAND
+    unit = nodes_per_unit * spacing
+    bending = weights[0] * unit**2 / (weights[0] * unit**2 + weights[1])
+    level, slope, link, rates = _templates(n)
+    cost = copy(level)
+    cost.data = bending / nodes_per_unit * level.data + (1.0 - bending) * nodes_per_unit * slope.data
+    linked = copy(link)
+    linked.data = link.data.copy()
+    linked.data[1 : 3 * inner : 3] += (unit * route_curvature[1:-1]) ** 2
+    before = unit**2 * (route_curvature + curvature_error)
+    if not np.isfinite(before).all():
+        raise InputError("route_curvature and curvature_error must be finite")
+    limit = unit**2 * np.asarray(curvature_limit)
+    problem = qpsolvers.Problem(
+        cost, np.zeros(inner + n), A=linked, b=np.zeros(n),
+        lb=np.concatenate((lower[1:-1], -limit - before)), ub=np.concatenate((upper[1:-1], limit - before)),
+    )  # fmt: skip
+    if curvature_rate_limit < math.inf:
+        step = np.zeros(n + 1)
+        step[1:-1] = np.diff(before)
+        most = unit**2 * curvature_rate_limit * spacing
+        problem.G, problem.h = rates, np.concatenate((most - step, most + step))
+    near = None
+    if start is not None and solver == "osqp":
+        near = np.concatenate((start[1:-1], linked[:, :inner] @ start[1:-1]))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # infeasibility is an outcome
+        solution = qpsolvers.solve_problem(problem, solver, initvals=near, **_SETTINGS[solver])
+    info = solution.extras["info"]
+    message = f"{solver}: {getattr(info.status, 'name', info.status)}"
+    missed = solution.primal_residual()
+    solved = bool(missed <= _SLACK * min(unit**2, 1.0))
+    if solved:
+        u[1:-1] = solution.x[:inner]
+    elif solution.found:
+        message += f", but misses a bound by {missed:.1e}"
+    return Smoothest(u=u, solved=solved, message=message, iterations=int(info.iter), solution=solution)
+
+
+@lru_cache(maxsize=32)
+def _templates(n: int) -> tuple[Any, Any, Any, Any]:
+    """Matrices that depend on the number of nodes only; the first two share their structure.
+
+    Sum of c^2, sum of squared changes of c, ``second difference of u - c``, and changes of c both ways.
+    """
+    from scipy import sparse  # slow to import, and importing the library is to be quick
+
+    inner = n - 2
+    units = ((n - 1) / _UNITS_PER_BAND) ** 2
+    bend = sparse.diags([units, -2.0 * units, units], [0, -1, -2], shape=(n, inner))
+    link = sparse.csc_matrix(sparse.hstack((bend, -sparse.identity(n))))
+    change = sparse.diags([1.0, -1.0], [0, -1], shape=(n + 1, n))
+    none = sparse.csc_matrix((n + 1, inner))
+    rates = sparse.csc_matrix(sparse.bmat([[none, change], [none, -change]]))
+    slope = sparse.csc_matrix(sparse.block_diag((sparse.csc_matrix((inner, inner)), change.T @ change)))
+    level = copy(slope)
+    level.data = np.where(slope.data > 0.0, 1.0, 0.0)
+    return level, slope, link, rates

@@ -1,0 +1,118 @@
+"""Smooth a band by quadratic programming: least change of curvature within hard limits."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from cca_core._checks import Array, Mask, check_real
+from cca_core.band.band import Band, judged
+from cca_core.band.certificate import Certificate, certify
+from cca_core.band.quadratic import QPSolver, smoothest
+from cca_core.errors import InputError, Status
+
+_PASSES = 8
+_AIM = 1e-3  # beyond what is asked [m]
+_SPARE = 1e-4  # share of the curvature limit that is left to its linearisation
+
+
+def smooth_band(
+    band: Band,
+    *,
+    curvature_rate_limit: float = math.inf,
+    weights: tuple[float, float] = (0.0, 1.0),
+    solver: QPSolver = "piqp",
+) -> Band:
+    """Least curvature change with the sides of a band, its corridor and its limits.
+
+    Parameters
+    ----------
+    band : Band
+        A single band; it need not be OK: a band that bends too much may be smoothed into one that does not.
+    curvature_rate_limit : float
+        Largest change of curvature per length [1/m^2], without sign; the route's own changes count.
+    weights : pair of float
+        Weight of the curvature change squared [m^2] and of its rate squared [m^4].
+    solver : {"piqp", "osqp"}
+        Interior points, or operator splitting started at the band (slower on long bands).
+
+    Returns
+    -------
+    band : Band
+        The smoothest band, with the same promises. Where there is none the given band stands: if it was OK
+        its status becomes `Status.FALLBACK`, and the message says what failed.
+
+    Raises
+    ------
+    InputError
+        If an argument has a wrong type or is out of range.
+    MissingExtraError
+        If the extra ``qp`` is not installed.
+
+    Notes
+    -----
+    Bounds are hard here, those of the relaxed band give way. What turned boxes lack and what the linear
+    curvature misses is corrected in a few passes.
+
+    Examples
+    --------
+    >>> from cca_core import VehicleParams, relax_band
+    >>> from cca_core.geometry import boxes
+    >>> route = np.column_stack((np.arange(0.0, 101.0), np.zeros(101)))
+    >>> band = relax_band(route, [boxes(50.0, 0.0, 0.0, 4.5, 1.8)], vehicle=VehicleParams.bmw_320i())
+    >>> smooth = smooth_band(band)
+    >>> smooth.status.name, smooth.curvature < band.curvature
+    ('OK', True)
+    """
+    if not isinstance(band, Band):
+        raise InputError(f"band must be a Band, was {type(band).__name__}")
+    if band.nodes.ndim != 2:
+        raise InputError("band must be a single band; choose one, as in band[0]")
+    rate = check_real("curvature_rate_limit", curvature_rate_limit, above=0.0, infinite=True)
+    task = band.task
+    h = float(task.h[0])
+    passes_left = band.passes_left[:, None]
+    lower, upper = (bound[0] for bound in task.corridor.bounds(passes_left))
+    base, error = task.curvature[0], np.zeros(len(band))
+    limit = (1.0 - _SPARE) * task.curvature_limit[0]
+    u, message = band.displacement, ""
+    for _ in range(_PASSES):
+        outcome = smoothest(
+            spacing=h, route_curvature=base, lower=lower, upper=upper, curvature_limit=limit,
+            curvature_rate_limit=rate, weights=weights, curvature_error=error, solver=solver, start=u,
+        )  # fmt: skip
+        if not outcome.solved and message:
+            message = outcome.message
+            break
+        if outcome.solved:
+            u = outcome.u
+        found = certify(task, u[None])
+        true = found.curvature[0]
+        wide = np.pad(u, 1)
+        error = true - (base + base**2 * u + (wide[2:] - 2.0 * u + wide[:-2]) / h**2)
+        missing = max(task.clearance - found.least_gap[0], -found.least_edge[0])
+        bent = (np.abs(true) - task.curvature_limit[0]).max()
+        steep = np.abs(np.diff(true)).max() / h - rate
+        if outcome.solved and missing <= 0.0 and bent <= 0.0 and steep <= _SPARE * rate:
+            smooth = judged(
+                task, (), u[None], found, passes_left=passes_left, lower=lower[None], upper=upper[None],
+                solves=np.array([band.solves]), stuck={},
+            )  # fmt: skip
+            residual = max(outcome.primal_residual, outcome.dual_residual, outcome.gap)
+            return replace(smooth, qp_residual=residual)
+        lower, upper = _within_reach(found, u, band.passes_left, task.clearance)
+        message = f"after {_PASSES} passes {missing:.3f} m are lacking"
+    status = Status.FALLBACK if band.ok else band.status
+    return replace(band, status=status, message=f"not smoothed ({message}); {band.message}")
+
+
+def _within_reach(found: Certificate, u: Array, passes_left: Mask, clearance: float) -> tuple[Array, Array]:
+    """Bounds within which gaps stay above clearance while headings stay: no gap changes faster than u."""
+    spare = found.gaps[:, 0] - (clearance + _AIM)
+    left = passes_left[:, None]
+    low = np.min(spare, axis=0, where=left, initial=math.inf)
+    up = np.min(spare, axis=0, where=~left, initial=math.inf)
+    lower = u - np.minimum(low, found.right[0] - _AIM)
+    upper = u + np.minimum(up, found.left[0] - _AIM)
+    lower[[0, -1]], upper[[0, -1]] = -math.inf, math.inf
+    return lower, upper
