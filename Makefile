@@ -35,7 +35,7 @@ lint: .venv/dev.stamp
 docs: .venv/dev.stamp
 	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --fresh-env docs docs/_build/html
 
-bench: .venv/dev.stamp
+bench: .venv/bench.stamp
 	$(ONE_THREAD) $(BIN)/python -m pytest --benchmark-only --benchmark-sort=name tests/bench
 
 validate: .venv/dev.stamp
@@ -59,4 +59,8 @@ clean:
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
 	@$(BIN)/python -m pip install --quiet --editable ".[all]" --group dev
+	@touch $@
+
+.venv/bench.stamp: .venv/dev.stamp
+	@$(BIN)/python -m pip install --quiet --group bench
 	@touch $@

@@ -20,6 +20,7 @@ __all__ = ["Evasion", "EvasionSettings", "plan_evasion"]
 _RUN_UP = 20.0  # the reference begins on the route this far before the window [m]
 _TAIL = 60.0  # the reference goes on along the route behind the window [m]
 _BEHIND = 2.0  # a window starts this far behind the car [m]
+_GROWTH = 2.0  # an end that would move on by less stays: it is an effect of rounding [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 
@@ -183,8 +184,9 @@ def plan_evasion(
     if ongoing is not None:
         start, end = ongoing.start, ongoing.end
     for begins, ends in contact:  # no room to return before the next one: stay out
-        if begins < ends < HORIZON and ego.s + begins - v_back * duration < end:
-            end = max(end, ego.s + ends + v_back * duration)
+        until = ego.s + ends + v_back * duration
+        if begins < ends < HORIZON and ego.s + begins - v_back * duration < end and until > end + _GROWTH:
+            end = until
     if end > road.path.end:
         return Candidate(side=side, obstruction="the route ends before the pass does")
     n = 1 + min(_NODES, max(20, math.ceil(end - start)))

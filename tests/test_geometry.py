@@ -135,7 +135,8 @@ def test_box_gap_broadcasts() -> None:
     assert gaps.shape == (13, 2)
     for i in range(13):
         for j, y in enumerate((0.0, 3.0)):
-            assert gaps[i, j] == gap((x[i], y, 0.2, 4.5, 1.8), (1.0, 2.0, -0.4, 4.0, 2.0))
+            single = gap((x[i], y, 0.2, 4.5, 1.8), (1.0, 2.0, -0.4, 4.0, 2.0))
+            assert gaps[i, j] == pytest.approx(single, rel=0.0, abs=1e-12)
 
 
 @given(box)

@@ -596,3 +596,33 @@ def test_steady_traffic_is_never_touched(
     # a script that touches the standing start itself is no test
     run = Drive(planner(cruise=cruise), movers, 14.0, v=cruise)
     assert run.hit is None
+
+
+@pytest.mark.parametrize("v_x", [15.0, 20.0, 28.0])
+@pytest.mark.parametrize("d", [0.0, 0.3, -0.5])
+def test_replanning_past_a_parked_car_holds_side_and_shape(v_x: float, d: float) -> None:
+    """Ten times a second on the way past: the side stays, d(s) moves by millimetres, nothing tightens."""
+    x = np.arange(0.0, 801.0, 5.0)
+    path = fit_path(np.column_stack((x, np.zeros_like(x))), tolerance=0.05)
+    road = Road(path, (Lane(d=0.0), Lane(d=3.5), Lane(d=-3.5)))
+    settings = EvasionSettings(known_range=math.inf)
+    planner = Planner(CAR, road, cruise_speed=v_x, evasion=settings)
+    plant = SingleTrackPlant(CAR, VehicleState(x=100.0, y=0.0, psi=0.0, v_x=v_x))
+    parked = RemoteVehicle(id="P", x=250.0, y=d, psi=0.0, v_x=0.0)
+    shapes, sides, a_y = [], set(), []
+    for cycle in range(3000):
+        command = planner.step(0.02 * cycle, plant.state, [parked])
+        plant.step(command.delta, command.a_x, 0.02)
+        maneuver = planner._maneuver
+        if maneuver is not None:
+            shapes.append([maneuver.offset_at(s) for s in np.linspace(100.0, 400.0, 301)])
+            sides.add(maneuver.side)
+            at = np.linspace(maneuver.start, maneuver.end, 300)
+            a_y.append(v_x**2 * np.abs(maneuver.reference.curvature(at)).max())
+        elif plant.state.x > 260.0:
+            break
+    assert len(shapes) > 100
+    assert len(sides) == 1
+    assert np.abs(np.diff(shapes, axis=0)).max() < 0.05
+    assert max(a_y) <= settings.lateral_acceleration
+    assert max(a_y) <= 1.1 * a_y[0]

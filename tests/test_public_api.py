@@ -10,7 +10,7 @@ import cca_core
 PUBLIC = """
     Action Band CcaError Command Decision InfeasibleError InputError Lane LocalFrame
     MissingExtraError Path Planner PreviewController RemoteVehicle Road Status VehicleParams
-    VehicleState choose_action danger_zone design_gains fit_path relax_band
+    VehicleState choose_action danger_zone design_gains fit_path relax_band smooth_band
 """.split()
 
 ROOMS = [name for _, name, _ in pkgutil.iter_modules(cca_core.__path__) if not name.startswith("_")]

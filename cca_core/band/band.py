@@ -13,8 +13,10 @@ from cca_core.band.corridor import Side
 from cca_core.band.energy import kkt_residual
 from cca_core.band.task import Task
 from cca_core.errors import InfeasibleError, InputError, Status
-from cca_core.path import Path, interpolate_path
+from cca_core.path import Path
+from cca_core.path.interpolate import spline_through
 
+_FARTHEST = 30.0  # swerve beyond which a band is none of a road [m]
 _EXACT = 1e-9  # rounding error that is forgiven [m]
 
 
@@ -55,7 +57,7 @@ class Band:
     task : Task
         What was asked, for those who go on with the band.
     qp_residual : float, optional
-        Largest KKT residual of the quadratic programme, if the band was smoothed by one; scaled units.
+        Largest KKT residual of the quadratic programme, if the band was smoothed by one [-].
     """
 
     nodes: Array
@@ -134,7 +136,7 @@ class Band:
         )  # fmt: skip
 
     def path(self, start: float = 0.0) -> Path:
-        """Return the C2 curve through the nodes of a single band, tangent to the route at both ends.
+        """Return the C2 curve through the nodes of a single band, with the route's curvature at both ends.
 
         Parameters
         ----------
@@ -147,9 +149,10 @@ class Band:
             The bent route to be driven.
         """
         nodes = self._single().nodes
-        first, last = self.task.tangents[0, [0, -1]]
-        return interpolate_path(
-            nodes, start=start, start_tangent=(first.real, first.imag), end_tangent=(last.real, last.imag)
+        task = self.task
+        first, last = (1j * task.curvature[0, [0, -1]] * task.tangents[0, [0, -1]]).tolist()
+        return spline_through(
+            nodes, float(start), (first.real, first.imag), (last.real, last.imag), second=True
         )
 
     def require(self) -> Self:
@@ -214,12 +217,11 @@ def judged(
     band : Band
         The bands with their status.
     """
-    count = len(u)
-    kept, edge = certificate.least_gap, certificate.least_edge
-    bends = np.abs(certificate.curvature)
-    curvature, bent = bends.max(axis=1), (bends / task.curvature_limit).max(axis=1)
-    status, message, binding = (np.empty(count, dtype=object) for _ in range(3))
-    for i in range(count):
+    kept, edge, bent = certificate.least_gap, certificate.least_edge, certificate.bent
+    curvature = np.abs(certificate.curvature).max(axis=1)
+    farthest = np.abs(u).max(axis=1)
+    outcomes = []
+    for i in range(len(u)):
         spare = float(kept[i]) - task.clearance
         nearest = f"obstacle {certificate.gaps[:, i].min(axis=1).argmin()}" if spare < math.inf else ""
         closest = nearest
@@ -233,23 +235,26 @@ def judged(
             outcome = Status.INFEASIBLE, reason, nearest
         elif edge[i] < -_EXACT:
             outcome = Status.INFEASIBLE, f"the body crosses the {closest} by {-edge[i]:.3f} m", closest
+        elif farthest[i] > _FARTHEST:
+            outcome = Status.INFEASIBLE, f"it would swerve by {farthest[i]:.0f} m", nearest
         elif bent[i] > 1.0 + _EXACT:
             reason = f"curvature {curvature[i]:.4f} 1/m is {bent[i]:.2f} times the limit"
             outcome = Status.INFEASIBLE, reason, "curvature"
-        status[i], message[i], binding[i] = outcome
+        outcomes.append(outcome)
     nodes = task.base + 1j * task.tangents * u
-    arrays = {
-        "nodes": nodes.view(np.float64).reshape(*u.shape, 2), "displacement": u,
-        "lower": lower, "upper": upper,
+    shaped: dict[str, Any] = {
+        "nodes": nodes.view(np.float64).reshape(*leading, -1, 2), "displacement": u.reshape(*leading, -1),
+        "lower": lower.reshape(*leading, -1), "upper": upper.reshape(*leading, -1),
+        "passes_left": passes_left.reshape(-1, *leading),
     }  # fmt: skip
-    values = {
-        "clearance": kept, "edge_clearance": edge, "curvature": curvature, "spacing": task.h,
-        "status": status, "message": message, "binding": binding, "solves": solves,
-    }  # fmt: skip
-    shaped: dict[str, Any] = {k: v.reshape(leading + v.shape[1:]) for k, v in arrays.items()}
-    shaped["passes_left"] = passes_left.reshape(-1, *leading)
     for array in shaped.values():
         array.setflags(write=False)
+    values = {
+        "clearance": kept, "edge_clearance": edge, "curvature": curvature, "spacing": task.h,
+        "solves": solves,
+    }  # fmt: skip
     for name, value in values.items():
-        shaped[name] = value.reshape(leading) if leading else value.tolist()[0]
+        shaped[name] = value.reshape(leading) if leading else value.item()
+    for name, column in zip(("status", "message", "binding"), zip(*outcomes, strict=True), strict=True):
+        shaped[name] = np.array(column, dtype=object).reshape(leading) if leading else column[0]
     return Band(task=task, **shaped)

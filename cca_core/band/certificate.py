@@ -7,10 +7,11 @@ import numpy as np
 
 from cca_core._checks import Array, Complex, Index
 from cca_core.band.corridor import Corridor
-from cca_core.band.task import Task, frames
+from cca_core.band.task import Task, curvature_of, tangents_of
 from cca_core.geometry import gap_between
 from cca_core.vehicle import VehicleParams
 
+_ROUNDING = 2e-3  # by which cubics and headings between nodes may differ from those assumed [m]
 _PARTS = 16  # of an interval that is looked into
 
 
@@ -27,29 +28,31 @@ class Certificate:
         How far the body stays off the right and the left edge [m], negative where it crosses it.
     curvature : ndarray, shape (bands, n)
         Curvature of the band [1/m], left positive.
+    least_gap, least_edge : ndarray, shape (bands,)
+        Least of the gaps to obstacles and of the distances from edges [m].
+    bent : ndarray, shape (bands,)
+        Largest curvature as a multiple of its limit [-].
     """
 
     gaps: Array
     right: Array
     left: Array
     curvature: Array
+    least_gap: Array
+    least_edge: Array
+    bent: Array
 
-    @property
-    def least_gap(self) -> Array:
-        """Least gap of each band to any obstacle [m], shape (bands,)."""
-        least: Array = self.gaps.min(axis=(0, 2), initial=math.inf)
-        return least
-
-    @property
-    def least_edge(self) -> Array:
-        """How far each band's body stays off the nearer edge at least [m], shape (bands,)."""
-        least: Array = np.minimum(self.right.min(axis=1), self.left.min(axis=1))
-        return least
+    def excess(self, task: Task) -> Array:
+        """Return how far bands are from what was asked [-], shape (bands,); a metre counts as 5 limits."""
+        short = np.maximum(task.clearance - self.least_gap, -self.least_edge)
+        excess: Array = 5.0 * np.maximum(short, 0.0) + np.maximum(self.bent - 1.0, 0.0)
+        return excess
 
     def update(self, bands: Index, some: "Certificate") -> None:
         """Put in what some of the bands keep after another solve."""
         self.gaps[:, bands] = some.gaps
-        self.right[bands], self.left[bands], self.curvature[bands] = some.right, some.left, some.curvature
+        for name in ("right", "left", "curvature", "least_gap", "least_edge", "bent"):
+            getattr(self, name)[bands] = getattr(some, name)
 
 
 def certify(task: Task, u: Array) -> Certificate:
@@ -75,10 +78,13 @@ def certify(task: Task, u: Array) -> Certificate:
     taken off that bound, and where it falls below the distance asked, the interval is sampled closely.
     """
     nodes = task.base + 1j * task.tangents * u
-    along, curvature = frames(nodes)
-    return Certificate(
-        _gaps(task, nodes, along, curvature), *_edge_distances(task, u, along, curvature), curvature
-    )
+    along, curvature = tangents_of(nodes)[0], curvature_of(nodes)
+    gaps = _gaps(task, nodes, along, curvature)
+    right, left = _edge_distances(task, u, along, curvature)
+    edge = np.minimum(right, left).min(axis=1)
+    bent = np.abs(curvature / task.curvature_limit).max(axis=1)
+    least_gap = gaps.min(axis=(0, 2)) if len(gaps) else np.full(len(u), math.inf)
+    return Certificate(gaps, right, left, curvature, least_gap, edge, bent)
 
 
 def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array:
@@ -90,25 +96,32 @@ def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array
     # circles around the boxes bound their gap from below, circles inside them from above
     gaps = middles - (o.radius + 0.5 * math.hypot(vehicle.length, vehicle.width))
     most = (middles - o.half_width).min(axis=(0, 2)) - 0.5 * vehicle.width
-    step = task.h
-    near = gaps <= (np.maximum(clearance, most) + 2.0 * step)[:, None]
-    pairs = np.nonzero(near)
-    if not len(pairs[0]):
+    # no gap changes by more from node to node
+    moves = o.moves + task.h * (1.0 + 0.6 * vehicle.length * np.abs(curvature).max())
+    near = gaps <= (np.maximum(clearance, most) + 2.0 * moves)[..., None]
+    pairs = near.nonzero()
+    i = pairs[2]
+    if not len(i):
         return gaps
     sampled = _gap(nodes[pairs[1:]], along[pairs[1:]], _at(o, pairs), vehicle)
     bent = np.abs(curvature[pairs[1:]])
-    bulge = 0.125 * step[pairs[1]] ** 2 * bent * (1.0 + 0.5 * vehicle.length * bent)
+    bulge = 0.125 * task.h[pairs[1]] ** 2 * bent * (1.0 + 0.5 * vehicle.length * bent)
+    if o.moves.any() or bent.any():
+        bulge += _ROUNDING
     least = sampled.copy()
-    i = pairs[2]
-    change = sampled[1:] - sampled[:-1]
-    inner = np.flatnonzero(i[1:] - i[:-1] == 1)  # intervals with both ends sampled
+    inner = (i[1:] - i[:-1] == 1).nonzero()[0]  # intervals with both ends sampled
     least[inner] = np.minimum(least[inner], sampled[inner + 1]) - np.maximum(bulge[inner], bulge[inner + 1])
     # secants drawn on from both sides meet below the samples where the gap may dip between them
-    dips = 1 + np.flatnonzero((change[:-2] < 0.0) & (change[2:] > 0.0) & (i[3:] - i[:-3] == 3))
+    change = sampled[1:] - sampled[:-1]
+    dips = 1 + ((change[:-2] < 0.0) & (change[2:] > 0.0) & (i[3:] - i[:-3] == 3)).nonzero()[0]
     if len(dips):
         before, after = change[dips - 1], change[dips + 1]
-        lowest = before * (sampled[dips + 1] - after - sampled[dips]) / (before - after)
-        least[dips] = np.minimum(least[dips], sampled[dips] + lowest - bulge[dips])
+        bound = sampled[dips] + before * (change[dips] - after) / (before - after)
+        least[dips] = np.minimum(least[dips], bound - bulge[dips])
+    last = gaps.shape[2] - 1
+    if i.min() == 0 or i.max() == last:
+        ends = inner[(i[inner] == 0) | (i[inner] == last - 1)]
+        least[ends] -= 0.5 * moves[pairs[0][ends], pairs[1][ends]]
     look = inner[(least[inner] < clearance) & (np.minimum(sampled[inner], sampled[inner + 1]) >= clearance)]
     if len(look):
         least[look] = _between(nodes, along, o, vehicle, tuple(p[look] for p in pairs))
@@ -149,7 +162,13 @@ def _between(
         centre + f * (later[0] - centre), heading / np.abs(heading),
         half_length + f * (later[2] - half_length), half_width + f * (later[3] - half_width),
     )  # fmt: skip
-    least: Array = _gap(position, ahead / np.abs(ahead), obstacle, vehicle).min(axis=0)
+    gaps = _gap(position, ahead / np.abs(ahead), obstacle, vehicle)
+    change = np.diff(gaps, axis=0)
+    falls, rises = change[:-2] < 0.0, change[2:] > 0.0
+    slope = np.where(falls & rises, change[2:] - change[:-2], math.inf)
+    dips = gaps[1:-2] + change[:-2] * (change[1:-1] - change[2:]) / slope
+    at_ends = 0.5 * np.abs(change[[0, -1]]).max(axis=0)
+    least: Array = np.minimum(np.where(falls & rises, dips, math.inf).min(axis=0), gaps.min(axis=0) - at_ends)
     return least
 
 
@@ -159,26 +178,23 @@ def _edge_distances(task: Task, u: Array, along: Complex, curvature: Array) -> t
     if not corridor.edged:
         free = np.full(u.shape, math.inf)
         return free, free.copy()
-    half = 0.5 * vehicle.width
+    half, n = 0.5 * vehicle.width, u.shape[1]
     turn = along * task.tangents.conj()
     bend = 0.5 * task.curvature
-    least, most = np.full(u.shape, math.inf), np.full(u.shape, -math.inf)
-    front, rear = vehicle.box_offset + 0.5 * vehicle.length, vehicle.box_offset - 0.5 * vehicle.length
-    for x in (front, vehicle.box_offset, rear):
-        middle = u + x * turn.imag - bend * (x * x)
-        least, most = np.minimum(least, middle), np.maximum(most, middle)
     beside = half * turn.real + 0.125 * np.abs(curvature) * task.h[:, None] ** 2
-    reach = math.ceil(max(front, -rear) / task.h.min())
-    right = _worst(corridor.lower - half, reach, np.maximum)
-    left = _worst(corridor.upper + half, reach, np.minimum)
-    return least - beside - right, left - most - beside
-
-
-def _worst(edge: Array, reach: int, pick: np.ufunc) -> Array:
-    """Nearest place of an edge within a number of nodes before and behind."""
-    if (edge == edge[:, :1]).all():
-        return edge
-    wide = np.pad(edge, ((0, 0), (reach, reach)), mode="edge")
-    n = edge.shape[1]
-    worst: Array = pick.reduce([wide[:, k : k + n] for k in range(2 * reach + 1)], axis=0)
-    return worst
+    front, rear = vehicle.box_offset + 0.5 * vehicle.length, vehicle.box_offset - 0.5 * vehicle.length
+    step = float(task.h.min())
+    right_edge, left_edge = corridor.lower - half, corridor.upper + half
+    if (right_edge == right_edge[:, :1]).all() and (left_edge == left_edge[:, :1]).all():
+        places = [(front, 0), (vehicle.box_offset, 0), (rear, 0)]
+    else:  # beside each node that the body reaches, its edge counts
+        nodes = range(math.floor(rear / step), math.ceil(front / step) + 1)
+        places = [(min(max(k * step, rear), front), k) for k in nodes]
+    most = max(abs(k) for _, k in places)
+    right_edge, left_edge = (np.pad(e, ((0, 0), (most, most)), mode="edge") for e in (right_edge, left_edge))
+    right, left = np.full(u.shape, math.inf), np.full(u.shape, math.inf)
+    for x, k in places:
+        middle, there = u + x * turn.imag - bend * (x * x), slice(most + k, most + k + n)
+        right = np.minimum(right, middle - beside - right_edge[:, there])
+        left = np.minimum(left, left_edge[:, there] - middle - beside)
+    return right, left

@@ -15,7 +15,7 @@ from cca_core.vehicle import VehicleParams
 
 Side = Literal["left", "right"]
 _ALIGNED = 0.02  # sine of a turn below which a box is as good as parallel
-_OF_OBSTACLES = ("centre", "ahead", "half_length", "half_width", "radius", "abeam", "right", "left")
+_OF_OBSTACLES = ("centre", "ahead", "half_length", "half_width", "radius", "moves", "abeam", "right", "left")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,6 +30,8 @@ class Corridor:
         Half extents of the boxes [m].
     radius : ndarray, shape (m, bands, n)
         Of the circles around the boxes [m].
+    moves : ndarray, shape (m, bands)
+        Farthest that a corner moves from node to node [m].
     abeam : ndarray of bool, shape (m, bands, n)
         Whether an obstacle is beside the ego there.
     right, left : ndarray, shape (m, bands, n)
@@ -45,6 +47,7 @@ class Corridor:
     half_length: Array
     half_width: Array
     radius: Array
+    moves: Array
     abeam: Mask
     right: Array
     left: Array
@@ -64,12 +67,12 @@ class Corridor:
         -------
         in_the_way, passes_left : ndarray of bool, shape (m, bands)
             An obstacle is in the way if the undisplaced ego would come closer to it than the clearance; if
-            all are, there is no natural side.
+            it is, left stands for no natural side.
         """
-        on_right = np.any(self.abeam & (self.left > 0.0), axis=-1)
-        on_left = np.any(self.abeam & (self.right < 0.0), axis=-1)
+        on_right = np.logical_or.reduce(self.abeam & (self.left > 0.0), axis=-1)
+        on_left = np.logical_or.reduce(self.abeam & (self.right < 0.0), axis=-1)
         both: Mask = on_right & on_left
-        return both, on_right if both.all() else self.middle() < 0.0
+        return both, both if both.all() else both | (self.middle() < 0.0)
 
     def middle(self) -> Array:
         """Mean lateral coordinate of each obstacle where it is abeam, up to a factor, shape (m, bands)."""
@@ -89,7 +92,7 @@ class Corridor:
         lower, upper : ndarray, shape (bands, n)
             Least and largest displacement [m]; nothing lies between them where lower > upper.
         """
-        lower, upper = self.lower, self.upper
+        lower, upper = self.lower.copy(), self.upper.copy()
         for abeam, sides, right, left in zip(self.abeam, passes_left, self.right, self.left, strict=True):
             beside = abeam & sides[:, None]
             lower = np.where(beside, np.maximum(lower, left), lower)
@@ -137,12 +140,17 @@ def corridor_around(
         If a shape does not fit, or a value is not finite or has the wrong sign.
     """
     shape = (*leading, base.shape[1])
+    x, y, psi, half_length, half_width = _stacked(obstacles, shape)
     m = len(obstacles)
     run_up = check_any("lead", lead)
-    if run_up.shape not in ((), (m,)) or (run_up < 0.0).any():
+    if run_up.shape not in ((), (m,)) or run_up.min(initial=0.0) < 0.0:
         raise InputError(f"lead must have shape () or ({m},) and not be negative, was {lead!r}")
-    x, y, psi, half_length, half_width = _stacked(obstacles, shape)
     centre, ahead = x + 1j * y, np.exp(1j * psi)
+    radius = np.hypot(half_length, half_width)
+    moves = np.zeros(radius.shape[:2])
+    if any(np.ndim(o.x) or np.ndim(o.y) or np.ndim(o.psi) for o in obstacles):
+        turns = np.abs(ahead[..., 1:] - ahead[..., :-1]) * radius[..., 1:]
+        moves = (np.abs(centre[..., 1:] - centre[..., :-1]) + turns).max(axis=-1)
     apart = (centre - base) * tangents.conj()
     abeam, right, left = _span(
         apart - vehicle.box_offset, ahead * tangents.conj(), half_length + clearance, half_width + clearance,
@@ -151,7 +159,7 @@ def corridor_around(
     keep = 0.5 * vehicle.width
     lower, upper = _edges(edges, shape)
     return Corridor(
-        centre, ahead, half_length, half_width, np.hypot(half_length, half_width),
+        centre, ahead, half_length, half_width, radius, moves,
         abeam, right - keep, left + keep,
         lower + 0.5 * vehicle.width, upper - 0.5 * vehicle.width, edges is not None,
     )  # fmt: skip
@@ -163,15 +171,14 @@ def _stacked(obstacles: Sequence[Boxes], shape: tuple[int, ...]) -> Array:
     if not isinstance(given, (list, tuple)) or not all(isinstance(o, Boxes) for o in given):
         raise InputError("obstacles must be a list of Boxes")
     fields = np.empty((5, len(obstacles), *shape))
+    x, y, psi, length, width = fields
     for i, o in enumerate(obstacles):
-        for field, value in zip(fields, (o.x, o.y, o.psi, o.length, o.width), strict=True):
-            try:
-                field[i] = value
-            except (TypeError, ValueError):
-                raise InputError(
-                    f"obstacles must have fields of real numbers, one or one per node {shape}, "
-                    f"obstacle {i} had one of shape {np.shape(value)}"
-                ) from None
+        try:
+            x[i], y[i], psi[i], length[i], width[i] = o.x, o.y, o.psi, o.length, o.width
+        except (TypeError, ValueError):
+            raise InputError(
+                f"obstacles must have fields of real numbers, shape () or {shape}, obstacle {i} has not"
+            ) from None
     if not np.isfinite(fields).all():
         raise InputError("obstacles must be finite")
     fields[3:] *= 0.5
@@ -199,7 +206,7 @@ def _span(
     ridge = np.where(counter, length * c - width * s, width * s - length * c)
     along_edge, across_edge = s / np.maximum(c, _ALIGNED), c / np.maximum(s, _ALIGNED)
     rise, fall = np.where(counter, along_edge, across_edge), np.where(counter, across_edge, along_edge)
-    before, behind = -reach - lead - x, reach - x
+    before, behind = -reach - x, reach + lead - x
     upper = half_y - np.maximum(ridge - behind, 0.0) * rise - np.maximum(before - ridge, 0.0) * fall
     lower = half_y - np.maximum(ridge + before, 0.0) * rise - np.maximum(-behind - ridge, 0.0) * fall
     return abeam, y - np.maximum(lower, -half_y), y + np.maximum(upper, -half_y)
@@ -208,7 +215,8 @@ def _span(
 def _edges(edges: tuple[ArrayLike, ArrayLike] | None, shape: tuple[int, ...]) -> tuple[Array, Array]:
     """Right and left edge at each node [m], infinite where there is none."""
     if edges is None:
-        return np.full(shape, -math.inf), np.full(shape, math.inf)
+        flat = math.prod(shape[:-1]), shape[-1]
+        return np.full(flat, -math.inf), np.full(flat, math.inf)
     pair: object = edges
     if not isinstance(pair, (tuple, list)) or len(pair) != 2:
         raise InputError("corridor must be a pair of edges, right and left")

@@ -19,7 +19,7 @@ def band_energy(
     Parameters
     ----------
     u : array_like, shape (..., n)
-        Displacement [m]; the first and last node are pinned, their values are not used.
+        Displacement [m]; the first and last two nodes are pinned, their values are not used.
     lower, upper : array_like, shape (..., n) or ()
         Bounds of the displacement [m], infinite where there is none.
     spacing : float
@@ -30,7 +30,7 @@ def band_energy(
     Returns
     -------
     energy : ndarray, shape (...)
-        ``1/2 u K u + 1/2 k_e h (sum max(lower - u, 0)^2 + max(u - upper, 0)^2)`` over the inner nodes [J].
+        ``1/2 u K u + 1/2 k_e h (sum max(lower - u, 0)^2 + max(u - upper, 0)^2)`` over the other nodes [J].
 
     Raises
     ------
@@ -46,7 +46,7 @@ def band_energy(
     --------
     >>> stiffness = BandStiffness(k_e=1.0)
     >>> float(band_energy(np.zeros(9), lower=0.5, upper=np.inf, spacing=1.0, stiffness=stiffness))
-    0.875
+    0.625
     """
     inner, violation, stencil, contact = _parts(u, lower, upper, spacing, stiffness)
     energy: Array = 0.5 * (inner * internal(stencil, inner) + contact * violation**2).sum(axis=-1)
@@ -60,13 +60,19 @@ def band_gradient(
 
     Parameters
     ----------
-    u, lower, upper, spacing, stiffness
-        As for `band_energy`.
+    u : array_like, shape (..., n)
+        Displacement [m]; the first and last two nodes are pinned, their values are not used.
+    lower, upper : array_like, shape (..., n) or ()
+        Bounds of the displacement [m], infinite where there is none.
+    spacing : float
+        Distance between nodes [m].
+    stiffness : BandStiffness
+        Elasticity.
 
     Returns
     -------
     gradient : ndarray, shape (..., n)
-        ``K u - k_e h (max(lower - u, 0) - max(u - upper, 0))`` [N]; 0 at the pinned ends.
+        ``K u - k_e h (max(lower - u, 0) - max(u - upper, 0))`` [N]; 0 at the pinned nodes.
 
     Raises
     ------
@@ -74,24 +80,30 @@ def band_gradient(
         If a shape does not fit or a value is not finite (bounds: is NaN).
     """
     inner, violation, stencil, contact = _parts(u, lower, upper, spacing, stiffness)
-    gradient = np.zeros((*inner.shape[:-1], inner.shape[-1] + 2))
-    gradient[..., 1:-1] = internal(stencil, inner) + contact * violation
+    gradient = np.zeros((*inner.shape[:-1], inner.shape[-1] + 4))
+    gradient[..., 2:-2] = internal(stencil, inner) + contact * violation
     return gradient
 
 
 def band_hessian(
     u: ArrayLike, *, lower: ArrayLike, upper: ArrayLike, spacing: float, stiffness: BandStiffness
 ) -> Array:
-    """Generalised Hessian of `band_energy` at the inner nodes, in upper band storage.
+    """Generalised Hessian of `band_energy` at the nodes that are not pinned, in upper band storage.
 
     Parameters
     ----------
-    u, lower, upper, spacing, stiffness
-        As for `band_energy`.
+    u : array_like, shape (..., n)
+        Displacement [m]; the first and last two nodes are pinned, their values are not used.
+    lower, upper : array_like, shape (..., n) or ()
+        Bounds of the displacement [m], infinite where there is none.
+    spacing : float
+        Distance between nodes [m].
+    stiffness : BandStiffness
+        Elasticity.
 
     Returns
     -------
-    hessian : ndarray, shape (..., 4, n - 2)
+    hessian : ndarray, shape (..., 4, n - 4)
         Row 3 is the diagonal, row 3 - k the k-th superdiagonal [N/m], as `scipy.linalg.solveh_banded` and
         LAPACK's ``dpbsv`` take it.
 
@@ -116,8 +128,14 @@ def kkt_residual(
 
     Parameters
     ----------
-    u, lower, upper, spacing, stiffness
-        As for `band_energy`.
+    u : array_like, shape (..., n)
+        Displacement [m]; the first and last two nodes are pinned, their values are not used.
+    lower, upper : array_like, shape (..., n) or ()
+        Bounds of the displacement [m], infinite where there is none.
+    spacing : float
+        Distance between nodes [m].
+    stiffness : BandStiffness
+        Elasticity.
 
     Returns
     -------
@@ -143,8 +161,8 @@ def _parts(
 ) -> tuple[Array, Array, Array, float]:
     """Inner displacement, signed violation of the bounds, stencil and contact stiffness of a node."""
     at = check_any("u", u)
-    if not at.ndim or at.shape[-1] < 3:
-        raise InputError(f"u must have shape (..., n) with at least 3 nodes, had {at.shape}")
+    if not at.ndim or at.shape[-1] < 5:
+        raise InputError(f"u must have shape (..., n) with at least 5 nodes, had {at.shape}")
     h = check_real("spacing", spacing, above=0.0)
     bounds = []
     for name, bound in (("lower", lower), ("upper", upper)):
@@ -154,7 +172,7 @@ def _parts(
             raise InputError(f"{name} must have shape () or {at.shape}, had {np.shape(bound)}") from None
         if np.isnan(full).any():
             raise InputError(f"{name} must not be NaN")
-        bounds.append(full[..., 1:-1])
-    inner = at[..., 1:-1]
+        bounds.append(full[..., 2:-2])
+    inner = at[..., 2:-2]
     violation = np.maximum(inner - bounds[1], 0.0) - np.maximum(bounds[0] - inner, 0.0)
     return inner, violation, stiffness.stencil(h), stiffness.k_e * h

@@ -13,7 +13,7 @@ _SOLVES = 60  # full and shortened steps together
 _SECANTS = 12
 _FLAT = 1e-3  # share of the first slope that is flat enough
 _STIFF = 1e5  # stiffness per contact stiffness above which digits are lost that corrections win back
-_CORRECTIONS = 2
+_CORRECTIONS = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +53,7 @@ def equilibrium(
     Returns
     -------
     u : ndarray, shape (..., n)
-        Displacement [m], 0 at both ends.
+        Displacement [m], 0 at the first and last two nodes.
     solves : ndarray of int, shape (...)
         Banded systems solved [-].
     settled : ndarray of bool, shape (...)
@@ -68,7 +68,7 @@ def equilibrium(
     stacked into one block-diagonal system.
     """
     shape = lower.shape
-    low, high = (bound[..., 1:-1].reshape(-1, shape[-1] - 2) for bound in (lower, upper))
+    low, high = (bound[..., 2:-2].reshape(-1, shape[-1] - 4) for bound in (lower, upper))
     bands = len(low)
     # in units in which the outermost coefficient is 1 the row sum keeps its digits
     stencil = np.reshape(stencil, (-1, 4))
@@ -78,7 +78,11 @@ def equilibrium(
     if len(stencil) != bands:
         stencil, held = stencil.repeat(bands, axis=0), held.repeat(bands, axis=0)
     if bends is not None:
-        bends = Bends(np.asarray(bends.contact[:, None] / unit, dtype=np.float64), bends.least, bends.most)
+        bends = Bends(
+            np.asarray(bends.contact[:, None] / unit, dtype=np.float64),
+            bends.least[:, 1:-1],
+            bends.most[:, 1:-1],
+        )
     system = _System(stencil, held, low, high, bends)
     u = np.zeros((bands, shape[-1]))
     solves = np.zeros(bands, dtype=np.intp)
@@ -93,14 +97,17 @@ def equilibrium(
         contacts = reached
         if not done.any():
             continue
+        if count == 1 and done.all():
+            u[:, 2:-2], solves[:], settled[:] = target, count, True
+            return u.reshape(shape), solves.reshape(shape[:-1]), settled.reshape(shape[:-1])
         at = left[done]
-        u[at, 1:-1], solves[at], settled[at] = target[done], count, True
+        u[at, 2:-2], solves[at], settled[at] = target[done], count, True
         left = left[~done]
         if not len(left):
             break
         system, contacts = system.select(~done), tuple(side[~done] for side in contacts)
     for i, each in enumerate(left):
-        u[each, 1:-1], steps, settled[each] = _shortened(system.select(slice(i, i + 1)))
+        u[each, 2:-2], steps, settled[each] = _shortened(system.select(slice(i, i + 1)))
         solves[each] = _FULL_STEPS + steps
     return u.reshape(shape), solves.reshape(shape[:-1]), settled.reshape(shape[:-1])
 
@@ -114,12 +121,12 @@ class _System:
     def __init__(self, stencil: Array, contact: Array, low: Array, high: Array, bends: Bends | None) -> None:
         from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
-        self._solve = lapack.dpbsv
+        self._lapack = lapack
         self.stencil, self.contact, self.low, self.high, self.bends = stencil, contact, low, high, bends
-        self._push_low, self._push_high = contact * low, contact * high
         rounded = stencil.astype(np.float64)
-        self._stiff = bool((rounded[:, :1] > _STIFF * contact).any())
+        self._stiff = rounded[:, :1] > _STIFF * contact
         self._diagonal = rounded[:, :1]
+        self._string = bends is None and not rounded[:, 2:].any()
         self._matrix = np.empty((*low.shape, 4))
         self._matrix[:] = rounded[:, None, ::-1]
         for k in range(3):
@@ -134,8 +141,9 @@ class _System:
     def first(self) -> tuple[Mask, ...]:
         """Contacts to begin with: a stiff band touches a straight bound at its first and last node only."""
         under, over = self.low > 0.0, self.high < 0.0
-        for side in (under, over):
-            side[:, 1:-1] &= ~(side[:, :-2] & side[:, 2:])
+        if not self._string:
+            for side in (under, over):
+                side[:, 1:-1] &= ~(side[:, :-2] & side[:, 2:])
         if self.bends is None:
             return under, over
         return under, over, self.bends.least > 0.0, self.bends.most < 0.0
@@ -162,7 +170,7 @@ class _System:
         """Equilibrium with a set of contacts held, and the contacts there."""
         under, over = contacts[:2]
         held = self.contact * (under | over)
-        force = np.where(under, self._push_low, np.where(over, self._push_high, 0.0))
+        force = self.contact * np.where(under, self.low, np.where(over, self.high, 0.0))
         matrix = self._matrix
         if self.bends is None:
             np.add(self._diagonal, held, out=matrix[:, :, 3])
@@ -174,46 +182,56 @@ class _System:
             matrix[:, :, 3] += held + (4.0 * bent[:, 1:-1] + bent[:, :-2] + bent[:, 2:])
             matrix[:, 1:, 2] -= 2.0 * (bent[:, 1:-2] + bent[:, 2:-1])
             matrix[:, 2:, 1] += bent[:, 2:-2]
-        columns = matrix.reshape(-1, 4).T
-        u = self._solve(columns, force.ravel())[1].reshape(force.shape)
-        if self._stiff:
+        u = self._solved(matrix, force)
+        if self._stiff.any():
             for _ in range(_CORRECTIONS):
                 rest = force - held * u - internal(self.stencil, u)
                 if self.bends is not None:
                     rest = rest - np.diff(bent * _second_difference(u), n=2)
-                rest = rest.astype(np.float64)
-                u = u + self._solve(columns, rest.ravel())[1].reshape(force.shape)
+                u = np.where(self._stiff, u + self._solved(matrix, rest.astype(np.float64)), u)
         return u, self.reached(u)
+
+    def _solved(self, matrix: Array, force: Array) -> Array:
+        if self._string and force.size > 1:
+            coupling = matrix[:, :, 2].ravel()[1:]
+            u: Array = self._lapack.dptsv(matrix[:, :, 3].ravel(), coupling, force.ravel())[2]
+        else:
+            u = self._lapack.dpbsv(matrix.reshape(-1, 4).T, force.ravel())[1]
+        return u.reshape(force.shape)
 
 
 def _second_difference(u: Array) -> Array:
-    """Second difference at all nodes (bands, inner + 2) of inner nodes between pinned ends."""
+    """Second difference at all nodes but the ends (bands, inner + 2) of inner nodes between pinned ones."""
     wide = np.zeros((len(u), u.shape[1] + 4))
     wide[:, 2:-2] = u
     return np.diff(wide, n=2)
 
 
 def internal(stencil: Array, u: Array) -> Array:
-    """Return the internal forces K u at the inner nodes.
+    """Return the internal forces K u at the nodes that are not pinned.
 
     Parameters
     ----------
     stencil : ndarray, shape (..., 4)
         Row of the stiffness matrix from its diagonal on [N/m].
-    u : ndarray, shape (..., n - 2)
-        Displacement of the inner nodes [m].
+    u : ndarray, shape (..., n - 4)
+        Displacement of these nodes [m].
 
     Returns
     -------
-    force : ndarray, shape (..., n - 2)
+    force : ndarray, shape (..., n - 4)
         Internal force [N], in the precision of the stencil.
     """
-    n = u.shape[-1]
-    wide = np.zeros((*u.shape[:-1], n + 6), dtype=stencil.dtype)
+    rate = -stencil[..., 3:]
+    bending = stencil[..., 2:3] - 6.0 * rate
+    tension = -stencil[..., 1:2] - 4.0 * bending - 15.0 * rate
+    wide = np.zeros((*u.shape[:-1], u.shape[-1] + 6), dtype=stencil.dtype)
     wide[..., 3:-3] = u
-    force: Array = stencil[..., :1] * wide[..., 3:-3]
-    for k in (1, 2, 3):
-        force += stencil[..., k, None] * (wide[..., 3 - k : n + 3 - k] + wide[..., 3 + k : n + 3 + k])
+    # differences of neighbours keep the digits that a sum with the stencil loses
+    slope = np.diff(wide)
+    bend = np.diff(slope)
+    moment = bending * bend[..., 1:-1] - np.diff(rate * np.diff(bend))
+    force: Array = -np.diff(tension * slope[..., 2:-2] - np.diff(moment))
     return force
 
 

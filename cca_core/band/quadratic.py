@@ -51,17 +51,17 @@ class Smoothest:
 
     @property
     def primal_residual(self) -> float:
-        """Largest violation of a bound or link, in the problem's scaled units; infinite if not solved."""
+        """Largest violation of a bound or link, in scaled units [-]; infinite if not solved."""
         return float(self.solution.primal_residual()) if self.solved else math.inf
 
     @property
     def dual_residual(self) -> float:
-        """Largest force that nothing balances, in the problem's scaled units; infinite if not solved."""
+        """Largest force that nothing balances, in scaled units [-]; infinite if not solved."""
         return float(self.solution.dual_residual()) if self.solved else math.inf
 
     @property
     def gap(self) -> float:
-        """Cost minus its lower bound from the dual, in the problem's scaled units; infinite if not solved."""
+        """Cost minus its lower bound from the dual, in scaled units [-]; infinite if not solved."""
         return float(self.solution.duality_gap()) if self.solved else math.inf
 
 

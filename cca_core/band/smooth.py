@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cca_core._checks import Array, Mask, check_real
+from cca_core._checks import Array, Mask, check_array, check_real
 from cca_core.band.band import Band, judged
 from cca_core.band.certificate import Certificate, certify
 from cca_core.band.quadratic import QPSolver, smoothest
@@ -60,19 +60,21 @@ def smooth_band(
     >>> from cca_core.geometry import boxes
     >>> route = np.column_stack((np.arange(0.0, 101.0), np.zeros(101)))
     >>> band = relax_band(route, [boxes(50.0, 0.0, 0.0, 4.5, 1.8)], vehicle=VehicleParams.bmw_320i())
-    >>> smooth = smooth_band(band)
-    >>> smooth.status.name, smooth.curvature < band.curvature
-    ('OK', True)
+    >>> smooth_band(band, curvature_rate_limit=0.001).status.name
+    'OK'
     """
     if not isinstance(band, Band):
         raise InputError(f"band must be a Band, was {type(band).__name__}")
     if band.nodes.ndim != 2:
         raise InputError("band must be a single band; choose one, as in band[0]")
+    weigh = check_array("weights", weights, (2,))
+    if weigh.min() < 0.0 or not weigh.any():
+        raise InputError(f"weights must not be negative and not both 0, were {weights!r}")
     rate = check_real("curvature_rate_limit", curvature_rate_limit, above=0.0, infinite=True)
     task = band.task
     h = float(task.h[0])
     passes_left = band.passes_left[:, None]
-    lower, upper = (bound[0] for bound in task.corridor.bounds(passes_left))
+    lower, upper = (bound[0].copy() for bound in task.corridor.bounds(passes_left))
     base, error = task.curvature[0], np.zeros(len(band))
     limit = (1.0 - _SPARE) * task.curvature_limit[0]
     u, message = band.displacement, ""
@@ -101,7 +103,11 @@ def smooth_band(
             residual = max(outcome.primal_residual, outcome.dual_residual, outcome.gap)
             return replace(smooth, qp_residual=residual)
         lower, upper = _within_reach(found, u, band.passes_left, task.clearance)
-        message = f"after {_PASSES} passes {missing:.3f} m are lacking"
+        lacking = (
+            f"{missing:.3f} m of clearance" if missing > 0.0 else
+            "curvature" if bent > 0.0 else "curvature rate"
+        )  # fmt: skip
+        message = f"{lacking} still lacking after {_PASSES} passes"
     status = Status.FALLBACK if band.ok else band.status
     return replace(band, status=status, message=f"not smoothed ({message}); {band.message}")
 

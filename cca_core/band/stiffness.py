@@ -209,11 +209,12 @@ class BandStiffness:
             a rounding error of the row sum would act like a spring to the ground.
         """
         spacing = np.asarray(h, dtype=np.longdouble)[..., None]
-        stencil: Array = self.k_c / spacing**5 * _CURVATURE_RATE
+        squared = spacing * spacing
+        stencil: Array = self.k_c / (squared * squared * spacing) * _CURVATURE_RATE
         if self.k_s:
             stencil += self.k_s / spacing * _TENSION
         if self.k_b:
-            stencil += self.k_b / spacing**3 * _BENDING
+            stencil += self.k_b / (squared * spacing) * _BENDING
         return stencil
 
 

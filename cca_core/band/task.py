@@ -1,12 +1,16 @@
 """What bands are asked to do, checked and in the frame of each node."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, Complex, Index
-from cca_core.band.corridor import Corridor
+from cca_core._checks import Array, Complex, Index, check_real
+from cca_core.band.corridor import Corridor, corridor_around
 from cca_core.band.stiffness import BandStiffness
+from cca_core.errors import InputError
+from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
 
 
@@ -18,8 +22,6 @@ class Task:
     ----------
     base, tangents : ndarray of complex, shape (bands, n)
         Nodes x + iy of the undeformed route [m] and unit tangents there [-].
-    curvature : ndarray, shape (bands, n)
-        Curvature of the route [1/m], left positive.
     h : ndarray, shape (bands,)
         Distance between nodes [m].
     corridor : Corridor
@@ -36,7 +38,6 @@ class Task:
 
     base: Complex
     tangents: Complex
-    curvature: Array
     h: Array
     corridor: Corridor
     vehicle: VehicleParams
@@ -44,35 +45,103 @@ class Task:
     curvature_limit: Array
     stiffness: BandStiffness
 
+    @property
+    def curvature(self) -> Array:
+        """Curvature of the route [1/m], left positive, shape (bands, n)."""
+        return curvature_of(self.base)
+
     def select(self, bands: Index) -> "Task":
         """Return the same for some bands, each as often as it is named."""
         return replace(
             self,
             base=self.base[bands],
             tangents=self.tangents[bands],
-            curvature=self.curvature[bands],
             h=self.h[bands],
             corridor=self.corridor.select(bands),
             curvature_limit=self.curvature_limit[bands],
         )
 
 
-def frames(nodes: Complex) -> tuple[Complex, Array]:
-    """Return unit tangents [-] and signed curvature [1/m] at nodes x + iy.
+def tangents_of(nodes: Complex) -> tuple[Complex, Array]:
+    """Return unit tangents [-] at nodes x + iy and the lengths between [m].
 
-    Tangents are central differences, one-sided at the ends; curvature is that of the C2 cubic through the
-    nodes to second order.
+    Tangents are those of the C2 cubic through the nodes to second order, one-sided at the ends.
     """
     steps = nodes[:, 1:] - nodes[:, :-1]
     along = np.empty_like(nodes)
-    both = along[:, 1:-1] = steps[:, 1:] + steps[:, :-1]
-    along[:, 0], along[:, -1] = steps[:, 0], steps[:, -1]
-    length, chord = np.abs(steps), np.abs(along)
-    along /= chord
+    along[:, 1:-1] = steps[:, 1:] + steps[:, :-1]
+    along[:, 0], along[:, -1] = 2.0 * steps[:, 0], 2.0 * steps[:, -1]
+    # central differences are (t[i-1] + 4 t[i] + t[i+1]) / 6 of the cubic
+    along[:, 1:-1] -= (along[:, 2:] - 2.0 * along[:, 1:-1] + along[:, :-2]) / 6.0
+    return along / np.abs(along), np.abs(steps)
+
+
+def curvature_of(nodes: Complex) -> Array:
+    """Return the signed curvature [1/m] at nodes x + iy of the C2 cubic through them, to second order."""
+    steps = nodes[:, 1:] - nodes[:, :-1]
+    before, after = steps[:, :-1], steps[:, 1:]
+    length, chord = np.abs(steps), np.abs(before + after)
     curvature = np.empty(nodes.shape)
-    cross = (both * steps[:, 1:].conj()).imag
-    curvature[:, 1:-1] = -2.0 * cross / (length[:, 1:] * length[:, :-1] * chord[:, 1:-1])
-    curvature[:, 0], curvature[:, -1] = curvature[:, 1], curvature[:, -2]
-    # the C2 cubic through the nodes has (k[i-1] + 4 k[i] + k[i+1]) / 6 on average, so it bends more at kinks
-    curvature[:, 1:-1] -= (curvature[:, 2:] - 2.0 * curvature[:, 1:-1] + curvature[:, :-2]) / 6.0
-    return along, curvature
+    inner = curvature[:, 1:-1]
+    inner[:] = 2.0 * (before.conj() * after).imag / (length[:, 1:] * length[:, :-1] * chord)
+    curvature[:, 0], curvature[:, -1] = inner[:, 0], inner[:, -1]
+    # circles through three nodes are (k[i-1] + 4 k[i] + k[i+1]) / 6 of the cubic, which bends more at kinks
+    inner -= (curvature[:, 2:] - 2.0 * inner + curvature[:, :-2]) / 6.0
+    curvature[:, 0], curvature[:, -1] = inner[:, 0], inner[:, -1]
+    return curvature
+
+
+def task_of(
+    nodes: ArrayLike,
+    obstacles: Sequence[Boxes],
+    vehicle: VehicleParams,
+    clearance: float,
+    lead: ArrayLike,
+    corridor: tuple[ArrayLike, ArrayLike] | None,
+    curvature_limit: ArrayLike,
+    stiffness: BandStiffness,
+) -> tuple[Task, tuple[int, ...]]:
+    """Check the arguments of `relax_band` and put every obstacle and edge into the frame of the nodes.
+
+    Returns
+    -------
+    task : Task
+        Bands side by side.
+    leading : tuple of int
+        Leading axes of `nodes`, () for a single band.
+    """
+    try:
+        given = np.array(nodes, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise InputError("nodes must be an array of real numbers") from None
+    if given.ndim < 2 or given.shape[-1] != 2 or given.shape[-2] < 5 or not given.size:
+        raise InputError(f"nodes must have shape (..., n, 2) with at least 5 nodes, had {given.shape}")
+    if not np.isfinite(given).all():
+        raise InputError("nodes must be finite")
+    if not isinstance(stiffness, BandStiffness):
+        raise InputError(f"stiffness must be BandStiffness, was {type(stiffness).__name__}")
+    if not isinstance(vehicle, VehicleParams):
+        raise InputError(f"vehicle must be VehicleParams, was {type(vehicle).__name__}")
+    clearance = check_real("clearance", clearance, least=0.0)
+    shape, n = given.shape[:-1], given.shape[-2]
+    try:
+        limit = np.empty(shape)
+        limit[...] = curvature_limit
+    except (TypeError, ValueError):
+        raise InputError(f"curvature_limit must have shape () or {shape}") from None
+    if not limit.min() > 0.0:
+        raise InputError("curvature_limit must be greater than 0")
+    base = given.view(np.complex128).reshape(-1, n)
+    if (base[:, 1:] == base[:, :-1]).any():
+        raise InputError("nodes must be equally spaced along the route, two neighbours are equal")
+    tangents, steps = tangents_of(base)
+    h = np.add.reduce(steps, axis=1) / (n - 1)
+    if (steps.min(axis=1) <= 0.8 * h).any() or (h <= 0.8 * steps.max(axis=1)).any():
+        raise InputError("nodes must be equally spaced along the route")
+    return Task(
+        base=base, tangents=tangents, h=h, vehicle=vehicle, clearance=clearance,
+        corridor=corridor_around(
+            base, tangents, obstacles, corridor, vehicle, clearance, lead, given.shape[:-2]
+        ),
+        curvature_limit=limit.reshape(-1, n), stiffness=stiffness,
+    ), given.shape[:-2]  # fmt: skip

@@ -1,8 +1,17 @@
-"""Decide: danger zone of the lane beside (eq 11) and choice of action."""
+"""Decide: danger zone of the lane beside (eq 11), safe distances, warnings, crossings and choice of action."""
 
 from cca_core.decide.action import Action, Candidate, Decision, Leader, choose_action
 from cca_core.decide.danger_zone import danger_zone, danger_zone_end
+from cca_core.decide.rss import (
+    RSS_EGO,
+    RSS_OTHER,
+    RssSettings,
+    rss_lateral,
+    rss_opposite_direction,
+    rss_same_direction,
+)
 
 __all__ = [
-    "Action", "Candidate", "Decision", "Leader", "choose_action", "danger_zone", "danger_zone_end",
+    "RSS_EGO", "RSS_OTHER", "Action", "Candidate", "Decision", "Leader", "RssSettings", "choose_action",
+    "danger_zone", "danger_zone_end", "rss_lateral", "rss_opposite_direction", "rss_same_direction",
 ]  # fmt: skip

@@ -1,9 +1,11 @@
 """Interpolating cubics: through the nodes of a band, and through a curve over its arc length."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import check_array, check_points, check_real
+from cca_core._checks import Array, check_array, check_points, check_real
 from cca_core.errors import InputError
 from cca_core.path.path import Path
 
@@ -44,38 +46,85 @@ def interpolate_path(
     >>> interpolate_path([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]).length
     2.0
     """
+    points = check_points("nodes", nodes, 2)
+    if (points[1:] == points[:-1]).all(axis=1).any():
+        row = int(np.argmax((points[1:] == points[:-1]).all(axis=1)))
+        raise InputError(f"nodes must not repeat a point, row {row} equals the next")
+    tangents: list[tuple[float, float] | None] = []
+    for name, tangent in (("start_tangent", start_tangent), ("end_tangent", end_tangent)):
+        if tangent is None:
+            tangents.append(None)
+            continue
+        x, y = check_array(name, tangent, (2,)).tolist()
+        norm = math.hypot(x, y)
+        if not norm:
+            raise InputError(f"{name} must not be zero")
+        tangents.append((x / norm, y / norm))
+    return spline_through(points, check_real("start", start), *tangents)
+
+
+def spline_through(
+    points: Array,
+    start: float,
+    first: tuple[float, float] | None,
+    last: tuple[float, float] | None,
+    *,
+    second: bool = False,
+) -> Path:
+    """Lay a path through nodes, as `interpolate_path` does, without checks.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        Positions [m], no two neighbours equal.
+    start : float
+        Arc length of the first node [m].
+    first, last : pair of float or None
+        Unit tangent at the first and last node [-]; None for no curvature there.
+    second : bool
+        Whether `first` and `last` are second derivatives [1/m] instead.
+
+    Returns
+    -------
+    path : Path
+        One cubic between each two nodes.
+    """
     from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
-    points = check_points("nodes", nodes, 2)
-    steps = np.diff(points, axis=0)
+    steps = points[1:] - points[:-1]
     h = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
-    if not h.all():
-        raise InputError(f"nodes must not repeat a point, row {int(np.argmin(h))} equals the next")
     slopes = steps / h[:, None]
     diagonal = np.full(len(points), 1.0)
     diagonal[1:-1] = 2.0 * (h[:-1] + h[1:])
     off = h.copy()
     rhs = np.zeros_like(points)
-    rhs[1:-1] = 6.0 * np.diff(slopes, axis=0)
-    start = check_real("start", start)
-    ends = (("start_tangent", start_tangent, 0, 1.0), ("end_tangent", end_tangent, -1, -1.0))
-    for name, tangent, node, sign in ends:
-        if tangent is None:
-            off[node] = 0.0  # natural end: no curvature
+    rhs[1:-1] = slopes[1:] - slopes[:-1]
+    for tangent, node, sign in ((first, 0, 1.0), (last, -1, -1.0)):
+        if tangent is None or second:
+            off[node] = 0.0
+            rhs[node] = tangent or (0.0, 0.0)
+            rhs[node] /= 6.0
+            beside = node + int(
+                sign
+            )  # the known value goes to the other side, which keeps the matrix symmetric
+            rhs[beside] -= h[node] * rhs[node]
         else:
-            unit = check_array(name, tangent, (2,))
-            if not unit.any():
-                raise InputError(f"{name} must not be zero")
             diagonal[node] = 2.0 * h[node]
-            rhs[node] = 6.0 * sign * (slopes[node] - unit / np.hypot(*unit))
-    second = lapack.dptsv(diagonal, off, rhs)[2]  # h_i-1 M_i-1 + 2 (h_i-1 + h_i) M_i + h_i M_i+1 = 6 [slope]
+            rhs[node] = sign * (slopes[node] - tangent)
+    # h_i-1 m_i-1 + 2 (h_i-1 + h_i) m_i + h_i m_i+1 = change of slope, with a sixth of the second derivative m
+    sixth = lapack.dptsv(diagonal, off, rhs)[2]
     squared = (h * h)[:, None]
+    now, then = squared * sixth[:-1], squared * sixth[1:]
     coefficients = np.empty((len(h), 2, 4))
-    coefficients[:, :, 0] = squared * (second[1:] - second[:-1]) / 6.0
-    coefficients[:, :, 1] = squared * second[:-1] / 2.0
-    coefficients[:, :, 2] = steps - squared * (2.0 * second[:-1] + second[1:]) / 6.0
+    coefficients[:, :, 0] = then - now
+    coefficients[:, :, 1] = 3.0 * now
+    coefficients[:, :, 2] = steps - (2.0 * now + then)
     coefficients[:, :, 3] = points[:-1]
-    return Path(start + np.concatenate(([0.0], np.cumsum(h))), coefficients)
+    breaks = np.empty(len(points))
+    breaks[0] = 0.0
+    h.cumsum(out=breaks[1:])
+    breaks += start
+    return Path._trusted(breaks, coefficients)
 
 
 def over_arc_length(curve: Path, closed: bool) -> Path:

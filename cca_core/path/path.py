@@ -1,6 +1,7 @@
 """A road's centre line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable."""
 
 import math
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,10 +29,6 @@ class Path:
     InputError
         If the shapes disagree, a value is not finite, or `breaks` does not increase.
 
-    See Also
-    --------
-    fit_path : make a path from waypoints.
-
     Examples
     --------
     >>> path = Path([0.0, 10.0], [[[0, 0, 10, 0], [0, 0, 0, 0]]])
@@ -46,15 +43,24 @@ class Path:
         s = check_array("breaks", breaks, (None,))
         c = check_array("coefficients", coefficients, (None, 2, 4))
         if len(s) < 2 or len(c) != len(s) - 1:
-            raise InputError(
-                f"breaks, coefficients must have shapes (n + 1,), (n, 2, 4), had {s.shape}, {c.shape}"
-            )
+            shapes = f"{s.shape}, {c.shape}"
+            raise InputError(f"breaks, coefficients must have shapes (n + 1,), (n, 2, 4), had {shapes}")
         if not (np.diff(s) > 0.0).all():
             raise InputError("breaks must increase")
-        s.setflags(write=False)
-        c.setflags(write=False)
-        self._breaks, self._coefficients = s, c
-        self._cubics = Cubics(s, c)
+        self._set(s, c)
+
+    @classmethod
+    def _trusted(cls, breaks: Array, coefficients: Array) -> Self:
+        """Make a path of arrays as for `Path`, without checks and copies; they are read-only from now on."""
+        path = cls.__new__(cls)
+        path._set(breaks, coefficients)
+        return path
+
+    def _set(self, breaks: Array, coefficients: Array) -> None:
+        for array in (breaks, coefficients):
+            array.setflags(write=False)
+        self._breaks, self._coefficients = breaks, coefficients
+        self._cubics = Cubics(breaks, coefficients)
 
     def __repr__(self) -> str:
         return f"Path({len(self._coefficients)} segments, {self.length:.1f} m)"

@@ -1,12 +1,16 @@
 """Colours and words that all pictures share."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cca_core._optional import require_extra
 from cca_core.path import Road
 from cca_core.sim import Log
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 EGO = "#0072B2"
 """Colour of the ego (blue of the Okabe-Ito set, which colour-blind readers can tell apart)."""
@@ -22,6 +26,9 @@ ACTIONS = {
 
 ASPHALT = "#F2F2F2"
 """Colour of the road."""
+
+PARKED = "#777777"
+"""Colour of a parked car."""
 
 _OTHERS = ("#D55E00", "#009E73", "#CC79A7", "#E69F00", "#000000")
 
@@ -95,3 +102,27 @@ def draw_lanes(axis: Any, road: Road) -> None:
         else:
             axis.axhline(border, color="#555555", linewidth=0.8, linestyle=(0, (8, 6)))
     axis.set_yticks([lane.d for lane in road.lanes])
+
+
+def new_figure(height: float) -> "Figure":
+    """Empty figure of the width of a page.
+
+    Parameters
+    ----------
+    height : float
+        Its height in inches [25.4 mm].
+
+    Returns
+    -------
+    figure : Figure
+        It lays itself out and belongs to no window.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    figure: Figure = require_extra("matplotlib.figure", "plot").Figure(
+        figsize=(9.0, height), layout="constrained"
+    )
+    return figure

@@ -1,16 +1,19 @@
 """Eq 8, and the spans of obstacles in the frame of the nodes."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core.band import external_force
-from cca_core.band.corridor import lateral_span
+from cca_core.band.corridor import corridor_around
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
+from cca_core.vehicle import VehicleParams
 
 inside = st.floats(0.01, 3.99)
 angle = st.floats(-math.pi, math.pi)
@@ -95,21 +98,35 @@ def test_bad_input(changes: dict, words: str) -> None:
         external_force(**{"nodes": [[0.0, 1.0]], "obstacle": [0.0, 0.0], "k_e": 1.0, "r_0": 4.0, **changes})
 
 
-@given(st.floats(-20.0, 20.0), st.floats(-6.0, 6.0), angle, st.floats(0.5, 10.0), st.floats(0.5, 3.0), angle)
-def test_lateral_span_is_that_of_the_corners(
-    x: float, y: float, psi: float, length: float, width: float, heading: float
+@pytest.mark.parametrize("lead", [0.0, 1.7])
+@given(
+    st.floats(-20.0, 20.0), st.floats(-6.0, 6.0), angle, st.floats(0.5, 10.0), st.floats(0.5, 3.0), angle,
+    st.floats(0.0, 2.0),
+)  # fmt: skip
+def test_corridor_is_what_the_boxes_leave_free(
+    lead: float, x: float, y: float, psi: float, length: float, width: float, heading: float, clearance: float
 ) -> None:
-    """Against the corners of the box, turned into the node's frame."""
-    node, unit = np.array([[2.0, 1.0]]), np.array([[math.cos(heading), math.sin(heading)]])
-    obstacle = boxes([x], [y], [psi], length, width)
-    reach, lead, offset = 3.3, 1.7, 0.4
-    abeam, right, left = lateral_span(node, unit, obstacle, reach, lead, offset)
-    local = obstacle.corners()[0] - node[0]
-    along = local @ unit[0] - offset
-    across = local @ np.array([-unit[0, 1], unit[0, 0]])
-    assert float(right[0]) == pytest.approx(across.min(), abs=1e-9)
-    assert float(left[0]) == pytest.approx(across.max(), abs=1e-9)
-    # the obstacle's rear is within reach + lead in front, and its front within reach behind
-    margin = min(abs(along.min() - (reach + lead)), abs(along.max() + reach))
-    if margin > 1e-9:
-        assert bool(abeam[0]) == (along.min() < reach + lead and along.max() > -reach)
+    """Against shapely: the part of the grown obstacle that is beside the ego."""
+    car = dataclasses.replace(VehicleParams.bmw_320i(), box_offset=0.4)
+    unit = complex(math.cos(heading), math.sin(heading))
+    base, tangents = np.full((1, 5), 2.0 + 1.0j), np.full((1, 5), unit)
+    found = corridor_around(base, tangents, [boxes(x, y, psi, length, width)], None, car, clearance, lead, ())
+    grown = boxes(x, y, psi, length + 2.0 * clearance, width + 2.0 * clearance).corners()
+    local = ((grown @ np.array((1.0, 1.0j))) - base[0, 0]) * unit.conjugate() - car.box_offset
+    box = shapely.Polygon(np.column_stack((local.real, local.imag)))
+    reach = 0.5 * car.length
+    strip = shapely.box(-reach, -100.0, reach + lead, 100.0)
+    part = box.intersection(strip)
+    margin = min(abs(local.real.min() - reach - lead), abs(local.real.max() + reach))
+    if margin > 1e-6:
+        assert bool(found.abeam[0, 0, 0]) == (not part.is_empty)
+    if not part.is_empty and part.area > 1e-9:
+        right, left = (float(bound[0, 0, 0]) for bound in (found.right, found.left))
+        lowest, highest = part.bounds[1] - 0.5 * car.width, part.bounds[3] + 0.5 * car.width
+        # nothing of the box beside the ego is left out, and nothing that is far from it is counted
+        assert right <= lowest + 1e-9
+        assert left >= highest - 1e-9
+        turned = abs(math.sin(psi - heading))
+        spare = 1e-9 if 0.03 < turned < 0.999 else 0.02 * (length + width + 4.0 * clearance)
+        assert right >= lowest - spare
+        assert left <= highest + spare

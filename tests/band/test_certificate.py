@@ -1,0 +1,339 @@
+"""Clearance between nodes as at nodes, against dense measurement by shapely, and what binds."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cca_core.band import Band
+from cca_core.errors import InfeasibleError, Status
+from cca_core.geometry import Boxes, boxes
+from tests.band.cases import Case
+from tests.band.measure import remeasure
+from tests.band.scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
+
+EXACT = 5e-3  # what the certificate may miss, beside the bulge of the band between nodes [m]
+
+box = st.tuples(
+    st.floats(45.0, 105.0),
+    st.floats(-4.0, 4.0),
+    st.floats(-3.2, 3.2),
+    st.floats(0.3, 12.0),
+    st.floats(0.3, 2.5),
+)
+sides = st.sampled_from([None, "left", "right"])
+meshes = st.sampled_from([0.5, 1.0, 2.0])
+
+
+def assert_tight(band: Band, case: Case) -> None:
+    """Where the clearance is what keeps the band away it is not much below the measured one."""
+    if band.clearance > case.clearance + EXACT:
+        return
+    bulge = 0.125 * band.spacing**2 * band.curvature * (1.0 + 0.5 * case.vehicle.length * band.curvature)
+    assert band.clearance >= remeasure(band.nodes, case) - EXACT - bulge
+
+
+@given(box, sides, st.floats(0.0, 1.5), st.sampled_from([0.0, 1.2, -0.5]), meshes)
+def test_one_obstacle_on_an_open_plane(
+    obstacle: tuple, side: str | None, clearance: float, offset: float, h: float
+) -> None:
+    car = dataclasses.replace(CAR, box_offset=offset)
+    case = scene(straight(h=h), [boxes(*obstacle)], clearance=clearance, vehicle=car)
+    band = relax(case, side=side)
+    assert_certified(band, case)
+    assert_tight(band, case)
+    assert band.status is Status.OK, band.message  # nothing stands in the way
+
+
+@given(box, box, sides, st.floats(0.0, 1.5), st.sampled_from([20.0, 2.6, 6.0]), meshes)
+def test_two_obstacles_in_a_corridor(
+    one: tuple, two: tuple, side: str | None, clearance: float, edge: float, h: float
+) -> None:
+    case = scene(straight(h=h), [boxes(*one), boxes(*two)], clearance=clearance, corridor=(-edge, edge))
+    band = relax(case, side=side)
+    assert_certified(band, case)
+    if not band.ok:
+        with pytest.raises(InfeasibleError):
+            band.require()
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_curved_route_with_a_coarse_mesh(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    route = bend(float(rng.choice([-1.0, 1.0])) * rng.uniform(40.0, 300.0), h=2.0)
+    i, d, psi = int(rng.integers(25, 50)), rng.uniform(-3.0, 3.0), rng.uniform(-1.0, 1.0)
+    case = scene(route, [on(route, i, d, psi, rng.uniform(0.3, 10.0))], clearance=0.5)
+    band = relax(case, side=str(rng.choice(["left", "right"])))
+    assert band.status is Status.OK, band.message
+    assert_certified(band, case)
+    assert_tight(band, case)
+
+
+@given(
+    st.floats(0.0, 2.5),
+    st.floats(-math.pi, math.pi),
+    st.one_of(st.none(), st.floats(-math.pi, math.pi)),
+    st.tuples(st.floats(-6.0, 6.0), st.floats(-6.0, 6.0)),
+    st.floats(0.0, 1.0),
+    st.floats(0.0, 1.0),
+    meshes,
+    sides,
+)
+def test_moving_obstacle(
+    ratio: float,
+    course: float,
+    psi: float | None,
+    place: tuple[float, float],
+    phase: float,
+    clearance: float,
+    h: float,
+    side: str | None,
+) -> None:
+    """Any course and heading, as fast as the ego to 2.5 times as fast."""
+    route = straight(120.0, h)
+    velocity = (ratio * h * math.cos(course), ratio * h * math.sin(course))
+    met = len(route) // 2 + phase
+    o = moving(route, met, (met * h + place[0], place[1]), velocity, psi)
+    case = scene(route, [o], clearance=clearance)
+    assert_certified(relax(case, side=side), case)
+
+
+@pytest.mark.parametrize("block", range(6))
+def test_closest_between_nodes(block: int) -> None:
+    """Fast crossing, diagonal and oncoming boxes, long trucks among them, on a coarse mesh."""
+    rng = np.random.default_rng([30, block])
+    for _ in range(50):
+        h = float(rng.choice((1.0, 2.0)))
+        route = straight(120.0, h)
+        ratio, course = rng.uniform(0.3, 2.5), rng.uniform(-math.pi, math.pi)
+        met = len(route) // 2 + rng.random()
+        place = (met * h + rng.uniform(-6.0, 6.0), rng.uniform(-6.0, 6.0))
+        psi = None if rng.random() < 0.5 else rng.uniform(-math.pi, math.pi)
+        long, wide = (16.5, 2.55) if rng.random() < 0.3 else (4.5, 1.8)
+        velocity = (ratio * h * math.cos(course), ratio * h * math.sin(course))
+        o = moving(route, met, place, velocity, psi, long, wide)
+        case = scene(route, [o], clearance=float(rng.choice((0.05, 0.2, 0.5, 1.0))), curvature_limit=0.2)
+        assert_certified(relax(case), case)
+
+
+@pytest.mark.parametrize("h", [1.0, 2.0])
+@pytest.mark.parametrize("phase", [0.0, 0.25, 0.5, 0.71])
+def test_oncoming_at_twice_the_speed_is_seen_between_nodes(h: float, phase: float) -> None:
+    """Turned across the way it goes, such a box is 3 h nearer at the next node: it may leap the ego."""
+    route = straight(120.0, h)
+    met = len(route) // 2 + phase
+    for lateral in np.arange(-2.0, 2.1, 0.5):
+        o = moving(
+            route, met, (met * h, lateral), (-2.0 * h, 0.05 * h), psi=math.pi / 2, length=1.8, width=0.5
+        )
+        case = scene(route, [o], clearance=0.2)
+        assert_certified(relax(case), case)
+
+
+@pytest.mark.parametrize("clearance", [0.02, 0.05, 0.2])
+@pytest.mark.parametrize("spare", [-0.015, 0.005])
+def test_slips_past_a_corner_between_nodes(clearance: float, spare: float) -> None:
+    """Two corners are nearest for a part of a node's time; how near is known in closed form."""
+    route = straight(120.0, 2.0)
+    way = np.array((-2.0, 6.0)) / math.hypot(2.0, 6.0)  # of the box as seen from the ego
+    aside = np.array((way[1], -way[0]))
+    corner = 0.5 * np.array((CAR.length + 1.0, CAR.width + 1.0))
+    for phase in np.linspace(0.0, 1.0, 9):
+        met = 30 + phase
+        place = (2.0 * met, 0.0) + corner + (clearance + spare) * aside
+        o = moving(route, met, tuple(place), (0.0, 6.0), psi=0.0, length=1.0, width=1.0)
+        case = scene(route, [o], clearance=clearance)
+        band = relax(case)
+        assert_certified(band, case)
+        assert np.abs(band.displacement).max() > 0.0 or band.clearance <= clearance + spare + 1e-9
+        if spare < 0.0:
+            assert np.abs(band.displacement).max() > 0.0 or not band.ok
+
+
+@pytest.mark.parametrize("phase", [0.2, 0.5, 0.8])
+def test_deepest_overlap_between_nodes_counts(phase: float) -> None:
+    """A crossing box that runs into the ego between nodes, with a pinned end near so that it cannot flee."""
+    route = straight(40.0, 2.0)
+    met = 2 + phase
+    o = moving(route, met, (2.0 * met, 0.0), (0.0, 6.0))
+    case = scene(route, [o], clearance=0.2)
+    band = relax(case)
+    assert not band.ok
+    assert_certified(band, case)
+
+
+@pytest.mark.parametrize("length", [12.0, 16.5, 25.0])
+@pytest.mark.parametrize("psi", [0.0, 0.3, -0.8, math.pi / 2])
+def test_long_trucks(length: float, psi: float) -> None:
+    """Of the obstacle and of the ego."""
+    truck = dataclasses.replace(CAR, length=length, width=2.5, box_offset=0.2 * length)
+    route = straight(240.0, 2.0)
+    for case in (
+        scene(route, [boxes(120.0, -1.0, psi, length, 2.5)], clearance=0.5),
+        scene(route, [boxes(120.0, -1.0, psi, 4.5, 1.8)], clearance=0.5, vehicle=truck),
+    ):
+        band = relax(case)
+        assert_certified(band, case)
+        assert band.status is Status.OK, band.message
+
+
+def test_far_obstacle_is_bounded_from_below_only() -> None:
+    case = scene(straight(), [boxes(75.0, 9.0, 0.0, 4.5, 1.8)])
+    band = relax(case)
+    assert band.ok
+    assert 1.0 <= band.clearance <= 9.0 - 0.9 - 0.5 * CAR.width + 1e-9
+
+
+# --- what binds, and why not ----------------------------------------------------------------------------
+
+CROSSWISE = boxes(75.0, 0.0, 0.0, 4.5, 1.8)
+
+
+def test_binding_is_the_nearest_obstacle() -> None:
+    obstacles = [boxes(40.0, 9.0, 0.0, 4.5, 1.8), CROSSWISE, boxes(110.0, -9.0, 0.0, 4.5, 1.8)]
+    assert relax(scene(straight(), obstacles)).binding == "obstacle 1"
+    assert relax(scene(straight(), obstacles[::-1][:2])).binding == "obstacle 1"
+    assert relax(scene(straight(), [CROSSWISE, *obstacles[::2]])).binding == "obstacle 0"
+
+
+def test_binding_is_the_edge_where_that_is_nearer() -> None:
+    body = 0.9 + 1.0 + CAR.width  # what the body needs beside the obstacle
+    for side, corridor in (("left", (-20.0, body + 0.2)), ("right", (-body - 0.2, 20.0))):
+        band = relax(scene(straight(), [CROSSWISE], corridor=corridor), side=side)
+        assert band.ok, band.message
+        assert band.binding in ("obstacle 0", f"{side} edge")
+        assert band.edge_clearance < 0.25
+    pushed = np.where(np.abs(straight()[:, 0] - 75.0) < 5.0, 0.5, -20.0)
+    band = relax(scene(straight(), [boxes(75.0, 9.0, 0.0, 4.5, 1.8)], corridor=(pushed, 20.0)))
+    assert band.ok, band.message
+    assert band.binding == "right edge"
+
+
+def test_no_room_names_what_there_is_no_room_between() -> None:
+    edge = 0.9 + 1.0 + CAR.width - 0.05
+    left = relax(scene(straight(), [CROSSWISE], corridor=(-20.0, edge)), side="left")
+    assert (left.status, left.binding) == (Status.INFEASIBLE, "obstacle 0")
+    assert left.message.startswith("no room between obstacle 0 and the left edge")
+    right = relax(scene(straight(), [CROSSWISE], corridor=(-edge, 20.0)), side="right")
+    assert right.message.startswith("no room between the right edge and obstacle 0")
+    both = [boxes(75.0, 1.5, 0.0, 4.5, 1.8), boxes(75.0, -1.5, 0.0, 4.5, 1.8)]
+    gate = relax(scene(straight(), both), side=["right", "left"])
+    assert gate.message.startswith("no room between obstacle 1 and obstacle 0")
+    for band in (left, right, gate):
+        with pytest.raises(InfeasibleError) as caught:
+            band.require()
+        assert caught.value.result is band
+        assert str(caught.value) == band.message
+
+
+def test_too_much_curvature_says_so() -> None:
+    free = relax(scene(straight(), [CROSSWISE]), side="left")
+    tight = relax(scene(straight(), [CROSSWISE], curvature_limit=0.1 * free.curvature), side="left")
+    assert tight.status is Status.INFEASIBLE
+    assert "obstacle 0" in tight.message or tight.binding == "curvature"
+    road = relax(scene(bend(100.0), [], curvature_limit=0.009))
+    assert (road.status, road.binding) == (Status.INFEASIBLE, "curvature")
+    assert "curvature 0.0100 1/m is 1.11 times the limit" in road.message
+
+
+def test_curvature_limit_is_kept_where_it_can_be() -> None:
+    free = relax(scene(straight(), [CROSSWISE]), side="left")
+    for share in (1.01, 0.95, 0.9):
+        case = scene(straight(), [CROSSWISE], curvature_limit=share * free.curvature)
+        band = relax(case, side="left")
+        assert band.ok, band.message
+        assert band.curvature <= share * free.curvature
+        assert_certified(band, case)
+
+
+@pytest.mark.parametrize("x", [1.0, 149.0, -3.0])
+def test_obstacle_on_a_pin(x: float) -> None:
+    case = scene(straight(), [boxes(x, 0.0, 0.0, 4.5, 1.8)])
+    band = relax(case)
+    assert (band.status, band.binding) == (Status.INFEASIBLE, "obstacle 0")
+    assert band.clearance < 0.0
+    assert_certified(band, case)
+
+
+@pytest.mark.parametrize("x", [0.0, 3.0, 147.0, 150.0])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_obstacle_beside_a_pin(x: float, sign: float) -> None:
+    """Far enough beside: the route stands. Too near: no displacement of a pinned end can mend it."""
+    far = 1.0 + 0.9 + 0.5 * CAR.width
+    beside = scene(straight(), [boxes(x, sign * (far + 0.05), 0.0, 4.5, 1.8)])
+    band = relax(beside)
+    assert band.ok, band.message
+    np.testing.assert_array_equal(band.displacement, 0.0)
+    near = scene(straight(), [boxes(x, sign * (far - 0.3), 0.0, 4.5, 1.8)])
+    band = relax(near)
+    assert (band.status, band.binding) == (Status.INFEASIBLE, "obstacle 0")
+    assert f"{band.clearance:.3f} m from obstacle 0" in band.message
+    assert_certified(band, near)
+
+
+def test_pin_outside_the_edges() -> None:
+    band = relax(scene(straight(), [], corridor=(0.0, 20.0)))
+    assert (band.status, band.binding) == (Status.INFEASIBLE, "right edge")
+    assert band.edge_clearance == pytest.approx(-0.5 * CAR.width, abs=1e-6)
+
+
+# --- leaders --------------------------------------------------------------------------------------------
+
+
+def leader(route: np.ndarray, ratio: float, ahead: float = 30.0) -> Boxes:
+    """Goes the same way at a share of the ego's speed."""
+    h = float(route[1, 0] - route[0, 0])
+    return moving(route, 0.0, (ahead, 0.0), (ratio * h, 0.0))
+
+
+def test_leader_is_met_at_arrival_time() -> None:
+    """At half the ego's speed and 30 m ahead: overtaken around s = 60, not at s = 30."""
+    route = straight(200.0)
+    case = scene(route, [leader(route, 0.5)])
+    band = relax(case, side="left")
+    assert band.ok, band.message
+    assert 50.0 < np.argmax(band.displacement) < 75.0
+    assert_certified(band, case)
+
+
+@pytest.mark.parametrize("ratio", [0.8, 0.9, 0.95, 1.0])
+def test_leader_almost_as_fast_is_refused_with_a_reason(ratio: float) -> None:
+    """It would be passed beyond the end of the stretch, or not at all."""
+    route = straight(150.0)
+    case = scene(route, [leader(route, ratio)])
+    band = relax(case)
+    if 30.0 / (1.0 - ratio + 1e-12) > 150.0 + 30.0:
+        # never reached within the stretch: nothing in the way
+        assert band.ok
+    else:
+        assert (band.status, band.binding) == (Status.INFEASIBLE, "obstacle 0")
+        assert "obstacle 0" in band.message
+    assert_certified(band, case)
+    assert np.abs(band.displacement).max() < 20.0
+
+
+def test_crosser_that_is_gone_in_time_leaves_the_route_alone() -> None:
+    """Frozen where it is now it would be in the way."""
+    route = straight()
+    case = scene(route, [moving(route, 5.0, (75.0, 0.0), (0.0, 0.75))])
+    band = relax(case)
+    np.testing.assert_array_equal(band.displacement, 0.0)
+    assert band.clearance > 10.0
+    assert np.abs(relax(scene(route, [boxes(75.0, 0.0, math.pi / 2, 4.5, 1.8)])).displacement).max() > 3.0
+
+
+def test_sideways_course_without_a_curvature_limit_stays_certified() -> None:
+    """A box that keeps abreast and drifts across pushes the band far; what is reported stays true."""
+    route = straight(120.0, 2.0)
+    for ratio, course in ((1.59, 0.82), (2.42, 1.16), (1.79, 0.99), (2.05, 1.05)):
+        met = 30.4
+        velocity = (2.0 * ratio * math.cos(course), 2.0 * ratio * math.sin(course))
+        case = scene(
+            route, [moving(route, met, (2.0 * met, 0.5), velocity)], clearance=0.5, corridor=(-1e3, 1e3),
+            curvature_limit=1e3,
+        )  # fmt: skip
+        band = relax(case)
+        assert band.clearance <= remeasure(band.nodes, case) + 1e-6

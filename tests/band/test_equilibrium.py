@@ -1,0 +1,276 @@
+"""Equilibrium of bands against soft bounds, and their energy, gradient and Hessian."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import solveh_banded
+from scipy.optimize import minimize
+
+from cca_core.band import (
+    BandStiffness,
+    band_energy,
+    band_gradient,
+    band_hessian,
+    equilibrium,
+    kkt_residual,
+)
+from cca_core.band.equilibrium import Bends
+from cca_core.errors import InputError
+from tests.band.scenes import SOFT, dense_stiffness
+
+STIFFNESSES = [
+    SOFT,
+    BandStiffness(k_s=1.0, k_b=0.0, k_c=0.0, k_e=0.05),
+    BandStiffness(k_s=0.0, k_b=2.0, k_c=0.0, k_e=0.01),
+    BandStiffness(k_s=0.1, k_b=10.0, k_c=0.0, k_e=0.5),
+]
+HARD_CONTACT = [
+    BandStiffness(k_s=0.0, k_b=0.0, k_c=5.0, k_e=1.0),
+    BandStiffness(k_s=1e-3, k_b=0.1, k_c=1.0, k_e=1e3),
+]
+each_stiffness = pytest.mark.parametrize("stiffness", STIFFNESSES)
+some_stiffness = st.sampled_from(STIFFNESSES)
+any_stiffness = st.sampled_from(STIFFNESSES + HARD_CONTACT)
+seeds = st.integers(0, 10_000)
+
+
+def random_bounds(rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds with room between them: a few stretches to be passed above or below; n is at least 20."""
+    lower, upper = np.full(n, -np.inf), np.full(n, np.inf)
+    place = np.arange(n)
+    for at in rng.uniform(0.1, 0.9, int(rng.integers(1, 6))) * n:
+        part = np.abs(place - at) <= rng.uniform(1.0, min(10.0, 0.1 * n))
+        if rng.random() < 0.5:
+            low = np.maximum(lower[part], rng.uniform(-0.5, 3.0))
+            lower[part] = np.minimum(low, upper[part])
+        else:
+            up = np.minimum(upper[part], rng.uniform(-3.0, 0.5))
+            upper[part] = np.maximum(up, lower[part])
+    return lower, upper
+
+
+def solved(
+    stiffness: BandStiffness, h: float, lower: np.ndarray, upper: np.ndarray
+) -> tuple[np.ndarray, dict]:
+    u, _, settled = equilibrium(stiffness.stencil(h), stiffness.k_e * h, lower, upper)
+    assert settled.all()
+    return u, {"lower": lower, "upper": upper, "spacing": h, "stiffness": stiffness}
+
+
+def rounding(u: np.ndarray, problem: dict) -> float:
+    """Residual that the last digits of the displacement alone can make [m]."""
+    stiffness, h = problem["stiffness"], problem["spacing"]
+    digits = np.finfo(float).eps * np.abs(u).max()
+    return 1e-10 + 4.0 * digits * float(stiffness.stencil(h)[0]) / (stiffness.k_e * h)
+
+
+@given(some_stiffness, seeds, st.sampled_from([0.25, 0.5, 1.0, 2.0]), st.integers(20, 300))
+def test_settles_where_no_force_is_missing(stiffness: BandStiffness, seed: int, h: float, n: int) -> None:
+    lower, upper = random_bounds(np.random.default_rng(seed), n)
+    u, problem = solved(stiffness, h, lower, upper)
+    assert u.shape == (n,)
+    assert u[0] == u[-1] == 0.0
+    assert kkt_residual(u, **problem) <= rounding(u, problem)
+
+
+@each_stiffness
+@pytest.mark.parametrize("seed", range(3))
+def test_ten_thousand_nodes(stiffness: BandStiffness, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    lower, upper = random_bounds(rng, 10_000)
+    for at in rng.integers(500, 9500, 20):  # many more to be passed
+        lower[at : at + 8] = np.minimum(rng.uniform(0.0, 3.0), upper[at : at + 8])
+    u, problem = solved(stiffness, 1.0, lower, upper)
+    assert kkt_residual(u, **problem) <= rounding(u, problem)
+
+
+@pytest.mark.parametrize("stiffness", HARD_CONTACT)
+@pytest.mark.parametrize("h", [0.25, 0.5, 1.0, 2.0])
+def test_settles_with_hard_contact(stiffness: BandStiffness, h: float) -> None:
+    for seed in range(20):
+        lower, upper = random_bounds(np.random.default_rng(seed), 100)
+        u, problem = solved(stiffness, h, lower, upper)
+        assert kkt_residual(u, **problem) <= rounding(u, problem)
+
+
+@given(some_stiffness, seeds, st.sampled_from([0.5, 1.0, 2.0]))
+def test_no_other_displacement_has_less_energy(stiffness: BandStiffness, seed: int, h: float) -> None:
+    rng = np.random.default_rng(seed)
+    n = 101
+    u, problem = solved(stiffness, h, *random_bounds(rng, n))
+    least = band_energy(u, **problem)
+    place = np.linspace(0.0, 1.0, n)
+    for scale in (0.0, 0.99, 1.01):
+        assert band_energy(scale * u, **problem) >= least * (1.0 - 1e-9)
+    for k in rng.integers(1, 8, 5):  # smooth directions, where the energy changes least
+        assert band_energy(u + 0.05 * np.sin(k * np.pi * place), **problem) >= least * (1.0 - 1e-9)
+
+
+@each_stiffness
+def test_against_a_general_optimiser(stiffness: BandStiffness) -> None:
+    """The public energy and gradient are enough for somebody else's solver."""
+    h, n = 1.0, 31
+    lower, upper = np.full(n, -np.inf), np.full(n, np.inf)
+    lower[12:17], upper[20:23] = 1.0, -0.4
+    u, problem = solved(stiffness, h, lower, upper)
+    # in coordinates in which the elastic energy is a sphere
+    root = np.linalg.inv(np.linalg.cholesky(dense_stiffness(stiffness, h, n))).T
+    scale = stiffness.k_e
+
+    def displaced(z: np.ndarray) -> np.ndarray:
+        return np.pad(root @ z * scale**0.5, 1)
+
+    other = minimize(
+        lambda z: float(band_energy(displaced(z), **problem)) / scale,
+        np.zeros(n - 4),
+        jac=lambda z: root.T @ band_gradient(displaced(z), **problem)[2:-2] / scale**0.5,
+        method="BFGS",
+        options={"gtol": 1e-9, "maxiter": 2000},
+    )
+    np.testing.assert_allclose(displaced(other.x), u, rtol=0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("stiffness", STIFFNESSES + HARD_CONTACT)
+@pytest.mark.parametrize("bent", [False, True])
+def test_batch_is_the_same_bit_for_bit(stiffness: BandStiffness, bent: bool) -> None:
+    rng = np.random.default_rng(5)
+    h = rng.uniform(0.5, 2.0, 24)
+    lower, upper = (np.array(side) for side in zip(*(random_bounds(rng, 90) for _ in h), strict=True))
+    stencil, contact = stiffness.stencil(h), stiffness.k_e * h
+    free, _, _ = equilibrium(stencil, contact, lower, upper)
+    bends = None
+    if bent:
+        most = 0.9 * np.abs(np.diff(np.pad(free, ((0, 0), (1, 1))), n=2)).max(axis=1)
+        limit = np.repeat(most[:, None], 90, axis=1)
+        bends = Bends(100.0 * contact, -limit, limit)
+    u, solves, settled = equilibrium(stencil, contact, lower, upper, bends)
+    for i in range(len(h)):
+        one = None if bends is None else Bends(bends.contact[[i]], bends.least[[i]], bends.most[[i]])
+        alone = equilibrium(stencil[[i]], contact[[i]], lower[[i]], upper[[i]], one)
+        np.testing.assert_array_equal(alone[0][0], u[i])
+        assert (alone[1][0], alone[2][0]) == (solves[i], settled[i])
+
+
+def test_leading_axes_of_any_number() -> None:
+    rng = np.random.default_rng(6)
+    lower, upper = (
+        np.array(side).reshape(2, 3, 60)
+        for side in zip(*(random_bounds(rng, 60) for _ in range(6)), strict=True)
+    )
+    u, solves, settled = equilibrium(SOFT.stencil(1.0), SOFT.k_e, lower, upper)
+    assert u.shape == (2, 3, 60)
+    assert solves.shape == settled.shape == (2, 3)
+    np.testing.assert_array_equal(
+        u[1, 2], equilibrium(SOFT.stencil(1.0), SOFT.k_e, lower[1, 2], upper[1, 2])[0]
+    )
+
+
+def test_bends_give_way_by_their_stiffness_only() -> None:
+    """Held by one-sided contact: the missing bend times the contact stiffness balances the other forces."""
+    h, n = 1.0, 81
+    lower, upper = np.full(n, -np.inf), np.full(n, np.inf)
+    lower[35:46] = 2.0
+    stencil, contact = SOFT.stencil(h), SOFT.k_e * h
+    free = equilibrium(stencil, contact, lower, upper)[0]
+    most = np.full((1, n), 0.7 * np.abs(np.diff(free, n=2)).max())
+    for stiff in (0.25, 25.0):
+        u, _, settled = equilibrium(
+            stencil, contact, lower[None], upper[None], Bends(np.array([stiff]), -most, most)
+        )
+        assert settled.all()
+        bend = np.diff(np.pad(u[0], 1), n=2)
+        short = (bend.clip(-most[0], most[0]) - bend) * stiff
+        K = dense_stiffness(SOFT, h, n)
+        pushed = contact * np.maximum(lower[2:-2] - u[0, 2:-2], 0.0)
+        np.testing.assert_allclose(K @ u[0, 2:-2], pushed + np.diff(short, n=2), rtol=0.0, atol=1e-9)
+        assert np.abs(short).max() > 0.0
+        over = np.abs(bend).max() - most[0, 0]
+    assert over < 1e-4
+
+
+@given(any_stiffness, seeds, st.sampled_from([0.5, 1.0, 2.0]))
+def test_energy_gradient_and_hessian_against_dense_matrices(
+    stiffness: BandStiffness, seed: int, h: float
+) -> None:
+    rng = np.random.default_rng(seed)
+    n = 24
+    lower, upper = random_bounds(rng, n)
+    u = rng.uniform(-2.0, 2.0, (3, n))
+    K, contact = dense_stiffness(stiffness, h, n), stiffness.k_e * h
+    problem = {"lower": lower, "upper": upper, "spacing": h, "stiffness": stiffness}
+    energy, gradient, hessian = (f(u, **problem) for f in (band_energy, band_gradient, band_hessian))
+    assert energy.shape == (3,)
+    assert hessian.shape == (3, 4, n - 4)
+    for i in range(3):
+        x = u[i, 2:-2]
+        under, over = np.maximum(lower[2:-2] - x, 0.0), np.maximum(x - upper[2:-2], 0.0)
+        scale = np.abs(K).max() * 2.0
+        expected = 0.5 * x @ K @ x + 0.5 * contact * (under @ under + over @ over)
+        assert energy[i] == pytest.approx(expected, rel=1e-10)
+        np.testing.assert_allclose(
+            gradient[i, 2:-2], K @ x - contact * (under - over), rtol=0.0, atol=1e-12 * scale
+        )
+        assert gradient[i, 0] == gradient[i, -1] == 0.0
+        dense = np.diag(hessian[i, 3])
+        for k in (1, 2, 3):
+            np.testing.assert_array_equal(hessian[i, 3 - k, :k], 0.0)
+            dense += np.diag(hessian[i, 3 - k, k:], k) + np.diag(hessian[i, 3 - k, k:], -k)
+        touched = np.diag(contact * ((under > 0.0) | (over > 0.0)))
+        np.testing.assert_allclose(dense, K + touched, rtol=0.0, atol=1e-12 * scale)
+        assert kkt_residual(u[i], **problem) == pytest.approx(np.abs(gradient[i]).max() / contact, rel=1e-12)
+
+
+@given(any_stiffness, seeds)
+def test_gradient_and_hessian_against_finite_differences(stiffness: BandStiffness, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n, h, step = 16, 1.0, 1e-5
+    lower, upper = random_bounds(rng, n)
+    u = rng.uniform(-2.0, 2.0, n)
+    edges = np.concatenate((np.abs(u - lower), np.abs(u - upper)))
+    if edges.min() <= 2.0 * step:
+        return  # at a kink
+    problem = {"lower": lower, "upper": upper, "spacing": h, "stiffness": stiffness}
+    gradient = band_gradient(u, **problem)
+    moves = step * np.eye(n)[2:-2]
+    slope = (band_energy(u + moves, **problem) - band_energy(u - moves, **problem)) / (2.0 * step)
+    scale = band_energy(u, **problem)
+    np.testing.assert_allclose(slope, gradient[2:-2], rtol=0.0, atol=1e-9 * scale / step * 0.01 + 1e-12)
+    change = (band_gradient(u + moves, **problem) - band_gradient(u - moves, **problem)) / (2.0 * step)
+    banded = band_hessian(u, **problem)
+    dense = sum(
+        np.diag(banded[3 - k, k:], k) + (np.diag(banded[3 - k, k:], -k) if k else 0.0) for k in range(4)
+    )
+    np.testing.assert_allclose(change[:, 2:-2], dense, rtol=0.0, atol=1e-7 * np.abs(dense).max())
+
+
+def test_newton_by_hand_finds_the_same() -> None:
+    """The Hessian is in the storage that SciPy's banded solver takes."""
+    n, h = 80, 1.0
+    lower = np.full(n, -np.inf)
+    lower[35:45] = 1.5
+    u, problem = solved(SOFT, h, lower, np.full(n, np.inf))
+    at = np.zeros(n)
+    for _ in range(20):
+        step = solveh_banded(band_hessian(at, **problem), band_gradient(at, **problem)[2:-2])
+        at = at - np.pad(step, 1)
+    np.testing.assert_allclose(at, u, rtol=0.0, atol=1e-7)
+
+
+@pytest.mark.parametrize("function", [band_energy, band_gradient, band_hessian, kkt_residual])
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"u": 1.0}, "^u must have shape"),
+        ({"u": [0.0, 1.0]}, "^u must have shape"),
+        ({"u": [0.0, np.nan, 0.0]}, "^u must be finite"),
+        ({"lower": [0.0, 1.0]}, "^lower must have shape"),
+        ({"upper": np.nan}, "^upper must not be NaN"),
+        ({"spacing": 0.0}, "^spacing must be greater than 0"),
+    ],
+)
+def test_bad_input(function: object, changes: dict, words: str) -> None:
+    good = {"u": np.zeros(9), "lower": -1.0, "upper": 1.0, "spacing": 1.0, "stiffness": SOFT}
+    arguments = {**good, **changes}
+    with pytest.raises(InputError, match=words):
+        function(arguments.pop("u"), **arguments)  # type: ignore[operator]

@@ -1,0 +1,223 @@
+"""Shape of the band: mesh, offset of the obstacle, pins, rotation and mirror."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cca_core.band import Band, BandStiffness, equilibrium
+from cca_core.errors import Status
+from cca_core.geometry import Boxes, boxes
+from tests.band.scenes import CAR, bend, on, relax, scene, straight
+
+MESHES = [0.25, 0.5, 1.0, 2.0]
+
+
+def heading(nodes: np.ndarray) -> np.ndarray:
+    return np.unwrap(np.arctan2(*np.diff(nodes, axis=0).T[::-1]))
+
+
+# --- mesh -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("d", [0.0, -1.0, -1.5])
+@pytest.mark.parametrize("shift", [0.0, 0.37])
+@pytest.mark.parametrize("psi", [0.0, 0.05])
+def test_peak_does_not_depend_on_the_mesh(d: float, shift: float, psi: float) -> None:
+    peaks, midway = [], []
+    for h in MESHES:
+        route = straight(160.0, h)
+        band = relax(scene(route, [boxes(80.0 + shift, d, psi, 4.5, 1.8)]), side="left")
+        assert band.ok, band.message
+        peaks.append(band.displacement.max())
+        midway.append(np.interp(50.0, route[:, 0], band.displacement))
+    assert max(peaks) <= 1.02 * min(peaks)
+    assert midway == pytest.approx([midway[0]] * 4, rel=0.04)
+
+
+@pytest.mark.parametrize("radius", [100.0, -150.0])
+def test_peak_does_not_depend_on_the_mesh_on_a_bend(radius: float) -> None:
+    peaks = []
+    for h in MESHES:
+        route = bend(radius, 160.0, h)
+        band = relax(scene(route, [on(route, len(route) // 2, -0.4)]), side="left")
+        assert band.ok, band.message
+        peaks.append(band.displacement.max())
+    assert max(peaks) <= 1.02 * min(peaks)
+
+
+# --- offset of the obstacle -----------------------------------------------------------------------------
+
+OFFSETS = np.linspace(-2.0, 2.0, 161)
+
+
+@pytest.mark.parametrize("h", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize(("side", "sign"), [("left", 1.0), ("right", -1.0)])
+def test_peak_grows_with_the_offset_towards_the_side(side: str, sign: float, h: float) -> None:
+    """Steadily, without a dead zone or a jump at 0."""
+    route = straight(150.0, h)
+    bands = [relax(scene(route, [boxes(75.0, d, 0.0, 4.5, 1.8)]), side=side) for d in OFFSETS]
+    assert all(band.ok for band in bands)
+    peaks = np.array([(sign * band.displacement).max() for band in bands])
+    if sign < 0.0:
+        peaks = peaks[::-1]
+    step = OFFSETS[1] - OFFSETS[0]
+    assert (np.diff(peaks) > 0.5 * step).all()
+    assert (np.diff(peaks) < 1.5 * step).all()
+    assert peaks[80] == pytest.approx(0.9 + 1.0 + 0.5 * CAR.width, abs=0.06)
+
+
+def test_peak_without_a_side_falls_with_the_offset_on_each_side() -> None:
+    """Passed on the nearer side, always far enough: least where the obstacle is farthest off."""
+    route = straight()
+    bands = [relax(scene(route, [boxes(75.0, d, 0.0, 4.5, 1.8)])) for d in OFFSETS]
+    assert all(band.ok for band in bands)
+    assert [band.side for band in bands] == ["left" if d <= 0.0 else "right" for d in OFFSETS]
+    peaks = np.array([np.abs(band.displacement).max() for band in bands])
+    assert (np.diff(peaks[:81]) > 0.0).all()
+    assert (np.diff(peaks[81:]) < 0.0).all()
+    assert peaks.min() > 0.5
+    np.testing.assert_allclose(peaks, peaks[::-1], rtol=0.0, atol=1e-9)
+
+
+# --- pins -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "route",
+    [straight(), bend(100.0), bend(-80.0), straight(80.0), straight(150.0, 0.5), straight(160.0, 2.0)],
+)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_heading_and_curvature_do_not_jump_at_the_pins(route: np.ndarray, side: str) -> None:
+    """Measured on the curve that is driven, against the route's own at the pins."""
+    band = relax(scene(route, [on(route, len(route) // 2, 0.3)]), side=side)
+    assert band.ok, band.message
+    np.testing.assert_array_equal(band.displacement[[0, -1]], 0.0)
+    np.testing.assert_allclose(band.nodes[[0, -1]], route[[0, -1]], rtol=0.0, atol=1e-12)
+    path, own = band.path(), relax(scene(route, [])).path()
+    for s, on_route in ((path.start, own.start), (path.end, own.end)):
+        jump = math.degrees(float(path.heading(s) - own.heading(on_route)))
+        assert abs(math.remainder(jump, 360.0)) < 0.05
+    bent = path.curvature(path.breaks) - own.curvature(own.breaks)
+    assert np.abs(bent[[0, -1]]).max() < 0.5 * np.abs(bent).max()
+    assert np.abs(np.degrees(heading(band.nodes) - heading(route))).max() > 1.0  # yet it swerves
+
+
+@pytest.mark.parametrize("h", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("radius", [60.0, -100.0, 300.0])
+def test_driven_curve_begins_and_ends_along_a_bend(radius: float, h: float) -> None:
+    """Along the circle itself, not along the first chord of the nodes; no kink of curvature either."""
+    route = bend(radius, 150.0, h)
+    for obstacles in ([], [on(route, len(route) // 2, 0.3)]):
+        band = relax(scene(route, obstacles))
+        assert band.ok, band.message
+        path = band.path()
+        for s, expected in ((path.start, 0.0), (path.end, 150.0 / radius)):
+            jump = math.degrees(math.remainder(float(path.heading(s)) - expected, 2.0 * math.pi))
+            assert abs(jump) < 0.05
+        assert band.curvature == pytest.approx(np.abs(path.curvature(path.breaks)).max(), rel=0.02)
+
+
+def test_pins_are_flat_in_slope_and_curvature_as_the_mesh_gets_finer() -> None:
+    """u(h) ~ h^3 at a pin: displacement, heading change and curvature change are zero there."""
+    first, bent = [], []
+    for h in (1.0, 0.5):
+        band = relax(scene(straight(150.0, h), [boxes(75.0, 0.0, 0.0, 4.5, 1.8)]), side="left")
+        first.append(band.displacement[2])
+        bent.append(float(np.abs(band.path().curvature(band.path().start))))
+    assert first[0] / first[1] == pytest.approx(8.0, rel=0.3)
+    assert bent[1] <= 0.6 * bent[0]
+
+
+# --- symmetry -------------------------------------------------------------------------------------------
+
+
+def mirrored(o: Boxes) -> Boxes:
+    return Boxes(o.x, -o.y, -o.psi, o.length, o.width)
+
+
+def assert_mirrored(band: Band, other: Band) -> None:
+    np.testing.assert_allclose(other.displacement, -band.displacement, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(other.nodes, band.nodes * [1.0, -1.0], rtol=0.0, atol=1e-9)
+    assert other.clearance == pytest.approx(band.clearance, abs=1e-9)
+    assert other.edge_clearance == pytest.approx(band.edge_clearance, abs=1e-9)
+    assert other.curvature == pytest.approx(band.curvature, abs=1e-9)
+    assert other.status is band.status
+    names = {"left edge": "right edge", "right edge": "left edge"}
+    assert other.binding == names.get(band.binding, band.binding)
+
+
+@pytest.mark.parametrize("h", MESHES)
+@pytest.mark.parametrize("radius", [None, 150.0])
+@pytest.mark.parametrize("share", [0.3, 0.5])
+@pytest.mark.parametrize(("d", "status"), [(-0.3, Status.OK), (0.0, Status.OK), (1.2, Status.INFEASIBLE)])
+def test_mirror_invariance(h: float, radius: float | None, share: float, d: float, status: Status) -> None:
+    route = straight(h=h) if radius is None else bend(radius, h=h)
+    o = on(route, round(share * (len(route) - 1)), d, 0.1)
+    right, left = -2.5, np.linspace(3.8, 4.2, len(route))
+    band = relax(scene(route, [o], corridor=(right, left)), side="left")
+    flipped = scene(route * [1.0, -1.0], [mirrored(o)], corridor=(-left, -right))
+    assert band.status is status
+    assert (np.abs(band.displacement).max() > 0.5) == (status is Status.OK)
+    assert_mirrored(band, relax(flipped, side="right"))
+
+
+@pytest.mark.parametrize("d", [-1.1, -0.2, 0.3, 1.7])
+def test_mirror_invariance_of_the_chosen_side(d: float) -> None:
+    route = bend(200.0)
+    obstacles = [on(route, 50, d, 0.1), on(route, 100, -0.7 * d, -0.05)]
+    band = relax(scene(route, obstacles))
+    assert band.ok, band.message
+    other = relax(scene(route * [1.0, -1.0], [mirrored(o) for o in obstacles]))
+    np.testing.assert_array_equal(other.passes_left, ~band.passes_left)
+    assert_mirrored(band, other)
+
+
+@pytest.mark.parametrize("radius", [None, 150.0])
+@pytest.mark.parametrize("h", MESHES)
+@pytest.mark.parametrize("turn", [0.7, 2.0, -1.3])
+def test_rotation_invariance(radius: float | None, h: float, turn: float) -> None:
+    route = straight(h=h) if radius is None else bend(radius, h=h)
+    R = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
+    shift = np.array([300.0, -200.0])
+    o = on(route, len(route) // 2, -0.8, 0.1)
+    x, y = np.array([float(o.x), float(o.y)]) @ R + shift
+    turned = boxes(x, y, o.psi + turn, o.length, o.width)
+    here = relax(scene(route, [o]), side="left")
+    there = relax(scene(route @ R + shift, [turned]), side="left")
+    assert here.displacement.max() > 1.0
+    np.testing.assert_allclose(there.displacement, here.displacement, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(there.nodes, here.nodes @ R + shift, rtol=0.0, atol=1e-9)
+    assert there.clearance == pytest.approx(here.clearance, abs=1e-9)
+    assert there.curvature == pytest.approx(here.curvature, abs=1e-9)
+
+
+# --- meaning of the stiffness ---------------------------------------------------------------------------
+
+
+def test_quintic_lane_change_of_the_docstring() -> None:
+    """k_c alone between a stretch held at 0 and one held at w: peak curvature 5.7735 w / L^2."""
+    w, length, h = 3.5, 100.0, 0.5
+    x = np.arange(0.0, 300.0 + h / 2, h)
+    before, there = x <= 100.0, (x >= 100.0 + length) & (x <= 240.0)
+    lower = np.select([before, there], [0.0, w], -np.inf)
+    upper = np.select([before, there], [0.0, w], np.inf)
+    stiff = BandStiffness(k_s=0.0, k_b=0.0, k_c=1.0, k_e=1e3)
+    u, _, _ = equilibrium(stiff.stencil(h), stiff.k_e * h, lower, upper)
+    part = (x >= 100.0) & (x <= 200.0)
+    lam = (x[part] - 100.0) / length
+    quintic = w * (10 * lam**3 - 15 * lam**4 + 6 * lam**5)
+    np.testing.assert_allclose(u[part], quintic, rtol=0.0, atol=0.03)
+    curvature = np.gradient(np.gradient(u, h), h)[part]
+    assert np.abs(curvature).max() == pytest.approx(5.7735 * w / length**2, rel=0.05)
+
+
+def test_tension_makes_free_spans_straight_and_so_longer() -> None:
+    route, o = straight(200.0), [boxes(100.0, 0.0, 0.0, 4.5, 1.8)]
+    widths = [
+        (
+            relax(scene(route, o), side="left", stiffness=BandStiffness(k_s=k_s, k_e=1e-2)).displacement > 0.5
+        ).sum()
+        for k_s in (1e-2, 0.0)
+    ]
+    assert widths[0] > widths[1]

@@ -1,0 +1,215 @@
+"""Bands smoothed by quadratic programming: hard limits, and what stands where that fails."""
+
+import math
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cca_core.band import Band, relax_band, smooth_band
+from cca_core.errors import InputError, MissingExtraError, Status
+from cca_core.geometry import boxes
+from tests.band.cases import Case, case
+from tests.band.measure import curvature_at
+from tests.band.scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
+
+pytestmark = [pytest.mark.requires(module) for module in ("qpsolvers", "piqp", "osqp")]
+both = pytest.mark.parametrize("solver", ["piqp", "osqp"])
+
+
+def rate(band: Band) -> float:
+    """Largest change of the driven curve's curvature from node to node, per length [1/m^2]."""
+    n = len(band)
+    return float(np.abs(np.diff(curvature_at(band.nodes, np.arange(2.0, n - 2.0)))).max()) / band.spacing
+
+
+def roughness(band: Band) -> float:
+    """What is minimised: change of curvature by the displacement, squared and summed."""
+    return float((np.diff(np.pad(band.displacement, 2), 3) ** 2).sum()) / band.spacing**5
+
+
+def one(d: float = 0.3, route: np.ndarray | None = None, **asked: Any) -> Case:
+    nodes = straight() if route is None else route
+    return scene(nodes, [on(nodes, len(nodes) // 2, d, 0.05)], **asked)
+
+
+@both
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("route", [straight(), bend(150.0), straight(160.0, 2.0), straight(100.0, 0.5)])
+def test_smoother_and_everything_kept(solver: Any, side: str, route: np.ndarray) -> None:
+    asked = one(route=route)
+    band = relax(asked, side=side)
+    smooth = smooth_band(band, solver=solver)
+    assert smooth.status is Status.OK, smooth.message
+    assert_certified(smooth, asked)
+    assert smooth.sides == band.sides
+    farther = (
+        np.abs(smooth.displacement).max() / np.abs(band.displacement).max()
+    )  # contact gives way a little
+    assert roughness(smooth) < farther**2 * roughness(band)
+    np.testing.assert_array_equal(smooth.displacement[[0, -1]], 0.0)
+    assert smooth.qp_residual is not None
+    assert smooth.qp_residual < 1e-3
+    assert band.qp_residual is None
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+@pytest.mark.parametrize("seed", range(5))
+def test_random_cases_keep_what_they_say(count: int, seed: int) -> None:
+    asked = case(np.random.default_rng([9, count, seed]), count)
+    band = relax(asked)
+    smooth = smooth_band(band)
+    if not smooth.ok:
+        np.testing.assert_array_equal(smooth.nodes, band.nodes)
+        return
+    assert_certified(smooth, asked)
+    assert smooth.clearance >= asked.clearance - 1e-9
+    assert (smooth.passes_left == band.passes_left).all()
+
+
+def test_moving_obstacle() -> None:
+    route = straight(200.0)
+    asked = scene(route, [moving(route, 60.0, (60.0, 0.0), (0.5, 0.0))])
+    smooth = smooth_band(relax(asked, side="left"))
+    assert smooth.status is Status.OK, smooth.message
+    assert_certified(smooth, asked)
+
+
+@both
+def test_curvature_rate_is_bounded_hard(solver: Any) -> None:
+    band = relax(one(), side="left")
+    free = smooth_band(band, solver=solver)
+    steepest = float(np.abs(np.diff(np.pad(free.displacement, 2), 3)).max())  # at the pins
+    for share in (0.95, 0.8):
+        asked = share * steepest
+        smooth = smooth_band(band, curvature_rate_limit=asked, solver=solver)
+        if share == 0.95:
+            assert smooth.status is Status.OK, smooth.message
+        if smooth.ok:
+            assert rate(smooth) <= 1.02 * asked
+            assert_certified(smooth, one())
+        else:
+            assert smooth.status is Status.FALLBACK
+
+
+def test_route_that_changes_its_curvature_too_fast() -> None:
+    """The route's own changes count, and the displacement may take them back."""
+    s = np.arange(151.0)
+    psi = np.cumsum(0.01 * np.cos(s / 15.0))
+    route = np.cumsum(np.column_stack((np.cos(psi), np.sin(psi))), axis=0)
+    band = relax(scene(route, []))
+    own = rate(band)
+    np.testing.assert_allclose(smooth_band(band, curvature_rate_limit=1.2 * own).displacement, 0.0, atol=1e-5)
+    smooth = smooth_band(band, curvature_rate_limit=0.9 * own)
+    assert smooth.ok, smooth.message
+    assert rate(smooth) <= 0.92 * own
+
+
+def test_curvature_limit_that_the_band_alone_misses() -> None:
+    """A band that bends too much is smoothed into one that does not."""
+    free = smooth_band(relax(one(), side="left"))
+    band = relax(one(), side="left", stiffness=None)
+    limit = 1.02 * free.curvature
+    asked = one(curvature_limit=limit)
+    smooth = smooth_band(relax(asked, side="left"))
+    assert smooth.status is Status.OK, smooth.message
+    assert smooth.curvature <= limit
+    assert band.curvature > limit
+    assert_certified(smooth, asked)
+
+
+@both
+def test_fallback_keeps_the_band(solver: Any) -> None:
+    band = relax(one(), side="left")
+    stands = smooth_band(band, curvature_rate_limit=1e-5, solver=solver)
+    assert stands.status is Status.FALLBACK
+    assert not stands.ok
+    assert "not smoothed" in stands.message
+    assert stands.qp_residual is None
+    for name in ("nodes", "displacement", "lower", "upper", "passes_left"):
+        np.testing.assert_array_equal(getattr(stands, name), getattr(band, name))
+    for name in ("clearance", "edge_clearance", "curvature", "binding", "sides"):
+        assert getattr(stands, name) == getattr(band, name)
+
+
+def test_infeasible_stays_infeasible() -> None:
+    band = relax(one(corridor=(-2.0, 2.0)))
+    stands = smooth_band(band)
+    assert stands.status is band.status is Status.INFEASIBLE
+    assert band.message in stands.message
+    np.testing.assert_array_equal(stands.nodes, band.nodes)
+
+
+@pytest.mark.parametrize("d", [-0.5, 0.0, 0.8])
+@pytest.mark.parametrize("route", [straight(), bend(200.0)])
+def test_solvers_agree(d: float, route: np.ndarray) -> None:
+    band = relax(one(d, route))
+    first, other = (smooth_band(band, solver=solver) for solver in ("piqp", "osqp"))  # type: ignore[arg-type]
+    assert first.ok
+    assert other.ok
+    np.testing.assert_allclose(other.displacement, first.displacement, rtol=0.0, atol=2e-3)
+
+
+def test_weights() -> None:
+    """More weight on curvature against its change: less of it altogether, but less evenly."""
+    band = relax(one(), side="left")
+    even, flat = smooth_band(band), smooth_band(band, weights=(1.0, 0.0))
+    assert even.ok
+    assert flat.ok
+
+    def bending(b: Band) -> float:
+        return float((np.diff(np.pad(b.displacement, 1), 2) ** 2).sum())
+
+    assert bending(flat) < bending(even)
+    assert roughness(flat) > roughness(even)
+
+
+def test_mirror_invariance() -> None:
+    route = bend(200.0)
+    o = on(route, 75, 0.4, 0.1)
+    flipped = boxes(o.x, -o.y, -o.psi, o.length, o.width)
+    left = smooth_band(relax(scene(route, [o]), side="left"))
+    right = smooth_band(relax(scene(route * [1.0, -1.0], [flipped]), side="right"))
+    np.testing.assert_allclose(right.displacement, -left.displacement, rtol=0.0, atol=1e-5)
+    assert right.status is left.status is Status.OK
+
+
+def test_nothing_in_the_way_is_no_displacement() -> None:
+    smooth = smooth_band(relax(scene(bend(200.0), [])))
+    assert smooth.status is Status.OK
+    np.testing.assert_allclose(smooth.displacement, 0.0, atol=1e-6)
+
+
+def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    band = relax(one())
+    monkeypatch.setattr(
+        "cca_core._optional.find_spec", lambda name: None if name == "qpsolvers" else find_spec(name)
+    )
+    with pytest.raises(MissingExtraError, match=r"pip install .*cca-core\[qp\]"):
+        smooth_band(band)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"band": None}, "^band must be a Band, was NoneType"),
+        ({"curvature_rate_limit": 0.0}, "^curvature_rate_limit must be greater than 0"),
+        ({"curvature_rate_limit": math.nan}, "^curvature_rate_limit must"),
+        ({"solver": "simplex"}, "^solver must be 'piqp' or 'osqp'"),
+        ({"weights": (-1.0, 1.0)}, "^weights must"),
+        ({"weights": (0.0, 0.0)}, "^weights must"),
+        ({"weights": (math.nan, 1.0)}, "^weights must"),
+        ({"weights": 1.0}, "^weights must"),
+    ],
+)
+def test_bad_input(changes: dict, words: str) -> None:
+    arguments = {"band": relax(one()), **changes}
+    with pytest.raises(InputError, match=words):
+        smooth_band(arguments.pop("band"), **arguments)
+
+
+def test_many_bands_are_refused() -> None:
+    many = relax_band(np.array([straight(), bend()]), vehicle=CAR)
+    with pytest.raises(InputError, match=r"^band must be a single band"):
+        smooth_band(many)

@@ -1,0 +1,63 @@
+"""The double lane changes of ISO 3888 on two plants, and the highest entry speed passed."""
+
+import math
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any
+
+import pytest
+
+from cca_core import VehicleParams, VehicleState
+from cca_core.sim import (
+    DoubleLaneChange,
+    MultiBodyPlant,
+    Passage,
+    drive_through,
+    iso3888_1,
+    iso3888_2,
+    plan_through,
+)
+
+CAR = VehicleParams.bmw_320i()
+COURSES: dict[str, tuple[DoubleLaneChange, int]] = {  # entry speed that must be passed [km/h]
+    "part 1, centre to centre": (iso3888_1(CAR.width), 80),
+    "part 1, edge to centre": (iso3888_1(CAR.width, offset="edge to centre"), 80),
+    "part 1, edge to edge": (iso3888_1(CAR.width, offset="edge to edge"), 80),
+    "part 2": (iso3888_2(CAR.width), 55),
+}
+PLANTS: dict[str, Callable[[VehicleState], Any] | None] = {"single_track": None, "multi_body": MultiBodyPlant}
+
+
+@pytest.mark.parametrize("plant", PLANTS)
+@pytest.mark.parametrize("name", COURSES)
+def test_passed_up_to(benchmark: Any, name: str, plant: str) -> None:
+    """The speed asked for is passed; then 1 km/h more each time until a gate is touched."""
+    for module in ("qpsolvers", "piqp", *(["vehiclemodels"] if plant == "multi_body" else [])):
+        if find_spec(module) is None:
+            pytest.skip(f"needs {module}")
+    course, wanted = COURSES[name]
+
+    def highest() -> tuple[int, Passage]:
+        speed_kmh, first = wanted - 1, None
+        while True:
+            speed = (speed_kmh + 1) / 3.6
+            band = plan_through(course, CAR, speed)
+            if not band.ok:
+                break
+            passage = drive_through(course, band, speed, PLANTS[plant])
+            if not passage.passed:
+                break
+            first = first or passage
+            speed_kmh += 1
+        assert first is not None
+        return speed_kmh, first
+
+    speed_kmh, first = benchmark.pedantic(highest, rounds=1)
+    assert first.gap > 0.03
+    assert first.run.peak < 0.2
+    benchmark.extra_info |= {
+        "highest_speed_kmh": speed_kmh,
+        "gap": round(first.gap, 3),
+        "a_y": round(first.a_y, 2),
+        "sideslip_deg": round(math.degrees(first.sideslip), 2),
+    }
