@@ -157,9 +157,8 @@ def gap_between(
         As for `box_gap` [m].
     """
     # first each box as seen from box a, then from box b
-    turn = np.asarray(ahead_b * ahead_a.conj())
-    seen = np.empty((2, *np.broadcast_shapes(np.shape(offset), turn.shape)), dtype=np.complex128)
-    turn = np.broadcast_to(turn, seen.shape[1:])
+    turn = ahead_b * ahead_a.conj() + 0.0 * offset
+    seen = np.empty((2, *turn.shape), dtype=np.complex128)
     seen[0], seen[1] = offset * ahead_a.conj(), -offset * ahead_b.conj()
     half = np.empty((4, *seen.shape[1:]))
     half[0], half[1], half[2], half[3] = length_a, length_b, width_a, width_b

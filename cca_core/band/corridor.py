@@ -145,7 +145,7 @@ def corridor_around(
     run_up = check_any("lead", lead)
     if run_up.shape not in ((), (m,)) or run_up.min(initial=0.0) < 0.0:
         raise InputError(f"lead must have shape () or ({m},) and not be negative, was {lead!r}")
-    centre, ahead = x + 1j * y, np.exp(1j * psi)
+    centre, ahead = x + 1j * y, np.cos(psi) + 1j * np.sin(psi)
     radius = np.hypot(half_length, half_width)
     moves = np.zeros(radius.shape[:2])
     if any(np.ndim(o.x) or np.ndim(o.y) or np.ndim(o.psi) for o in obstacles):

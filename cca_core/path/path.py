@@ -1,6 +1,7 @@
 """A road's centre line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable."""
 
 import math
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -34,17 +35,13 @@ class Path:
     >>> path = Path([0.0, 10.0], [[[0, 0, 10, 0], [0, 0, 0, 0]]])
     >>> path.position(4.0)
     array([4., 0.])
-    >>> s, d = path.project([4.0, 1.5])
-    >>> float(s), float(d)
-    (4.0, 1.5)
     """
 
     def __init__(self, breaks: ArrayLike, coefficients: ArrayLike) -> None:
         s = check_array("breaks", breaks, (None,))
         c = check_array("coefficients", coefficients, (None, 2, 4))
         if len(s) < 2 or len(c) != len(s) - 1:
-            shapes = f"{s.shape}, {c.shape}"
-            raise InputError(f"breaks, coefficients must have shapes (n + 1,), (n, 2, 4), had {shapes}")
+            raise InputError(f"breaks, coefficients must be (n + 1,), (n, 2, 4), were {s.shape}, {c.shape}")
         if not (np.diff(s) > 0.0).all():
             raise InputError("breaks must increase")
         self._set(s, c)
@@ -57,10 +54,13 @@ class Path:
         return path
 
     def _set(self, breaks: Array, coefficients: Array) -> None:
-        for array in (breaks, coefficients):
-            array.setflags(write=False)
+        breaks.setflags(write=False)
+        coefficients.setflags(write=False)
         self._breaks, self._coefficients = breaks, coefficients
-        self._cubics = Cubics(breaks, coefficients)
+
+    @cached_property
+    def _cubics(self) -> Cubics:
+        return Cubics(self._breaks, self._coefficients)
 
     def __repr__(self) -> str:
         return f"Path({len(self._coefficients)} segments, {self.length:.1f} m)"

@@ -1,0 +1,215 @@
+"""Crossing conflicts: where the ego's path meets that of another vehicle, and who is there when."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cca_core._checks import Array, check_array, check_real
+from cca_core.decide.sweep import Sweep
+from cca_core.errors import InputError
+from cca_core.path import Path
+from cca_core.vehicle import RemoteVehicle, VehicleParams
+
+__all__ = ["Conflict", "CrossingSettings", "crossing"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossingSettings:
+    """What the other vehicle may do, and what counts as crossing. The values are this project's own.
+
+    Parameters
+    ----------
+    a_max : float
+        Largest acceleration of the other vehicle [m/s^2].
+    b_max : float
+        Largest deceleration of the other vehicle [m/s^2], positive.
+    margin : float
+        Time that must lie between two bodies in the conflict area [s].
+    clearance : float
+        Distance by which the ego's body grows on each side [m].
+    least_angle : float
+        Angle between the headings from which on paths cross [rad]; below it they follow or merge.
+    standing : float
+        Speed below which a vehicle is taken to stay where it is [m/s].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or out of range.
+    """
+
+    a_max: float = 2.0
+    b_max: float = 2.0
+    margin: float = 1.0
+    clearance: float = 0.3
+    least_angle: float = math.pi / 6.0
+    standing: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("a_max", "b_max", "margin", "clearance"):
+            check_real(name, getattr(self, name), least=0.0)
+        check_real("standing", self.standing, above=0.0)
+        check_real("least_angle", self.least_angle, above=0.0, most=0.5 * math.pi)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Conflict:
+    """A stretch of the ego's path on which another vehicle could meet it.
+
+    Parameters
+    ----------
+    remote : str
+        Id of the other vehicle.
+    s_in, s_out : float
+        Path coordinates of the ego's centre of gravity between which the bodies could overlap [m].
+    distance : float
+        Distance from the ego to `s_in` [m]: to the place where it must stop in order to wait. Not positive if
+        its body may already be in the area.
+    ego : tuple of float
+        When the ego enters and leaves, as intended [s] from now; infinite if it does not do so within the
+        horizon.
+    other : tuple of float
+        Earliest time at which the other vehicle could enter and latest at which it could have left [s];
+        infinite if it could stop before it has left.
+    expected : tuple of float
+        The same at the speed that it has now [s].
+    margin : float
+        Time that must lie between them [s].
+    """
+
+    remote: str
+    s_in: float
+    s_out: float
+    distance: float
+    ego: tuple[float, float]
+    other: tuple[float, float]
+    expected: tuple[float, float]
+    margin: float
+
+    @property
+    def before(self) -> bool:
+        """Whether the ego has left the area a margin before the other vehicle could enter."""
+        return self.ego[1] + self.margin <= self.other[0]
+
+    @property
+    def after(self) -> bool:
+        """Whether the other vehicle has left for certain a margin before the ego enters."""
+        return self.other[1] + self.margin <= self.ego[0]
+
+    @property
+    def free(self) -> bool:
+        """Whether the ego can drive as intended, before or after the other vehicle."""
+        return self.before or self.after
+
+    @property
+    def wait(self) -> bool:
+        """Whether the ego must stop before the area; if it is neither free nor to be waited for, clear it."""
+        return not self.free and self.distance > 0.0
+
+
+def crossing(
+    path: Path,
+    s: float,
+    stations: ArrayLike,
+    times: ArrayLike,
+    vehicle: VehicleParams,
+    remote: RemoteVehicle,
+    *,
+    horizon: float = 8.0,
+    settings: CrossingSettings | None = None,
+) -> Conflict | None:
+    """Find the conflict between the ego's path and the predicted path of another vehicle.
+
+    Parameters
+    ----------
+    path : Path
+        What the ego's centre of gravity follows.
+    s : float
+        Its path coordinate now [m].
+    stations : array_like, shape (n,)
+        Path coordinates that it intends to pass [m], increasing from `s`.
+    times : array_like, shape (n,)
+        When it intends to be there [s] from now, increasing; linear between them.
+    vehicle : VehicleParams
+        The ego.
+    remote : RemoteVehicle
+        The other vehicle.
+    horizon : float
+        How far to look ahead [s].
+    settings : CrossingSettings, optional
+        Bounds and margins.
+
+    Returns
+    -------
+    conflict : Conflict or None
+        None if the bodies cannot meet within the horizon, if the vehicle stands or cannot be used, or if it
+        drives along the ego's path, in the same direction or the opposite one.
+
+    Raises
+    ------
+    InputError
+        If an argument is not finite or out of range, or `stations` or `times` does not increase.
+
+    Notes
+    -----
+    The other vehicle goes on straight, or on the circle given by its yaw rate up to a right angle. Along this
+    way it may have any acceleration within the bounds; its box grows by two standard deviations of its place
+    and by what it may have done since it was measured. The area is bounded by the first and the last place
+    of each body at which any place of the other one could touch it.
+    """
+    settings = CrossingSettings() if settings is None else settings
+    s, horizon = check_real("s", s), check_real("horizon", horizon, above=0.0, most=60.0)
+    at, t = check_array("stations", stations, (None,)), check_array("times", times, (None,))
+    if at.shape != t.shape or len(at) < 2 or np.diff(at).min() <= 0.0 or np.diff(t).min() <= 0.0:
+        raise InputError("stations and times must have the same length, at least 2, and increase")
+    if remote.defect is not None or t[0] >= horizon:
+        return None
+    end = float(np.interp(horizon, t, at))
+    body = Sweep.along(path, float(at[0]), end, vehicle, settings.clearance)
+    return conflict_with(body, s, at, t, remote, horizon, settings)
+
+
+def conflict_with(
+    body: Sweep,
+    s: float,
+    at: Array,
+    t: Array,
+    remote: RemoteVehicle,
+    horizon: float,
+    settings: CrossingSettings,
+) -> Conflict | None:
+    """Find the conflict for a swept ego; arguments as for `crossing`, checked there."""
+    v = abs(remote.v_x)
+    if v < settings.standing:
+        return None
+    late = max(settings.a_max, settings.b_max) * remote.age
+    fast, slow = v + late, max(v - late, 0.0)
+    reach = fast * horizon + 0.5 * settings.a_max * horizon**2
+    along = 2.0 * remote.sigma_along + 0.5 * late * remote.age
+    other = Sweep.ahead_of(remote, reach, along, 2.0 * remote.sigma_across)
+    places = body.meets(other, settings.least_angle)
+    if places is None:
+        return None
+    first, last, first_other, last_other = places
+    s_in, s_out = float(body.station[first]) - 0.5 * body.step, float(body.station[last]) + 0.5 * body.step
+    u_in = max(float(other.station[first_other]) - 0.5 * other.step, 0.0)
+    u_out = float(other.station[last_other]) + 0.5 * other.step
+    open_end = last == len(body.station) - 1
+    leaves = math.inf if open_end else float(np.interp(s_out, at, t))
+    endless = last_other == len(other.station) - 1
+    return Conflict(
+        remote=remote.id, s_in=s_in, s_out=s_out, distance=s_in - s, margin=settings.margin,
+        ego=(float(np.interp(s_in, at, t)), leaves),
+        other=(_time(u_in, fast, settings.a_max), math.inf if endless else _time(u_out, slow, -settings.b_max)),
+        expected=(u_in / v, math.inf if endless else u_out / v),
+    )  # fmt: skip
+
+
+def _time(distance: float, v: float, a: float) -> float:
+    """Time in which a distance is covered from speed v at constant acceleration; infinite if never."""
+    squared = v * v + 2.0 * a * distance
+    if squared < 0.0 or (v == 0.0 and squared == 0.0):
+        return math.inf if distance > 0.0 else 0.0
+    return 2.0 * distance / (v + math.sqrt(squared))

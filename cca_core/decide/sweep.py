@@ -1,0 +1,195 @@
+"""Where two bodies that move along curves could touch: samples of both, grown so that nothing is missed."""
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from cca_core._checks import Array, Complex
+from cca_core.path import Path
+from cca_core.vehicle import RemoteVehicle, VehicleParams
+
+__all__ = ["Sweep"]
+
+_SPACING = 1.0  # of the samples, at most [m]
+_BLOCK = 4  # samples that are looked at together first
+_CORNER = 0.5 * math.pi  # a turning vehicle goes on straight after a right angle [rad]
+_STRAIGHT = 1.0e-3  # curvature below which it is not turning [1/m]; the paths differ by 5 m after 100 m
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sweep:
+    """A body at equidistant places of its way, each box so large that it holds the body half a step on.
+
+    Parameters
+    ----------
+    station : ndarray, shape (n,)
+        Distance along the way [m], of the body's reference point.
+    centre : ndarray of complex, shape (n,)
+        Centres of the boxes, x + iy [m].
+    ahead : ndarray of complex, shape (n,)
+        Headings as unit numbers exp(i psi) [-].
+    half_length, half_width : float
+        Half extents of the boxes [m].
+    step : float
+        Distance of the places [m].
+    bend : float
+        Largest change of heading between them [rad].
+    headings : tuple of float
+        Least and largest heading along the way [rad], not wrapped.
+    """
+
+    station: Array
+    centre: Complex
+    ahead: Complex
+    half_length: float
+    half_width: float
+    step: float
+    bend: float
+    headings: tuple[float, float]
+
+    @classmethod
+    def along(cls, path: Path, start: float, end: float, vehicle: VehicleParams, clearance: float) -> Self:
+        """Follow a path with the centre of gravity, the body along the tangent.
+
+        Parameters
+        ----------
+        path : Path
+            The way.
+        start, end : float
+            Its stretch [m].
+        vehicle : VehicleParams
+            The body.
+        clearance : float
+            By which it grows on each side [m].
+
+        Returns
+        -------
+        sweep : Sweep
+            The body along the path.
+        """
+        n = max(math.ceil((end - start) / _SPACING), 1) + 1
+        station = np.linspace(start, end, n)
+        point, tangent, _ = path.derivatives(station)
+        ahead = tangent[:, 0] + 1j * tangent[:, 1]
+        ahead /= np.abs(ahead)
+        centre = point[:, 0] + 1j * point[:, 1] + vehicle.box_offset * ahead
+        turns = np.angle(ahead[1:] * ahead[:-1].conj())
+        heading = float(np.angle(ahead[0])) + np.concatenate(([0.0], np.cumsum(turns)))
+        bend = float(np.abs(turns).max())
+        half = 0.5 * vehicle.length + clearance, 0.5 * vehicle.width + clearance
+        span = float(heading.min()), float(heading.max())
+        return cls._grown(station, centre, ahead, half, (end - start) / (n - 1), bend, span)
+
+    @classmethod
+    def ahead_of(cls, remote: RemoteVehicle, reach: float, along: float, across: float) -> Self:
+        """Let a vehicle go on straight or on the circle that it drives now, but no more than round a corner.
+
+        Parameters
+        ----------
+        remote : RemoteVehicle
+            The vehicle; one that drives backwards does so here.
+        reach : float
+            How far [m].
+        along, across : float
+            What its body is longer and wider by on each side [m].
+
+        Returns
+        -------
+        sweep : Sweep
+            The body along its way.
+        """
+        n = max(math.ceil(reach / _SPACING), 1) + 1
+        station = np.linspace(0.0, reach, n)
+        psi, kappa = remote.psi + (math.pi if remote.v_x < 0.0 else 0.0), curvature(remote)
+        on_arc = np.minimum(station, _CORNER / max(abs(kappa), 1e-9))
+        turned = kappa * on_arc
+        start, ahead = complex(math.cos(psi), math.sin(psi)), np.exp(1j * (psi + turned))
+        chord = on_arc * np.sinc(turned / (2.0 * math.pi)) * np.exp(0.5j * turned) * start
+        centre = remote.x + 1j * remote.y + chord + (station - on_arc) * ahead
+        step, last = reach / (n - 1), psi + float(turned[-1])
+        half = 0.5 * remote.length + along, 0.5 * remote.width + across
+        span = min(psi, last), max(psi, last)
+        return cls._grown(station, centre, ahead, half, step, abs(kappa) * step, span)
+
+    @classmethod
+    def _grown(
+        cls, station: Array, centre: Complex, ahead: Complex,
+        half: tuple[float, float], step: float, bend: float, headings: tuple[float, float],
+    ) -> Self:  # fmt: skip
+        # half a step on the body has moved by half a step and turned by half the bend
+        return cls(
+            station=station, centre=centre, ahead=ahead, step=step, bend=bend, headings=headings,
+            half_length=half[0] + 0.5 * step + 0.5 * bend * half[1],
+            half_width=half[1] + 0.5 * bend * (half[0] + 0.5 * step),
+        )  # fmt: skip
+
+    def always_parallel(self, other: "Sweep", least_angle: float) -> bool:
+        """Tell whether two ways are never at more than an angle, in either direction, wherever on them.
+
+        Parameters
+        ----------
+        other : Sweep
+            The other body.
+        least_angle : float
+            The angle [rad].
+
+        Returns
+        -------
+        parallel : bool
+            True if no place of one and place of the other have headings farther apart.
+        """
+        low, high = other.headings[0] - self.headings[1], other.headings[1] - self.headings[0]
+        turns = math.pi * round(0.5 * (low + high) / math.pi)
+        return low - turns > -least_angle and high - turns < least_angle
+
+    def meets(self, other: "Sweep", least_angle: float) -> tuple[int, int, int, int] | None:
+        """Find where two bodies could touch.
+
+        Parameters
+        ----------
+        other : Sweep
+            The other body.
+        least_angle : float
+            Angle that the headings must reach somewhere where they touch [rad].
+
+        Returns
+        -------
+        places : tuple of int, or None
+            First and last place of this body and of the other; None if they are apart, or parallel.
+        """
+        if self.always_parallel(other, least_angle):
+            return None
+        a, b = self.centre[_BLOCK // 2 :: _BLOCK], other.centre[_BLOCK // 2 :: _BLOCK]
+        # the last block may be short: its own last place stands for it
+        a = np.append(a, self.centre[-1]) if _BLOCK * len(a) < len(self.centre) else a
+        b = np.append(b, other.centre[-1]) if _BLOCK * len(b) < len(other.centre) else b
+        reach = math.hypot(self.half_length, self.half_width) + 0.5 * _BLOCK * self.step
+        reach += math.hypot(other.half_length, other.half_width) + 0.5 * _BLOCK * other.step
+        near = a[:, None] - b
+        rows, columns = np.nonzero(near.real**2 + near.imag**2 <= reach * reach)
+        if not len(rows):
+            return None
+        offsets = np.arange(_BLOCK)
+        i = np.broadcast_to((_BLOCK * rows)[:, None, None] + offsets[:, None], (len(rows), _BLOCK, _BLOCK))
+        j = np.broadcast_to((_BLOCK * columns)[:, None, None] + offsets, (len(rows), _BLOCK, _BLOCK))
+        on = (i < len(self.centre)) & (j < len(other.centre))
+        i, j = i[on], j[on]
+        turn = other.ahead[j] * self.ahead[i].conj()
+        offset = (other.centre[j] - self.centre[i]) * self.ahead[i].conj()
+        c, s = np.abs(turn.real), np.abs(turn.imag)
+        la, wa, lb, wb = self.half_length, self.half_width, other.half_length, other.half_width
+        touch = (np.abs(offset.real) <= la + lb * c + wb * s) & (np.abs(offset.imag) <= wa + lb * s + wb * c)
+        offset = offset * turn.conj()
+        touch &= (np.abs(offset.real) <= lb + la * c + wa * s) & (np.abs(offset.imag) <= wb + la * s + wa * c)
+        if not touch.any() or float(s[touch].max()) < math.sin(least_angle):
+            return None
+        i, j = i[touch], j[touch]
+        return int(i.min()), int(i.max()), int(j.min()), int(j.max())
+
+
+def curvature(remote: RemoteVehicle) -> float:
+    """Curvature of a vehicle's way, in the direction in which it moves [1/m]."""
+    kappa = remote.r / max(abs(remote.v_x), 1.0)
+    return kappa if abs(kappa) >= _STRAIGHT else 0.0
