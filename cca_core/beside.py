@@ -25,6 +25,8 @@ def lane_beside(
     x_safety: float,
     known_range: float,
     stale_after: float,
+    braking: float,
+    acceleration: float,
 ) -> tuple[tuple[float, float] | None, str]:
     """Ask whether the lane beside is free while the ego's body is on it.
 
@@ -43,6 +45,8 @@ def lane_beside(
     x_safety, known_range, stale_after : float
         Distance kept [m], distance up to which all vehicles are known [m], and age from which on a
         vehicle's messages are no longer believed [s].
+    braking, acceleration : float
+        Largest deceleration and acceleration of others that are provided for [m/s^2].
 
     Returns
     -------
@@ -63,16 +67,11 @@ def lane_beside(
     stale = [o.remote.id for o in others if _is_on(o, lane) and o.remote.age > stale_after]
     if stale:
         return None, f"nothing is heard of {stale[0]} any more"
-    for name, rear, front, v_s, margin in _vehicles_on(lane, ego, road, others, known_range):
+    for name, rear, front, v_s, age, known in _vehicles_on(lane, ego, road, others, known_range):
         zone = danger_zone(
-            rear,
-            front,
-            v_s,
-            times=times,
-            ego_travel=driven,
-            x_safety=x_safety,
-            margin=margin,
-        )
+            rear, front, v_s, times=times, ego_travel=driven, x_safety=x_safety, age=age,
+            braking=braking * known, acceleration=acceleration * known,
+        )  # fmt: skip
         gap = max(float(zone[0]) - half, -half - float(zone[1]))
         if gap < least:
             least, blocked = gap, f"{name} is in the way" if gap <= 0.0 else ""
@@ -88,8 +87,8 @@ def _is_on(other: Neighbour, lane: Lane) -> bool:
 
 def _vehicles_on(
     lane: Lane, ego: Ego, road: Road, others: Sequence[Neighbour], known_range: float
-) -> list[tuple[str, float, float, float, float]]:
-    """Name, rear and front relative to the ego, speed along the road and margin of all on a lane."""
+) -> list[tuple[str, float, float, float, float, bool]]:
+    """Name, rear and front relative to the ego, speed, age and whether it is known, of all on a lane."""
     centre = ego.s + ego.vehicle.box_offset
     found = [
         (
@@ -97,12 +96,13 @@ def _vehicles_on(
             o.s - o.half_length - centre,
             o.s + o.half_length - centre,
             o.v_s,
-            abs(o.v_s) * o.remote.age,
+            o.remote.age,
+            True,
         )
         for o in others
         if _is_on(o, lane)
     ]
     if math.isfinite(known_range):
         edge, v = (known_range, -road.speed_limit) if lane.direction < 0 else (-known_range, road.speed_limit)
-        found.append(("a vehicle out of range", edge, edge, v, 0.0))
+        found.append(("a vehicle out of range", edge, edge, v, 0.0, False))
     return found

@@ -11,8 +11,9 @@ from cca_core.band import Band, Side, relax_band
 from cca_core.beside import lane_beside
 from cca_core.decide import Candidate
 from cca_core.errors import Status
+from cca_core.geometry import Boxes
 from cca_core.path import Lane, Path, Road, interpolate_path
-from cca_core.predict import predict_along
+from cca_core.predict import boxes_between
 from cca_core.scene import HORIZON, Ego, Neighbour
 
 __all__ = ["Evasion", "EvasionSettings", "plan_evasion"]
@@ -51,6 +52,13 @@ class EvasionSettings:
         Age from which on a vehicle's messages are no longer believed and its lane is not free [s].
     speed_floor : float
         Least speed advantage over a vehicle to be passed [m/s].
+    braking : float
+        Largest deceleration of others that is provided for [m/s^2].
+    acceleration : float
+        Largest acceleration of others that is provided for [m/s^2]; with 0 here and for `braking` everybody
+        is taken to go on as now, which is the paper's view.
+    passed_acceleration : float
+        The same for the vehicle that is passed [m/s^2].
 
     Raises
     ------
@@ -67,11 +75,17 @@ class EvasionSettings:
     known_range: float = 300.0
     stale_after: float = 1.0
     speed_floor: float = 2.0
+    braking: float = 8.0
+    acceleration: float = 3.0
+    passed_acceleration: float = 0.0
 
     def __post_init__(self) -> None:
         check_real("lateral_acceleration", self.lateral_acceleration, above=0.0)
         check_real("lateral_limit", self.lateral_limit, above=0.0)
-        for name in ("clearance", "lead_time", "preparation", "x_safety", "stale_after", "speed_floor"):
+        for name in (
+            "clearance", "lead_time", "preparation", "x_safety", "stale_after", "speed_floor", "braking",
+            "acceleration", "passed_acceleration",
+        ):  # fmt: skip
             check_real(name, getattr(self, name), least=0.0)
         check_real("known_range", self.known_range, least=0.0, infinite=True)
 
@@ -156,7 +170,9 @@ def plan_evasion(
         The swerve; a bare candidate with its obstruction where no band could be drawn.
     """
     leads = [settings.lead_time * max(max(ego.v_x, ego.v_target) - b.v_s, 0.0) for b in blockers]
-    contact = [_contact(ego, b, settings.clearance, lead) for b, lead in zip(blockers, leads, strict=True)]
+    contact = [
+        _contact(ego, b, settings, lead, b is blockers[0]) for b, lead in zip(blockers, leads, strict=True)
+    ]
     first, last = contact[0]
     if ongoing is None and not first < last < HORIZON:
         return Candidate(
@@ -189,6 +205,7 @@ def plan_evasion(
             end = until
     if end > road.path.end:
         return Candidate(side=side, obstruction="the route ends before the pass does")
+    beside_or_ahead = [o for o in others if not _follows(o, ego, road.own_lane)]
     n = 1 + min(_NODES, max(20, math.ceil(end - start)))
     s = np.linspace(start, end, n)
     t = ego.times(s)
@@ -196,11 +213,11 @@ def plan_evasion(
     left = road.own_lane.left if side == "right" or beside is None else beside.left
     band = relax_band(
         road.path.position(s),
-        [predict_along(o.remote, road.path, o.s, o.d, t) for o in (*blockers, *others)],
+        [_boxes(road.path, s, o, t, settings, o is blockers[0]) for o in (*blockers, *beside_or_ahead)],
         side=side,
         vehicle=ego.vehicle,
         clearance=settings.clearance,
-        lead=[*leads, *(0.0 for _ in others)],
+        lead=[*leads, *(0.0 for _ in beside_or_ahead)],
         corridor=(right, left),
         curvature_limit=settings.lateral_limit / max(ego.v_x, ego.v_target, 1.0) ** 2,
     )
@@ -218,6 +235,7 @@ def plan_evasion(
         zone, obstruction = lane_beside(
             ego, road, beside, [*others, *blockers[1:]], span,
             x_safety=settings.x_safety, known_range=settings.known_range, stale_after=settings.stale_after,
+            braking=settings.braking, acceleration=settings.acceleration,
         )  # fmt: skip
     if not found:
         obstruction = obstruction or band.message
@@ -231,12 +249,34 @@ def plan_evasion(
     )  # fmt: skip
 
 
-def _contact(ego: Ego, other: Neighbour, clearance: float, lead: float) -> tuple[float, float]:
+def _span(other: Neighbour, t: Array, settings: EvasionSettings, passed: bool) -> tuple[Array, Array]:
+    """Stretch of the route that another vehicle may cover, within the bounds that are provided for."""
+    acceleration = settings.passed_acceleration if passed else settings.acceleration
+    return other.span(t, braking=settings.braking, acceleration=acceleration)
+
+
+def _boxes(
+    path: Path, s: Array, other: Neighbour, t: Array, settings: EvasionSettings, passed: bool
+) -> Boxes:
+    rear, front = _span(other, t, settings, passed)
+    return boxes_between(path, s, rear, front, other.d, other.half_width)
+
+
+def _follows(other: Neighbour, ego: Ego, own: Lane) -> bool:
+    """Whether a vehicle is behind the ego on its lane: keeping the distance is its own duty."""
+    behind = other.s + other.half_length < ego.s + ego.vehicle.box_offset - 0.5 * ego.vehicle.length
+    return behind and own.right < other.d < own.left and other.v_s >= 0.0
+
+
+def _contact(
+    ego: Ego, other: Neighbour, settings: EvasionSettings, lead: float, passed: bool
+) -> tuple[float, float]:
     """First and last distance ahead at which the ego must be beside the other; infinite if nowhere."""
     x = np.arange(-_BEHIND, HORIZON, 1.0)
-    apart = other.advance(ego.times(ego.s + x)) - (ego.s + x + ego.vehicle.box_offset)
-    reach = 0.5 * ego.vehicle.length + other.half_length + clearance
-    abeam = np.flatnonzero((apart >= -reach) & (apart <= reach + lead))
+    rear, front = _span(other, ego.times(ego.s + x), settings, passed)
+    middle = ego.s + x + ego.vehicle.box_offset
+    reach = 0.5 * ego.vehicle.length + settings.clearance
+    abeam = np.flatnonzero((front >= middle - reach) & (rear <= middle + reach + lead))
     if not len(abeam):
         return math.inf, math.inf
     last = float(x[abeam[-1]])

@@ -10,7 +10,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.follow import SpeedSettings, arrival_times
 from cca_core.path import Path
-from cca_core.predict import travel
+from cca_core.predict import reach, travel
 from cca_core.vehicle import RemoteVehicle, VehicleParams
 
 __all__ = ["HORIZON", "Ego", "Neighbour", "locate"]
@@ -70,21 +70,30 @@ class Neighbour:
             half_length=along * abs(cos) + across * abs(sin), half_width=along * abs(sin) + across * abs(cos),
         )  # fmt: skip
 
-    def advance(self, t: Array) -> Array:
-        """Place along the route at times from now.
+    def span(self, t: Array, *, braking: float, acceleration: float) -> tuple[Array, Array]:
+        """Stretch of the route that its body may cover at times from now.
 
         Parameters
         ----------
         t : ndarray, shape (n,)
             Times from now [s].
+        braking, acceleration : float
+            Its largest deceleration and acceleration [m/s^2]; if both are 0 it goes on as it does now.
 
         Returns
         -------
-        s : ndarray, shape (n,)
-            Path coordinate of its centre [m].
+        rear, front : ndarray, shape (n,)
+            Least and largest path coordinate of its body [m].
         """
-        direction = math.copysign(1.0, self.v_s)
-        return self.s + direction * travel(abs(self.v_s), self.remote.a_x, t)
+        a_x = self.remote.a_x
+        if braking == acceleration == 0.0:
+            low = high = math.copysign(1.0, self.v_s) * travel(abs(self.v_s), a_x, t)
+        else:
+            low, high = reach(
+                self.v_s, t, braking=max(braking, -a_x), acceleration=max(acceleration, a_x),
+                age=self.remote.age,
+            )  # fmt: skip
+        return self.s + low - self.half_length, self.s + high + self.half_length
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

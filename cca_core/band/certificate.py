@@ -74,8 +74,8 @@ def certify(task: Task, u: Array) -> Certificate:
     -----
     Between nodes the band is the cubic Hermite curve through them and obstacles move in straight lines. The
     gap of convex bodies in straight relative motion without turning is a convex function of time: it lies
-    above its secants drawn on from the intervals on both sides. What the curve bulges from its chord is
-    taken off that bound, and where it falls below the distance asked, the interval is sampled closely.
+    above its secants drawn on from the intervals on both sides. What the curve bulges from its chord and what
+    turning may take away is taken off that bound, and where it falls below the distance asked, the interval is sampled closely.
     """
     nodes = task.base + 1j * task.tangents * u
     along, curvature = tangents_of(nodes)[0], curvature_of(nodes)
@@ -97,7 +97,7 @@ def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array
     gaps = middles - (o.radius + 0.5 * math.hypot(vehicle.length, vehicle.width))
     most = (middles - o.half_width).min(axis=(0, 2)) - 0.5 * vehicle.width
     # no gap changes by more from node to node
-    moves = o.moves + task.h * (1.0 + 0.6 * vehicle.length * np.abs(curvature).max())
+    moves = o.moves + task.h * (1.0 + 0.6 * vehicle.length * np.abs(curvature).max(axis=1))
     near = gaps <= (np.maximum(clearance, most) + 2.0 * moves)[..., None]
     pairs = near.nonzero()
     i = pairs[2]
@@ -105,7 +105,7 @@ def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array
         return gaps
     sampled = _gap(nodes[pairs[1:]], along[pairs[1:]], _at(o, pairs), vehicle)
     bent = np.abs(curvature[pairs[1:]])
-    bulge = 0.125 * task.h[pairs[1]] ** 2 * bent * (1.0 + 0.5 * vehicle.length * bent)
+    bulge = task.h[pairs[1]] * bent * (0.125 * task.h[pairs[1]] + 0.5 * moves[pairs[:2]])
     if o.moves.any() or bent.any():
         bulge += _ROUNDING
     least = sampled.copy()

@@ -12,6 +12,7 @@ from cca_core.band.task import Task
 from cca_core.errors import Status
 
 _TIGHTENINGS = 16
+_GAIN, _FRUITLESS = 0.8, 4  # a round must lessen what is lacking to this share, one of so many at least
 _MOST_SHARE = 0.8  # by which contact may be taken to give way
 _AIM = 3e-3  # what is lacking is pushed for with this much more [m]
 _SPARE = 2e-3  # share of the curvature limit that is aimed below it
@@ -49,13 +50,19 @@ def relaxed(task: Task, leading: tuple[int, ...], passes_left: Mask) -> Band:
     todo, lacked = np.flatnonzero(room), np.full(len(room), math.inf)
     bends: tuple[Array, Array] | None = None
     best, best_u = np.full(len(room), math.inf), u.copy()
+    fruitless = np.zeros(len(room), dtype=np.intp)  # rounds since the last that brought much
     for _ in range(_TIGHTENINGS):
         lacks = np.maximum(task.clearance - found.least_gap, -found.least_edge)
         todo = todo[(lacks[todo] > 0.0) | (found.bent[todo] > 1.0)]
         if not len(todo):
             break
-        better = todo[found.excess(task)[todo] < best[todo]]
-        best[better], best_u[better] = found.excess(task)[better], u[better]
+        excess = found.excess(task)
+        better = todo[excess[todo] < best[todo]]
+        fruitless[todo] = np.where(excess[todo] < _GAIN * best[todo], 0, fruitless[todo] + 1)
+        best[better], best_u[better] = excess[better], u[better]
+        todo = todo[fruitless[todo] < _FRUITLESS]
+        if not len(todo):
+            break
         # contact gives way by a share of what it is pushed: extrapolate to where nothing is lacking
         gain = 1.0 / (1.0 - np.clip(lacks[todo] / lacked[todo], 0.0, _MOST_SHARE))
         lacked[todo] = np.maximum(lacks[todo], _AIM)

@@ -118,8 +118,8 @@ def smoothest(
     -----
     Minimises ``integral w_1 c^2 + w_2 c'^2 ds`` where ``c = u'' + kappa_0^2 u`` is the linear change of the
     route's curvature by an offset u. Displacement and curvature change of every node are the unknowns, so
-    that all limits but those of c' are plain bounds. The band goes on undisplaced beyond its ends, on a route
-    of constant curvature there.
+    that all limits but those of c' are plain bounds. Two nodes at each end are pinned, and beyond them the
+    route has constant curvature.
     """
     if solver not in _SETTINGS:
         raise InputError(f"solver must be 'piqp' or 'osqp', was {solver!r}")
@@ -130,7 +130,7 @@ def smoothest(
     qpsolvers = require_extra("qpsolvers", "qp")
     require_extra(solver, "qp")
 
-    inner = n - 2
+    inner = n - 4
     nodes_per_unit = (n - 1) / _UNITS_PER_BAND
     unit = nodes_per_unit * spacing
     bending = weights[0] * unit**2 / (weights[0] * unit**2 + weights[1])
@@ -139,14 +139,14 @@ def smoothest(
     cost.data = bending / nodes_per_unit * level.data + (1.0 - bending) * nodes_per_unit * slope.data
     linked = copy(link)
     linked.data = link.data.copy()
-    linked.data[1 : 3 * inner : 3] += (unit * route_curvature[1:-1]) ** 2
+    linked.data[1 : 3 * inner : 3] += (unit * route_curvature[2:-2]) ** 2
     before = unit**2 * (route_curvature + curvature_error)
     if not np.isfinite(before).all():
         raise InputError("route_curvature and curvature_error must be finite")
     limit = unit**2 * np.asarray(curvature_limit)
     problem = qpsolvers.Problem(
         cost, np.zeros(inner + n), A=linked, b=np.zeros(n),
-        lb=np.concatenate((lower[1:-1], -limit - before)), ub=np.concatenate((upper[1:-1], limit - before)),
+        lb=np.concatenate((lower[2:-2], -limit - before)), ub=np.concatenate((upper[2:-2], limit - before)),
     )  # fmt: skip
     if curvature_rate_limit < math.inf:
         step = np.zeros(n + 1)
@@ -155,7 +155,7 @@ def smoothest(
         problem.G, problem.h = rates, np.concatenate((most - step, most + step))
     near = None
     if start is not None and solver == "osqp":
-        near = np.concatenate((start[1:-1], linked[:, :inner] @ start[1:-1]))
+        near = np.concatenate((start[2:-2], linked[:, :inner] @ start[2:-2]))
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # infeasibility is an outcome
@@ -165,7 +165,7 @@ def smoothest(
     missed = solution.primal_residual()
     solved = bool(missed <= _SLACK * min(unit**2, 1.0))
     if solved:
-        u[1:-1] = solution.x[:inner]
+        u[2:-2] = solution.x[:inner]
     elif solution.found:
         message += f", but misses a bound by {missed:.1e}"
     return Smoothest(u=u, solved=solved, message=message, iterations=int(info.iter), solution=solution)
@@ -179,9 +179,9 @@ def _templates(n: int) -> tuple[Any, Any, Any, Any]:
     """
     from scipy import sparse  # slow to import, and importing the library is to be quick
 
-    inner = n - 2
+    inner = n - 4
     units = ((n - 1) / _UNITS_PER_BAND) ** 2
-    bend = sparse.diags([units, -2.0 * units, units], [0, -1, -2], shape=(n, inner))
+    bend = sparse.diags([units, -2.0 * units, units], [-1, -2, -3], shape=(n, inner))
     link = sparse.csc_matrix(sparse.hstack((bend, -sparse.identity(n))))
     change = sparse.diags([1.0, -1.0], [0, -1], shape=(n + 1, n))
     none = sparse.csc_matrix((n + 1, inner))

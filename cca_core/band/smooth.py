@@ -120,5 +120,5 @@ def _within_reach(found: Certificate, u: Array, passes_left: Mask, clearance: fl
     up = np.min(spare, axis=0, where=~left, initial=math.inf)
     lower = u - np.minimum(low, found.right[0] - _AIM)
     upper = u + np.minimum(up, found.left[0] - _AIM)
-    lower[[0, -1]], upper[[0, -1]] = -math.inf, math.inf
+    lower[[0, 1, -2, -1]], upper[[0, 1, -2, -1]] = -math.inf, math.inf
     return lower, upper

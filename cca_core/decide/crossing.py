@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_array, check_real
-from cca_core.decide.sweep import Sweep
+from cca_core.decide.sweep import Sweep, always_parallel, headings_ahead
 from cca_core.errors import InputError
 from cca_core.path import Path
 from cca_core.vehicle import RemoteVehicle, VehicleParams
@@ -188,6 +188,12 @@ def conflict_with(
     fast, slow = v + late, max(v - late, 0.0)
     reach = fast * horizon + 0.5 * settings.a_max * horizon**2
     along = 2.0 * remote.sigma_along + 0.5 * late * remote.age
+    if always_parallel(body.headings, headings_ahead(remote, reach), settings.least_angle):
+        return None
+    start = complex(body.centre[0]) - complex(remote.x, remote.y)
+    sizes = body.half_length + body.half_width + remote.length + remote.width + along + remote.sigma_across
+    if abs(start) > float(body.station[-1] - body.station[0]) + reach + sizes + 2.0 * remote.sigma_across:
+        return None
     other = Sweep.ahead_of(remote, reach, along, 2.0 * remote.sigma_across)
     places = body.meets(other, settings.least_angle)
     if places is None:
@@ -199,10 +205,11 @@ def conflict_with(
     open_end = last == len(body.station) - 1
     leaves = math.inf if open_end else float(np.interp(s_out, at, t))
     endless = last_other == len(other.station) - 1
+    latest = math.inf if endless else _time(u_out, slow, -settings.b_max)
     return Conflict(
         remote=remote.id, s_in=s_in, s_out=s_out, distance=s_in - s, margin=settings.margin,
         ego=(float(np.interp(s_in, at, t)), leaves),
-        other=(_time(u_in, fast, settings.a_max), math.inf if endless else _time(u_out, slow, -settings.b_max)),
+        other=(_time(u_in, fast, settings.a_max), latest),
         expected=(u_in / v, math.inf if endless else u_out / v),
     )  # fmt: skip
 

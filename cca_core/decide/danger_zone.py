@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_array, check_real
 from cca_core.errors import InputError
+from cca_core.predict import reach
 
 
 def danger_zone_end(
@@ -58,7 +59,9 @@ def danger_zone(
     ego_travel: ArrayLike,
     x_safety: float = 7.0,
     margin: ArrayLike = 0.0,
-    a_bound: float = 0.0,
+    braking: float = 0.0,
+    acceleration: float = 0.0,
+    age: ArrayLike = 0.0,
 ) -> Array:
     """Stretch of road in which the ego may not begin a manoeuvre because of a vehicle on the lane beside.
 
@@ -75,9 +78,11 @@ def danger_zone(
     x_safety : float
         Distance kept in front of and behind the vehicle [m].
     margin : array_like, shape (...)
-        Further distance for position error and message age [m].
-    a_bound : float
-        Largest acceleration of the vehicle, either way, that is provided for [m/s^2].
+        Further distance for position error [m].
+    braking, acceleration : float
+        Largest deceleration and acceleration of the vehicle that are provided for [m/s^2].
+    age : array_like, shape (...)
+        Age of the message [s], in which it may have braked or accelerated already.
 
     Returns
     -------
@@ -92,8 +97,10 @@ def danger_zone(
     Notes
     -----
     Eq (11) of the paper made general: the vehicle's body as the ego sees it during the whole manoeuvre,
-    [min_t (rear + v_adj t - travel) - x_s, max_t (front + v_adj t - travel) + x_s]. For constant
-    speeds the extremes lie at both ends; for a faster vehicle behind the front end is X_2 of eq 11.
+    [min_t (rear + low - travel) - x_s, max_t (front + high - travel) + x_s] with the reach [low, high] of
+    `predict.reach`. For constant speeds the extremes lie at both ends; for a faster vehicle behind the front
+    end is X_2 of eq 11. The zone is the union of what is covered at each time, which is one piece: the ego is
+    outside it if and only if the vehicle can reach its body at none of the times.
 
     Examples
     --------
@@ -105,14 +112,21 @@ def danger_zone(
     if t.shape != driven.shape or not len(t) or t.min() < 0.0:
         raise InputError("times and ego_travel must have the same length, times must not be negative")
     x_safety = check_real("x_safety", x_safety, least=0.0)
-    a_bound = check_real("a_bound", a_bound, least=0.0)
+    braking = check_real("braking", braking, least=0.0)
+    acceleration = check_real("acceleration", acceleration, least=0.0)
     back, ahead, further = check_any("rear", rear), check_any("front", front), check_any("margin", margin)
     if (back > ahead).any():
         raise InputError("rear must not be in front of front")
     if (further < 0.0).any():
         raise InputError(f"margin must not be negative, was {further.min():g}")
-    relative = check_any("v_adj", v_adj)[..., None] * t - driven
-    grown = x_safety + further[..., None] + 0.5 * a_bound * t**2
-    start = back + (relative - grown).min(axis=-1)
-    end = ahead + (relative + grown).max(axis=-1)
+    aged = check_any("age", age)
+    if (aged < 0.0).any():
+        raise InputError(f"age must not be negative, was {aged.min():g}")
+    low, high = reach(
+        check_any("v_adj", v_adj)[..., None], t,
+        braking=braking, acceleration=acceleration, age=aged[..., None],
+    )  # fmt: skip
+    grown = x_safety + further
+    start = back - grown + (low - driven).min(axis=-1)
+    end = ahead + grown + (high - driven).max(axis=-1)
     return np.stack((start, end), axis=-1)

@@ -1,4 +1,4 @@
-"""Safe distances of responsibility-sensitive safety (RSS): along the road in both directions, and across it."""
+"""Safe distances of responsibility-sensitive safety (RSS): along the road, both directions, and across."""
 
 from dataclasses import dataclass
 

@@ -10,10 +10,11 @@ from cca_core._checks import Array, Complex
 from cca_core.path import Path
 from cca_core.vehicle import RemoteVehicle, VehicleParams
 
-__all__ = ["Sweep"]
+__all__ = ["Sweep", "always_parallel", "headings_ahead"]
 
 _SPACING = 1.0  # of the samples, at most [m]
 _BLOCK = 4  # samples that are looked at together first
+_ROWS, _COLUMNS = np.divmod(np.arange(_BLOCK * _BLOCK), _BLOCK)  # all pairs of places in two blocks
 _CORNER = 0.5 * math.pi  # a turning vehicle goes on straight after a right angle [rad]
 _STRAIGHT = 1.0e-3  # curvature below which it is not turning [1/m]; the paths differ by 5 m after 100 m
 
@@ -72,7 +73,7 @@ class Sweep:
         n = max(math.ceil((end - start) / _SPACING), 1) + 1
         station = np.linspace(start, end, n)
         point, tangent, _ = path.derivatives(station)
-        ahead = tangent[:, 0] + 1j * tangent[:, 1]
+        ahead: Complex = tangent[:, 0] + 1j * tangent[:, 1]
         ahead /= np.abs(ahead)
         centre = point[:, 0] + 1j * point[:, 1] + vehicle.box_offset * ahead
         turns = np.angle(ahead[1:] * ahead[:-1].conj())
@@ -102,15 +103,15 @@ class Sweep:
         """
         n = max(math.ceil(reach / _SPACING), 1) + 1
         station = np.linspace(0.0, reach, n)
-        psi, kappa = remote.psi + (math.pi if remote.v_x < 0.0 else 0.0), curvature(remote)
+        psi, kappa = remote.psi + (math.pi if remote.v_x < 0.0 else 0.0), _curvature(remote)
         on_arc = np.minimum(station, _CORNER / max(abs(kappa), 1e-9))
         turned = kappa * on_arc
         start, ahead = complex(math.cos(psi), math.sin(psi)), np.exp(1j * (psi + turned))
         chord = on_arc * np.sinc(turned / (2.0 * math.pi)) * np.exp(0.5j * turned) * start
         centre = remote.x + 1j * remote.y + chord + (station - on_arc) * ahead
-        step, last = reach / (n - 1), psi + float(turned[-1])
+        step = reach / (n - 1)
         half = 0.5 * remote.length + along, 0.5 * remote.width + across
-        span = min(psi, last), max(psi, last)
+        span = headings_ahead(remote, reach)
         return cls._grown(station, centre, ahead, half, step, abs(kappa) * step, span)
 
     @classmethod
@@ -125,24 +126,22 @@ class Sweep:
             half_width=half[1] + 0.5 * bend * (half[0] + 0.5 * step),
         )  # fmt: skip
 
-    def always_parallel(self, other: "Sweep", least_angle: float) -> bool:
-        """Tell whether two ways are never at more than an angle, in either direction, wherever on them.
+    def heading_at(self, station: float) -> float:
+        """Heading at the nearest place of the way.
 
         Parameters
         ----------
-        other : Sweep
-            The other body.
-        least_angle : float
-            The angle [rad].
+        station : float
+            Distance along the way [m].
 
         Returns
         -------
-        parallel : bool
-            True if no place of one and place of the other have headings farther apart.
+        psi : float
+            Heading [rad] in (-pi, pi].
         """
-        low, high = other.headings[0] - self.headings[1], other.headings[1] - self.headings[0]
-        turns = math.pi * round(0.5 * (low + high) / math.pi)
-        return low - turns > -least_angle and high - turns < least_angle
+        index = round((station - float(self.station[0])) / self.step)
+        ahead = complex(self.ahead[min(max(index, 0), len(self.ahead) - 1)])
+        return math.atan2(ahead.imag, ahead.real)
 
     def meets(self, other: "Sweep", least_angle: float) -> tuple[int, int, int, int] | None:
         """Find where two bodies could touch.
@@ -159,8 +158,6 @@ class Sweep:
         places : tuple of int, or None
             First and last place of this body and of the other; None if they are apart, or parallel.
         """
-        if self.always_parallel(other, least_angle):
-            return None
         a, b = self.centre[_BLOCK // 2 :: _BLOCK], other.centre[_BLOCK // 2 :: _BLOCK]
         # the last block may be short: its own last place stands for it
         a = np.append(a, self.centre[-1]) if _BLOCK * len(a) < len(self.centre) else a
@@ -171,11 +168,9 @@ class Sweep:
         rows, columns = np.nonzero(near.real**2 + near.imag**2 <= reach * reach)
         if not len(rows):
             return None
-        offsets = np.arange(_BLOCK)
-        i = np.broadcast_to((_BLOCK * rows)[:, None, None] + offsets[:, None], (len(rows), _BLOCK, _BLOCK))
-        j = np.broadcast_to((_BLOCK * columns)[:, None, None] + offsets, (len(rows), _BLOCK, _BLOCK))
-        on = (i < len(self.centre)) & (j < len(other.centre))
-        i, j = i[on], j[on]
+        i, j = (_BLOCK * rows[:, None] + _ROWS).ravel(), (_BLOCK * columns[:, None] + _COLUMNS).ravel()
+        # beyond the end the last place is looked at again
+        i, j = np.minimum(i, len(self.centre) - 1), np.minimum(j, len(other.centre) - 1)
         turn = other.ahead[j] * self.ahead[i].conj()
         offset = (other.centre[j] - self.centre[i]) * self.ahead[i].conj()
         c, s = np.abs(turn.real), np.abs(turn.imag)
@@ -189,7 +184,47 @@ class Sweep:
         return int(i.min()), int(i.max()), int(j.min()), int(j.max())
 
 
-def curvature(remote: RemoteVehicle) -> float:
+def headings_ahead(remote: RemoteVehicle, reach: float) -> tuple[float, float]:
+    """Least and largest heading of a vehicle on its way [rad], not wrapped.
+
+    Parameters
+    ----------
+    remote : RemoteVehicle
+        The vehicle.
+    reach : float
+        How far it goes [m].
+
+    Returns
+    -------
+    least, largest : float
+        Headings in the direction in which it moves [rad].
+    """
+    kappa, psi = _curvature(remote), remote.psi + (math.pi if remote.v_x < 0.0 else 0.0)
+    turned = math.copysign(min(abs(kappa) * reach, _CORNER), kappa)
+    return min(psi, psi + turned), max(psi, psi + turned)
+
+
+def always_parallel(one: tuple[float, float], other: tuple[float, float], least_angle: float) -> bool:
+    """Tell whether headings from two ranges never are at more than an angle, along or against each other.
+
+    Parameters
+    ----------
+    one, other : tuple of float
+        Least and largest heading [rad].
+    least_angle : float
+        The angle [rad].
+
+    Returns
+    -------
+    parallel : bool
+        True if there is no such pair.
+    """
+    low, high = other[0] - one[1], other[1] - one[0]
+    turns = math.pi * round(0.5 * (low + high) / math.pi)
+    return low - turns > -least_angle and high - turns < least_angle
+
+
+def _curvature(remote: RemoteVehicle) -> float:
     """Curvature of a vehicle's way, in the direction in which it moves [1/m]."""
     kappa = remote.r / max(abs(remote.v_x), 1.0)
     return kappa if abs(kappa) >= _STRAIGHT else 0.0

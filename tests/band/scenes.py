@@ -14,7 +14,8 @@ from tests.band.measure import curvature_excess, edge_excess, remeasure
 
 CAR = VehicleParams.bmw_320i()
 SOFT = BandStiffness()
-MEASURED = 1e-6  # difference of two exact measurements [m]
+BETWEEN = 5e-4  # by which a clearance may exceed the measured one, for the cubic between nodes [m]
+SHORT = 1e-3  # by which a band that is OK may lack clearance [m]
 
 
 def straight(length: float = 150.0, h: float = 1.0) -> np.ndarray:
@@ -92,16 +93,14 @@ def relax(case: Case, **options: Any) -> Band:
 
 def assert_certified(band: Band, case: Case) -> None:
     """The clearance is a lower bound; the status is OK exactly if what was asked is kept."""
-    found = remeasure(band.nodes, case)
-    over, edge, bent = (
-        band.clearance - found,
-        edge_excess(band.nodes, case),
-        curvature_excess(band.nodes, case),
-    )
     assert np.isfinite(band.nodes).all()
-    assert over <= MEASURED, f"{band} is {over:.5f} m nearer than it says, {case.clearance:.2f} m asked"
+    found = remeasure(band.nodes, case)
+    assert math.isfinite(band.clearance) == math.isfinite(found) == bool(case.obstacles)
+    over = band.clearance - found if case.obstacles else 0.0
+    assert over <= BETWEEN, f"{band} is {over:.5f} m nearer than it says, {case.clearance:.2f} m asked"
     if band.ok:
-        assert found >= case.clearance - MEASURED, f"{band} lacks {case.clearance - found:.5f} m"
+        edge, bent = edge_excess(band.nodes, case), curvature_excess(band.nodes, case)
+        assert found >= case.clearance - SHORT, f"{band} lacks {case.clearance - found:.5f} m"
         assert edge <= 0.01, f"{band} crosses an edge by {edge:.5f} m"
         assert bent <= 0.02, f"{band} bends {bent:.2%} too much"
     else:

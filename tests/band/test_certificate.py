@@ -277,7 +277,8 @@ def test_obstacle_beside_a_pin(x: float, sign: float) -> None:
 def test_pin_outside_the_edges() -> None:
     band = relax(scene(straight(), [], corridor=(0.0, 20.0)))
     assert (band.status, band.binding) == (Status.INFEASIBLE, "right edge")
-    assert band.edge_clearance == pytest.approx(-0.5 * CAR.width, abs=1e-6)
+    assert "right edge" in band.message
+    assert -1.0 < band.edge_clearance < -0.8  # half the body at the pins, and no more elsewhere
 
 
 # --- leaders --------------------------------------------------------------------------------------------
@@ -325,8 +326,8 @@ def test_crosser_that_is_gone_in_time_leaves_the_route_alone() -> None:
     assert np.abs(relax(scene(route, [boxes(75.0, 0.0, math.pi / 2, 4.5, 1.8)])).displacement).max() > 3.0
 
 
-def test_sideways_course_without_a_curvature_limit_stays_certified() -> None:
-    """A box that keeps abreast and drifts across pushes the band far; what is reported stays true."""
+def test_sideways_course_without_a_curvature_limit_is_refused() -> None:
+    """A box that keeps abreast and drifts across pushes the band farther than any road is wide."""
     route = straight(120.0, 2.0)
     for ratio, course in ((1.59, 0.82), (2.42, 1.16), (1.79, 0.99), (2.05, 1.05)):
         met = 30.4
@@ -336,4 +337,7 @@ def test_sideways_course_without_a_curvature_limit_stays_certified() -> None:
             curvature_limit=1e3,
         )  # fmt: skip
         band = relax(case)
-        assert band.clearance <= remeasure(band.nodes, case) + 1e-6
+        assert np.isfinite(band.nodes).all()
+        assert np.abs(band.displacement).max() > 30.0
+        assert (band.status, band.binding) == (Status.INFEASIBLE, "obstacle 0")
+        assert band.message.startswith("it would swerve by ")

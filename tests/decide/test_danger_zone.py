@@ -84,7 +84,7 @@ class TestSingleCases:
         assert z.tolist() == pytest.approx([-10.0, 14.0])
 
     def test_acceleration_bound_grows_with_time_squared(self) -> None:
-        z = zone(0.0, 4.0, 20.0, 20.0, 4.0, x_safety=1.0, a_bound=2.0)
+        z = zone(0.0, 4.0, 20.0, 20.0, 4.0, x_safety=1.0, braking=2.0, acceleration=2.0)
         assert z.tolist() == pytest.approx([-1.0 - 16.0, 4.0 + 1.0 + 16.0])
 
     def test_margin_is_added_at_both_ends(self) -> None:
@@ -110,7 +110,7 @@ class TestProperties:
             times = np.append(np.linspace(0.0, t, 9), until)
             return danger_zone(
                 x, x + length, v, times=times, ego_travel=v_ego * times,
-                x_safety=x_s, margin=m, a_bound=bound,
+                x_safety=x_s, margin=m, braking=bound, acceleration=bound,
             )  # fmt: skip
 
         base = z(x_safety, margin, a, t)
@@ -158,8 +158,18 @@ class TestProperties:
         times = np.linspace(0.0, t, 7)
         order = list(range(7))
         random.shuffle(order)
-        z = danger_zone(x, x + length, v, times=times, ego_travel=v_ego * times, a_bound=1.0)
-        w = danger_zone(x, x + length, v, times=times[order], ego_travel=(v_ego * times)[order], a_bound=1.0)
+        z = danger_zone(
+            x, x + length, v, times=times, ego_travel=v_ego * times, braking=1.0, acceleration=1.0
+        )
+        w = danger_zone(
+            x,
+            x + length,
+            v,
+            times=times[order],
+            ego_travel=(v_ego * times)[order],
+            braking=1.0,
+            acceleration=1.0,
+        )
         assert z.tolist() == w.tolist()
 
     @given(place, size, speed, st.floats(0.0, 40.0), duration)
@@ -197,12 +207,19 @@ def test_many_vehicles_equal_one_by_one() -> None:
     times = np.linspace(0.5, 6.0, 11)
     travel = 18.0 * times + 0.4 * times**2
     together = danger_zone(
-        rear, rear + length, v, times=times, ego_travel=travel, margin=margin, a_bound=0.7
+        rear, rear + length, v, times=times, ego_travel=travel, margin=margin, braking=0.7, acceleration=0.7
     )  # fmt: skip
     assert together.shape == (4, 3, 2)
     for i in np.ndindex(4, 3):
         alone = danger_zone(
-            rear[i], rear[i] + length[i], v[i], times=times, ego_travel=travel, margin=margin[i], a_bound=0.7
+            rear[i],
+            rear[i] + length[i],
+            v[i],
+            times=times,
+            ego_travel=travel,
+            margin=margin[i],
+            braking=0.7,
+            acceleration=0.7,
         )
         assert alone.tolist() == together[i].tolist()
 
@@ -224,8 +241,8 @@ def test_one_margin_for_many_vehicles() -> None:
         ({"ego_travel": [[0.0, 1.0]]}, "ego_travel"),
         ({"x_safety": -1.0}, "x_safety"),
         ({"x_safety": math.nan}, "x_safety"),
-        ({"a_bound": -0.1}, "a_bound"),
-        ({"a_bound": math.inf}, "a_bound"),
+        ({"braking": -0.1}, "braking"),
+        ({"acceleration": math.inf}, "acceleration"),
         ({"margin": -1.0}, "margin"),
         ({"margin": math.nan}, "margin"),
         ({"rear": math.nan}, "rear"),

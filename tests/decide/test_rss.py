@@ -151,7 +151,9 @@ def test_lateral_is_mirrored(v_left: float, v_right: float) -> None:
 
 
 @given(st.floats(0.0, 40.0), st.floats(0.0, 40.0), st.floats(0.0, 5.0))
-def test_faster_behind_or_slower_in_front_never_needs_less(v_rear: float, v_front: float, more: float) -> None:
+def test_faster_behind_or_slower_in_front_never_needs_less(
+    v_rear: float, v_front: float, more: float
+) -> None:
     base = float(rss_same_direction(v_rear, v_front + more))
     assert float(rss_same_direction(v_rear + more, v_front + more)) >= base - 1e-9
     assert float(rss_same_direction(v_rear, v_front)) >= base - 1e-9
