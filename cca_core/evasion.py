@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cca_core._checks import Array, Mask, check_real
+from cca_core._checks import Array, Mask
 from cca_core.band import Band, Side, relax_band
 from cca_core.beside import lane_beside
 from cca_core.decide import Candidate
 from cca_core.errors import Status
+from cca_core.evasion_settings import EvasionSettings
 from cca_core.geometry import Boxes
 from cca_core.path import Lane, Path, Road, interpolate_path
 from cca_core.predict import boxes_between
@@ -24,70 +25,6 @@ _BEHIND = 2.0  # a window starts this far behind the car [m]
 _GROWTH = 2.0  # an end that would move on by less stays: it is an effect of rounding [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EvasionSettings:
-    """How the ego passes others.
-
-    Parameters
-    ----------
-    lateral_acceleration : float
-        Peak lateral acceleration that a swerve aims at [m/s^2]: the knob from smooth (2) to fast (3.5). A
-        swerve by w takes sqrt(5.77 w / a) seconds.
-    lateral_limit : float
-        Lateral acceleration above which a swerve is not driven [m/s^2].
-    clearance : float
-        Distance kept between boxes [m].
-    lead_time : float
-        Time to contact with a vehicle in front at which the ego is fully beside its path [s].
-    preparation : float
-        Time before a swerve becomes due [s].
-    x_safety : float
-        Distance kept to vehicles on the lane beside [m], eq 11.
-    known_range : float
-        Distance up to which all vehicles are known by their messages [m]. Beyond it a vehicle at the speed
-        limit is assumed on the lane beside; 0 makes that lane never free, infinity trusts silence.
-    stale_after : float
-        Age from which on a vehicle's messages are no longer believed and its lane is not free [s].
-    speed_floor : float
-        Least speed advantage over a vehicle to be passed [m/s].
-    braking : float
-        Largest deceleration of others that is provided for [m/s^2].
-    acceleration : float
-        Largest acceleration of others that is provided for [m/s^2]; with 0 here and for `braking` everybody
-        is taken to go on as now, which is the paper's view.
-    passed_acceleration : float
-        The same for the vehicle that is passed [m/s^2].
-
-    Raises
-    ------
-    InputError
-        If a value is out of range.
-    """
-
-    lateral_acceleration: float = 2.0
-    lateral_limit: float = 4.0
-    clearance: float = 1.0
-    lead_time: float = 1.0
-    preparation: float = 0.25
-    x_safety: float = 7.0
-    known_range: float = 300.0
-    stale_after: float = 1.0
-    speed_floor: float = 2.0
-    braking: float = 8.0
-    acceleration: float = 3.0
-    passed_acceleration: float = 0.0
-
-    def __post_init__(self) -> None:
-        check_real("lateral_acceleration", self.lateral_acceleration, above=0.0)
-        check_real("lateral_limit", self.lateral_limit, above=0.0)
-        for name in (
-            "clearance", "lead_time", "preparation", "x_safety", "stale_after", "speed_floor", "braking",
-            "acceleration", "passed_acceleration",
-        ):  # fmt: skip
-            check_real(name, getattr(self, name), least=0.0)
-        check_real("known_range", self.known_range, least=0.0, infinite=True)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -245,7 +182,7 @@ def plan_evasion(
     )  # fmt: skip
     return Evasion(
         side=side, start=start, end=end, band=band, candidate=candidate,
-        reference=_reference(road.path, s, band),
+        reference=reference_along(road.path, s, band.nodes),
     )  # fmt: skip
 
 
@@ -300,12 +237,28 @@ def _outside(u: Array, own: Lane, half_width: float) -> Mask:
     return outside
 
 
-def _reference(path: Path, s: Array, band: Band) -> Path:
+def reference_along(path: Path, s: Array, nodes: Array) -> Path:
+    """Lay what the steering follows: the route, the bent stretch, the route.
+
+    Parameters
+    ----------
+    path : Path
+        The route.
+    s : ndarray, shape (n,)
+        Path coordinates of the bent nodes [m].
+    nodes : ndarray, shape (n, 2)
+        The bent nodes [m].
+
+    Returns
+    -------
+    reference : Path
+        The C2 curve through all.
+    """
     before = np.arange(s[0] - _RUN_UP, s[0] - 1.0, 2.0)
     ahead = np.arange(s[-1] + 2.0, s[-1] + _TAIL, 2.0)
     position, tangent, _ = path.derivatives(np.append(before, ahead))
     n = len(before)
     return interpolate_path(
-        np.vstack((position[:n], band.nodes, position[n:])),
+        np.vstack((position[:n], nodes, position[n:])),
         start=float(before[0]), start_tangent=tangent[0], end_tangent=tangent[-1],
     )  # fmt: skip

@@ -15,20 +15,21 @@ import numpy as np
 from cca_core._checks import check_real
 from cca_core.band import Side
 from cca_core.command import Command
-from cca_core.decide import Action, Candidate, Decision, Leader, choose_action
+from cca_core.decide import Action, Candidate, Conflict, Decision, Leader, choose_action
 from cca_core.errors import InputError, Status
-from cca_core.evasion import Evasion, EvasionSettings, plan_evasion
+from cca_core.evasion import Evasion, plan_evasion
+from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import (
     PreviewController,
     SpeedSettings,
-    follow_acceleration,
     friction_limited,
     jerk_limited,
     profile_acceleration,
-    required_deceleration,
     squared_speed_limit,
 )
+from cca_core.hazards import conflict_ahead, leader_ahead, leader_at
 from cca_core.path import Path, Road, interpolate_path
+from cca_core.retreat import plan_retreat
 from cca_core.scene import Ego, Neighbour, locate
 from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
 
@@ -114,6 +115,9 @@ class Planner:
         self._maneuver: Evasion | None = None
         self._history: list[tuple[float, float]] = []
         self._inside = True
+        self._retreating = False
+        self._conflict: Conflict | None = None
+        self._stopping: set[str] = set()
         self._status = Status.OK
 
     def __repr__(self) -> str:
@@ -167,7 +171,7 @@ class Planner:
             own = self.road.own_lane
             self._inside = self._inside and own.right < d - half and d + half < own.left
             if s >= self._maneuver.end:
-                self._maneuver, self._history = None, []
+                self._maneuver, self._history, self._retreating = None, [], False
                 self._status = Status.OK
                 self._decision = Decision(action=Action.KEEP, reason="back on the route")
                 self._decided = -math.inf
@@ -222,22 +226,14 @@ class Planner:
         return abs(other.d - d) < 0.5 * self.vehicle.width + _IN_THE_WAY + other.half_width
 
     def _leader(self, blockers: list[Neighbour], s: float, v_x: float) -> Leader | None:
-        front = s + self.vehicle.box_offset + 0.5 * self.vehicle.length
-        for n in blockers:
-            if n.s <= s:
-                continue
-            gap = n.s - n.half_length - front
-            spare = 0.5 * self.speed.standstill_gap
-            need = required_deceleration(v_x, gap + spare, n.v_s, self.speed, n.remote.a_x)
-            follow = follow_acceleration(v_x, gap, n.v_s, self.speed, n.remote.a_x)
-            return Leader(
-                id=n.remote.id,
-                gap=gap,
-                v_x=n.v_s,
-                required_deceleration=need,
-                follow_acceleration=follow,
-            )
-        return None
+        """Return what demands most of the ego: on the route, or crossing it."""
+        leader = leader_ahead(blockers, s, v_x, self.vehicle, self.speed, self._stopping)
+        if self._conflict is None or self._conflict.s_in <= s:
+            return leader
+        crosses = leader_at(self._conflict, s, v_x, self.speed)
+        if leader is None or crosses.required_deceleration > leader.required_deceleration:
+            return crosses
+        return leader
 
     def _decide(
         self,
@@ -247,14 +243,19 @@ class Planner:
         neighbours: list[Neighbour],
     ) -> None:
         """Renew the manoeuvre that is under way, or choose whether to begin one."""
+        self._conflict = conflict_ahead(ego, self.road.path, neighbours)
         if self._maneuver is not None:
-            self._renew(ego, self._maneuver, leader, neighbours)
+            if not self._retreating:
+                self._renew(ego, self._maneuver, leader, neighbours)
             return
         plans: dict[str, Evasion] = {}
         candidates: list[Candidate] = []
         waiting = self._decision.action in (Action.FOLLOW, Action.BRAKE)
-        if leader is not None and (waiting or leader.follow_acceleration < _SLOWED):
+        looks = leader is not None and leader.kind != "crossing"
+        if leader is not None and looks and (waiting or leader.follow_acceleration < _SLOWED):
             ahead = [b for b in blockers if b.s > ego.s]
+            if leader.kind == "hidden":  # the one in front of it is as fast as the ego, or is passed too
+                ahead = [b for b in ahead if b.remote.id == leader.id or b.v_s < ego.v_x - 2.0]
             others = [] if self._leader_only else [n for n in neighbours if n not in ahead]
             if leader.v_x > ego.v_target - self.evasion.speed_floor:
                 candidates.append(Candidate(side="left", obstruction=f"{leader.id} is almost as fast"))
@@ -268,6 +269,8 @@ class Planner:
         self._decision = choose_action(
             leader, candidates, previous=self._decision.action, follow_below=_SLOWED
         )
+        if leader is not None and leader.stop_in_comfort < math.inf and not self._decision.action.evades:
+            self._stopping.add(leader.id)
         if self._decision.action.evades:
             side = "left" if self._decision.action is Action.EVADE_LEFT else "right"
             self._maneuver, self._inside = plans[side], True
@@ -295,6 +298,11 @@ class Planner:
                 self._decision = Decision(action=Action.FOLLOW, reason=f"swerve given up: {obstruction}")
                 return
         self._status = Status.FALLBACK
+        if not self._inside:
+            retreat = plan_retreat(ego, self.road, maneuver, passing, obstruction)
+            if retreat is not None:
+                self._maneuver, self._retreating = retreat, True
+                self._decision = Decision(action=Action.FOLLOW, reason=f"returning: {obstruction}")
 
     def _acceleration(self, s: float, v_x: float, yaw_rate: float, leader: Leader | None, dt: float) -> float:
         wanted = profile_acceleration(s, v_x, self._cap, self.speed)

@@ -75,7 +75,8 @@ def certify(task: Task, u: Array) -> Certificate:
     Between nodes the band is the cubic Hermite curve through them and obstacles move in straight lines. The
     gap of convex bodies in straight relative motion without turning is a convex function of time: it lies
     above its secants drawn on from the intervals on both sides. What the curve bulges from its chord and what
-    turning may take away is taken off that bound, and where it falls below the distance asked, the interval is sampled closely.
+    turning may take away is taken off that bound, and where it falls below the distance asked, the interval
+    is sampled closely.
     """
     nodes = task.base + 1j * task.tangents * u
     along, curvature = tangents_of(nodes)[0], curvature_of(nodes)

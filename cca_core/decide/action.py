@@ -37,6 +37,11 @@ class Leader:
         What the ego must brake to stay behind it [m/s^2], not negative.
     follow_acceleration : float
         What following it asks for now [m/s^2].
+    kind : {"ahead", "hidden", "crossing"}
+        Whether it is next in front, hidden behind others (known by its messages), or crosses the route.
+    stop_in_comfort : float
+        Deceleration that stops behind a standing one within the horizon of the decision [m/s^2]; infinite if
+        it is to be passed wherever a lane is free.
     """
 
     id: str
@@ -44,6 +49,8 @@ class Leader:
     v_x: float
     required_deceleration: float
     follow_acceleration: float
+    kind: str = "ahead"
+    stop_in_comfort: float = math.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,6 +113,7 @@ def choose_action(
     previous: Action = Action.KEEP,
     follow_below: float = -0.5,
     brake_above: float = 4.0,
+    comfortable: float = 2.0,
 ) -> Decision:
     """Choose between keeping, following, evading and braking.
 
@@ -121,6 +129,8 @@ def choose_action(
         Acceleration that following must ask for before KEEP becomes FOLLOW [m/s^2].
     brake_above : float
         Deceleration needed to stay behind the leader from which on FOLLOW becomes BRAKE [m/s^2].
+    comfortable : float
+        Deceleration up to which stopping behind a standing vehicle is preferred to passing it [m/s^2].
 
     Returns
     -------
@@ -143,7 +153,8 @@ def choose_action(
         return Decision(action=Action.KEEP, reason="the lane ahead is free")
     hard = leader.required_deceleration > brake_above
     usable = sorted((c for c in candidates if not c.obstruction), key=lambda c: c.cost)
-    if usable:
+    stops = leader.stop_in_comfort <= comfortable
+    if usable and not stops:
         best = usable[0]
         evade = Action.EVADE_LEFT if best.side == "left" else Action.EVADE_RIGHT
         way = f"{best.side} is free for {best.duration:.1f} s"
@@ -165,6 +176,10 @@ def choose_action(
         )
     zone = candidates[0].zone if candidates else None
     why = "; ".join(f"{c.side}: {c.obstruction}" for c in candidates) or "no way around was looked for"
+    if leader.kind == "crossing":
+        why = "it crosses the route"
+    elif stops:
+        why = f"{leader.stop_in_comfort:.1f} m/s^2 stop behind it in comfort"
     if hard:
         reason = f"{leader.required_deceleration:.1f} m/s^2 needed behind {leader.id}; {why}"
         return Decision(action=Action.BRAKE, reason=reason, leader=leader.id, zone=zone)

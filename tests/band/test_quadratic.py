@@ -39,7 +39,7 @@ def least_distance(problem: dict[str, Any]) -> np.ndarray | None:
     """Solve the same problem by Lawson and Hanson's least distance programming; None if infeasible."""
     h, kappa = problem["spacing"], problem["route_curvature"]
     n = len(kappa)
-    inner = np.eye(n)[:, 1:-1]
+    inner = np.eye(n)[:, 2:-2]
     curvature = np.diff(np.pad(inner, ((1, 1), (0, 0))), 2, axis=0) / h**2 + kappa[:, None] ** 2 * inner
     change = np.diff(np.pad(curvature, ((1, 1), (0, 0))), axis=0) / h
     first, second = problem.get("weights", (0.0, 1.0))
@@ -174,7 +174,7 @@ def test_correction_makes_the_true_curvature_keep_the_limit() -> None:
     n, kappa, limit = 121, 0.02, 0.023
     error: float | np.ndarray = 0.0
     over = []
-    for _ in range(3):
+    for _ in range(4):
         band = smoothest(**passing(n, at=3.0, kappa=kappa, curvature_limit=limit), curvature_error=error)
         assert band.solved, band.message
         r = 1.0 / kappa - np.pad(band.u, 1)  # polar coordinates around the centre of the route's circle
@@ -185,7 +185,7 @@ def test_correction_makes_the_true_curvature_keep_the_limit() -> None:
         over.append(np.abs(true).max() - limit)
     assert over[0] > 1e-4
     assert over[1] < 1e-6
-    assert over[2] < 2e-7
+    assert over[3] < 1e-8
 
 
 @given(
@@ -202,7 +202,7 @@ def test_every_outcome_is_finite_and_keeps_what_it_says(
     problem = passing(n, h=h, at=at, kappa=kappa, curvature_limit=limit, curvature_rate_limit=rate)
     band = smoothest(**problem)
     assert np.isfinite(band.u).all()
-    assert band.u[0] == band.u[-1] == 0.0
+    assert (band.u[[0, 1, -2, -1]] == 0.0).all()
     if band.solved:
         assert (band.u >= problem["lower"] - 1e-6).all()
         assert (band.u <= problem["upper"] + 1e-6).all()

@@ -1,0 +1,136 @@
+"""What the ego must keep behind: the vehicle in front, those hidden before it, and those that cross."""
+
+import math
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from cca_core.decide import Conflict, Leader, crossing
+from cca_core.follow import SpeedSettings, follow_acceleration, required_deceleration
+from cca_core.path import Path
+from cca_core.scene import Ego, Neighbour
+from cca_core.vehicle import VehicleParams
+
+__all__ = ["conflict_ahead", "leader_ahead", "leader_at"]
+
+_STANDS = 0.5  # slower than this a vehicle stands [m/s]
+_BRAKES = -2.0  # acceleration below which a hidden vehicle is braked for [m/s^2]
+_HORIZON, _DELAY, _SPARE = 5.0, 0.3, 5.0  # of a stop behind a hidden vehicle [s], [s], [m]
+_SIGHT = 150.0  # within which crossing vehicles are looked at [m]
+_CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
+_LOOK = 8.0  # [s]
+
+
+def leader_ahead(
+    blockers: Sequence[Neighbour], s: float, v_x: float, vehicle: VehicleParams, speed: SpeedSettings,
+    stopping: Collection[str] = (),
+) -> Leader | None:  # fmt: skip
+    """Find the vehicle on the route that demands most of the ego.
+
+    Parameters
+    ----------
+    blockers : sequence of Neighbour
+        Vehicles in the way, nearest first.
+    s : float
+        Path coordinate of the ego's centre of gravity [m].
+    v_x : float
+        Its speed [m/s].
+    vehicle : VehicleParams
+        The ego.
+    speed : SpeedSettings
+        Gaps and limits.
+    stopping : collection of str
+        Standing vehicles behind which the ego is stopping already.
+
+    Returns
+    -------
+    leader : Leader or None
+        The next one in front, or one hidden before it that stands or brakes: everybody between must stop
+        behind that one too, so their lengths and standstill gaps are taken off its distance.
+    """
+    front = s + vehicle.box_offset + 0.5 * vehicle.length
+    demanding: Leader | None = None
+    between = 0.0
+    for n in (b for b in blockers if b.s > s):
+        gap = n.s - n.half_length - front - between
+        hidden = between > 0.0
+        alarming = n.v_s < _STANDS or n.remote.a_x < _BRAKES or "hard_braking" in n.remote.events
+        if not hidden or alarming:
+            kind = "hidden" if hidden else "ahead"
+            leader = _leader(n.remote.id, gap, n.v_s, n.remote.a_x, v_x, speed, kind)
+            stands = abs(n.v_s) < _STANDS and (hidden or n.remote.id in stopping)
+            if stands:
+                leader = _stopping(leader, v_x)
+            if demanding is None or leader.required_deceleration > demanding.required_deceleration:
+                demanding = leader
+        between += 2.0 * n.half_length + speed.standstill_gap
+    return demanding
+
+
+def leader_at(conflict: Conflict, s: float, v_x: float, speed: SpeedSettings) -> Leader:
+    """Stand in for a conflict: something that stands where the ego must stop.
+
+    Parameters
+    ----------
+    conflict : Conflict
+        The conflict to wait for.
+    s, v_x : float
+        Path coordinate [m] and speed [m/s] of the ego.
+    speed : SpeedSettings
+        Gaps and limits.
+
+    Returns
+    -------
+    leader : Leader
+        At the edge of the conflict area.
+    """
+    gap = conflict.s_in - s + speed.standstill_gap
+    return _leader(conflict.remote, gap, 0.0, 0.0, v_x, speed, "crossing")
+
+
+def conflict_ahead(ego: Ego, path: Path, others: Sequence[Neighbour]) -> Conflict | None:
+    """Find the nearest place at which the ego must wait for a crossing vehicle.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego and how it intends to drive.
+    path : Path
+        Its route.
+    others : sequence of Neighbour
+        Vehicles around.
+
+    Returns
+    -------
+    conflict : Conflict or None
+        None if nobody has to be waited for.
+    """
+    stations = np.linspace(ego.s, ego.s + max(_LOOK * max(ego.v_x, ego.v_target), 30.0), 60)
+    times = ego.times(stations)
+    waits = []
+    for n in others:
+        angle = n.remote.psi - float(path.heading(n.s))
+        if abs(math.sin(angle)) < _CROSSING or abs(n.d) > _SIGHT or not -20.0 < n.s - ego.s < _SIGHT:
+            continue
+        conflict = crossing(path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
+        if conflict is not None and conflict.wait:
+            waits.append(conflict)
+    return min(waits, key=lambda c: c.s_in, default=None)
+
+
+def _leader(
+    name: str, gap: float, v: float, a_x: float, v_x: float, speed: SpeedSettings, kind: str
+) -> Leader:
+    need = required_deceleration(v_x, gap + 0.5 * speed.standstill_gap, v, speed, a_x)
+    follow = follow_acceleration(v_x, gap, v, speed, a_x)
+    return Leader(id=name, gap=gap, v_x=v, required_deceleration=need, follow_acceleration=follow, kind=kind)
+
+
+def _stopping(leader: Leader, v_x: float) -> Leader:
+    """Say how hard the ego must brake to stand behind a vehicle when it is a horizon away."""
+    room = (_HORIZON - _DELAY) * v_x - _SPARE
+    need = v_x * v_x / (2.0 * room) if room > 0.0 else 0.0
+    return Leader(
+        id=leader.id, gap=leader.gap, v_x=leader.v_x, required_deceleration=leader.required_deceleration,
+        follow_acceleration=leader.follow_acceleration, kind=leader.kind, stop_in_comfort=need,
+    )  # fmt: skip

@@ -1,0 +1,73 @@
+"""Give up a swerve whose lane beside is no longer free: fall back and return behind the vehicle in front."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cca_core.errors import Status
+from cca_core.evasion import Evasion, reference_along
+from cca_core.path import Road
+from cca_core.scene import Ego, Neighbour
+
+__all__ = ["plan_retreat"]
+
+_BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
+_ROOM = 2.0  # to the vehicle in front before the ego returns behind it [m]
+_LATERAL = 4.0  # lateral acceleration of the return [m/s^2]
+_SLOPE = 5.7735  # peak of the second derivative of the quintic step
+
+
+def plan_retreat(
+    ego: Ego, road: Road, maneuver: Evasion, passed: Sequence[Neighbour], obstruction: str
+) -> Evasion | None:
+    """Return to the own lane behind what was to be passed, if that can still be done.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego, somewhere in the manoeuvre.
+    road : Road
+        Route and lanes.
+    maneuver : Evasion
+        What is given up.
+    passed : sequence of Neighbour
+        Vehicles on the own lane, nearest first.
+    obstruction : str
+        Why it is given up.
+
+    Returns
+    -------
+    retreat : Evasion or None
+        The way back; None beyond the point of no return: where braking no longer brings the ego behind.
+    """
+    d = maneuver.offset_at(ego.s)
+    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    ahead = [n for n in passed if n.s + n.half_length > front - ego.vehicle.length]
+    if not ahead:
+        return None
+    leader = min(ahead, key=lambda n: n.s)
+    gap = leader.s - leader.half_length - front
+    t = np.linspace(0.0, max(ego.v_x, 0.1) / _BRAKE, 60)
+    opens = gap + leader.v_s * t - (ego.v_x * t - 0.5 * _BRAKE * t * t)
+    behind = np.flatnonzero(opens >= _ROOM)
+    if not len(behind):
+        return None
+    moment = float(t[behind[0]])
+    hold = ego.v_x * moment - 0.5 * _BRAKE * moment**2
+    v_then = ego.v_x - _BRAKE * moment
+    length = max(v_then * math.sqrt(_SLOPE * max(abs(d), 0.5) / _LATERAL), 15.0)
+    first, last = ego.s + hold, ego.s + hold + length
+    if last > road.path.end:
+        return None
+    s = np.linspace(maneuver.start, last, len(maneuver.band.nodes))
+    u = np.array([maneuver.offset_at(min(x, first)) for x in s.tolist()])
+    share = np.clip((s - first) / length, 0.0, 1.0)
+    u *= 1.0 - share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    nodes = road.path.to_cartesian(s, u)
+    band = replace(
+        maneuver.band, nodes=nodes, displacement=u, status=Status.FALLBACK,
+        message=f"given up: {obstruction}",
+    )  # fmt: skip
+    return replace(maneuver, end=last, band=band, reference=reference_along(road.path, s, nodes))
