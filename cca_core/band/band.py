@@ -11,7 +11,7 @@ from cca_core._checks import Array, Index, Mask
 from cca_core.band.certificate import Certificate
 from cca_core.band.corridor import Side
 from cca_core.band.energy import kkt_residual
-from cca_core.band.task import Task, end_curvature
+from cca_core.band.task import Task
 from cca_core.errors import InfeasibleError, InputError, Status
 from cca_core.path import Path
 from cca_core.path.interpolate import spline_through
@@ -150,9 +150,8 @@ class Band:
         """
         nodes = self._single().nodes
         task = self.task
-        tangents, base = task.tangents[0], task.base[0]
-        first = 1j * end_curvature(*base[:4].tolist()) * tangents[0].item()
-        last = -1j * end_curvature(*base[:-5:-1].tolist()) * tangents[-1].item()
+        bends = 1j * task.end_curvatures[0] * task.tangents[0, [0, -1]]
+        first, last = bends.tolist()
         return spline_through(
             nodes, float(start), (first.real, first.imag), (last.real, last.imag), second=True
         )

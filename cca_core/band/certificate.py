@@ -79,7 +79,7 @@ def certify(task: Task, u: Array) -> Certificate:
     is sampled closely.
     """
     nodes = task.base + 1j * task.tangents * u
-    along, curvature = tangents_of(nodes)[0], curvature_of(nodes)
+    along, curvature = tangents_of(nodes)[0], curvature_of(nodes, task.end_curvatures)
     gaps = _gaps(task, nodes, along, curvature)
     right, left = _edge_distances(task, u, along, curvature)
     edge = np.minimum(right, left).min(axis=1)

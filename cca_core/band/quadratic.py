@@ -125,7 +125,8 @@ def smoothest(
         raise InputError(f"solver must be 'piqp' or 'osqp', was {solver!r}")
     n = len(lower)
     u = np.zeros(n)
-    if not ((lower <= upper).all() and max(lower[0], lower[-1]) <= 0.0 <= min(upper[0], upper[-1])):
+    ends = [0, 1, -2, -1]
+    if not ((lower <= upper).all() and lower[ends].max() <= 0.0 <= upper[ends].min()):
         return Smoothest(u=u, solved=False, message="the bounds leave no room between them")
     qpsolvers = require_extra("qpsolvers", "qp")
     require_extra(solver, "qp")

@@ -50,6 +50,13 @@ class Task:
         """Curvature of the route [1/m], left positive, shape (bands, n)."""
         return curvature_of(self.base)
 
+    @property
+    def end_curvatures(self) -> Array:
+        """Curvature of the route at its first and last node [1/m], left positive, shape (bands, 2)."""
+        return np.array(
+            [(end_curvature(*b[:4].tolist()), -end_curvature(*b[:-5:-1].tolist())) for b in self.base]
+        )
+
     def select(self, bands: Index) -> "Task":
         """Return the same for some bands, each as often as it is named."""
         return replace(
@@ -76,18 +83,32 @@ def tangents_of(nodes: Complex) -> tuple[Complex, Array]:
     return along / np.abs(along), np.abs(steps)
 
 
-def curvature_of(nodes: Complex) -> Array:
-    """Return the signed curvature [1/m] at nodes x + iy of the C2 cubic through them, to second order."""
+def curvature_of(nodes: Complex, ends: Array | None = None) -> Array:
+    """Return the signed curvature [1/m] at nodes x + iy of the C2 cubic through them, to second order.
+
+    Parameters
+    ----------
+    nodes : ndarray of complex, shape (bands, n)
+        Nodes [m].
+    ends : ndarray, shape (bands, 2), optional
+        Curvature of the cubic at its first and last node [1/m]; by default that of their neighbours.
+
+    Returns
+    -------
+    curvature : ndarray, shape (bands, n)
+        Left positive [1/m].
+    """
     steps = nodes[:, 1:] - nodes[:, :-1]
     before, after = steps[:, :-1], steps[:, 1:]
     length, chord = np.abs(steps), np.abs(before + after)
     curvature = np.empty(nodes.shape)
     inner = curvature[:, 1:-1]
     inner[:] = 2.0 * (before.conj() * after).imag / (length[:, 1:] * length[:, :-1] * chord)
-    curvature[:, 0], curvature[:, -1] = inner[:, 0], inner[:, -1]
+    curvature[:, 0], curvature[:, -1] = (inner[:, 0], inner[:, -1]) if ends is None else ends.T
     # circles through three nodes are (k[i-1] + 4 k[i] + k[i+1]) / 6 of the cubic, which bends more at kinks
     inner -= (curvature[:, 2:] - 2.0 * inner + curvature[:, :-2]) / 6.0
-    curvature[:, 0], curvature[:, -1] = inner[:, 0], inner[:, -1]
+    if ends is None:
+        curvature[:, 0], curvature[:, -1] = inner[:, 0], inner[:, -1]
     return curvature
 
 

@@ -154,10 +154,10 @@ def plan_through(
 
     Notes
     -----
-    The ground beside the gates is what the band keeps clear of, because a body may leave a gate with its
-    front before its rear; the edges of a corridor would be kept over the whole length of the body. The band
-    is bent once without limits and then becomes the route to be bent again, on which the heading in the
-    gates is known well enough for hard limits; the distance asked grows until there is no path.
+    The ground beside the gates is what the band keeps clear of: edges of a corridor begin and end at nodes,
+    and with them the car driven through part 2 is left 3 cm instead of 7 cm. The band is bent once without
+    limits and then becomes the route to be bent again, on which the heading in the gates is known well enough
+    for hard limits; the distance asked grows until there is no path.
     """
     speed = check_real("speed", speed, above=0.0)
     limit = check_real("a_y", a_y, above=0.0) / speed**2

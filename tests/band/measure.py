@@ -75,7 +75,7 @@ def curvature_excess(nodes: Array, case: "Case") -> float:
     n = len(nodes)
     index = np.linspace(0.0, n - 1.0, 8 * n - 7)
     limit = np.interp(index, np.arange(n), np.broadcast_to(case.curvature_limit, n))
-    return float((np.abs(curvature_at(nodes, index)) / limit).max()) - 1.0
+    return float((np.abs(curvature_at(nodes, index, case.nodes)) / limit).max()) - 1.0
 
 
 def peak_curvature(nodes: Array) -> float:
@@ -83,10 +83,10 @@ def peak_curvature(nodes: Array) -> float:
     return float(np.abs(curvature_at(nodes, np.linspace(0.0, len(nodes) - 1.0, 8 * len(nodes) - 7))).max())
 
 
-def curvature_at(nodes: Array, index: Array) -> Array:
+def curvature_at(nodes: Array, index: Array, route: Array | None = None) -> Array:
     """Curvature of that curve at places counted in nodes [1/m], to the left positive."""
     s = np.interp(index, np.arange(len(nodes)), stations(nodes))
-    curve = curve_through(nodes)
+    curve = curve_through(nodes, route)
     (dx, dy), (ddx, ddy) = curve(s, 1).T, curve(s, 2).T
     curvature: Array = (dx * ddy - dy * ddx) / np.hypot(dx, dy) ** 3
     return curvature
@@ -105,9 +105,12 @@ def stations(nodes: Array) -> Array:
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def curve_through(nodes: Array) -> CubicSpline[np.float64]:
-    """C2 curve through the nodes over chord length."""
-    return CubicSpline(stations(nodes), nodes)
+def curve_through(nodes: Array, route: Array | None = None) -> CubicSpline[np.float64]:
+    """C2 curve through the nodes over chord length, with the curvature of a route at both ends if given."""
+    if route is None:
+        return CubicSpline(stations(nodes), nodes)
+    ends = CubicSpline(stations(route), route)([0.0, stations(route)[-1]], 2)
+    return CubicSpline(stations(nodes), nodes, bc_type=((2, ends[0]), (2, ends[1])))
 
 
 def left_of(vectors: Array) -> Array:

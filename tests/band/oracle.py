@@ -99,7 +99,7 @@ class _Search:
         self.between = _Look(case, h, np.arange((n - 1) * parts + 1) / parts)
         second = sp.diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(n - 2, n)) * (6.0 / h**2)
         mixed = sp.diags_array([1.0, 4.0, 1.0], offsets=[0, 1, 2], shape=(n - 2, n))
-        pinned = [0, 1, n - 2, n - 1]  # as the band's
+        pinned = [0, 1, 2, n - 3, n - 2, n - 1]  # place, heading and curvature are the route's
         ends = sp.csr_array((np.ones(2), ([0, 1], [0, n - 1])), shape=(2, n))
         self.free = np.setdiff1d(np.arange(2 * n), pinned)
         equal = sp.block_array([[-second, mixed], [None, ends]], format="csc")[:, self.free]
