@@ -67,7 +67,7 @@ def plan_retreat(
     u *= 1.0 - share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
     nodes = road.path.to_cartesian(s, u)
     band = replace(
-        maneuver.band, nodes=nodes, displacement=u, status=Status.FALLBACK,
+        maneuver.band, nodes=nodes, sixth=np.zeros_like(nodes), displacement=u, status=Status.FALLBACK,
         message=f"given up: {obstruction}",
     )  # fmt: skip
     return replace(maneuver, end=last, band=band, reference=reference_along(road.path, s, nodes))

@@ -14,7 +14,7 @@ from cca_core.band.energy import kkt_residual
 from cca_core.band.task import Task
 from cca_core.errors import InfeasibleError, InputError, Status
 from cca_core.path import Path
-from cca_core.path.interpolate import spline_through
+from cca_core.path.interpolate import cubics_along
 
 _FARTHEST = 30.0  # swerve beyond which a band is none of a road [m]
 _EXACT = 1e-9  # rounding error that is forgiven [m]
@@ -54,6 +54,8 @@ class Band:
         or nothing.
     solves : int or ndarray of int, shape (...)
         Banded systems solved [-].
+    sixth : ndarray, shape (..., n, 2)
+        A sixth of the second derivative of the C2 cubic through the nodes [1/m].
     task : Task
         What was asked, for those who go on with the band.
     qp_residual : float, optional
@@ -73,6 +75,7 @@ class Band:
     message: Any
     binding: Any
     solves: Any
+    sixth: Array
     task: Task
     qp_residual: float | None = None
 
@@ -148,13 +151,8 @@ class Band:
         path : Path
             The bent route to be driven.
         """
-        nodes = self._single().nodes
-        task = self.task
-        bends = 1j * task.end_curvatures[0] * task.tangents[0, [0, -1]]
-        first, last = bends.tolist()
-        return spline_through(
-            nodes, float(start), (first.real, first.imag), (last.real, last.imag), second=True
-        )
+        band = self._single()
+        return cubics_along(band.nodes, band.sixth, float(start))
 
     def require(self) -> Self:
         """Return this band if it is usable.
@@ -245,6 +243,7 @@ def judged(
     nodes = task.base + 1j * task.tangents * u
     shaped: dict[str, Any] = {
         "nodes": nodes.view(np.float64).reshape(*leading, -1, 2), "displacement": u.reshape(*leading, -1),
+        "sixth": certificate.sixth.view(np.float64).reshape(*leading, -1, 2),
         "lower": lower.reshape(*leading, -1), "upper": upper.reshape(*leading, -1),
         "passes_left": passes_left.reshape(-1, *leading),
     }  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 
 from cca_core._checks import Array, Complex, Index
 from cca_core.band.corridor import Corridor
-from cca_core.band.task import Task, curvature_of, tangents_of
+from cca_core.band.task import Task, spline_along
 from cca_core.geometry import gap_between
 from cca_core.vehicle import VehicleParams
 
@@ -32,6 +32,8 @@ class Certificate:
         Least of the gaps to obstacles and of the distances from edges [m].
     bent : ndarray, shape (bands,)
         Largest curvature as a multiple of its limit [-].
+    sixth : ndarray of complex, shape (bands, n)
+        A sixth of the second derivative of the C2 cubic through the nodes [1/m].
     """
 
     gaps: Array
@@ -41,6 +43,7 @@ class Certificate:
     least_gap: Array
     least_edge: Array
     bent: Array
+    sixth: Complex
 
     def excess(self, task: Task) -> Array:
         """Return how far bands are from what was asked [-], shape (bands,); a metre counts as 5 limits."""
@@ -51,7 +54,7 @@ class Certificate:
     def update(self, bands: Index, some: "Certificate") -> None:
         """Put in what some of the bands keep after another solve."""
         self.gaps[:, bands] = some.gaps
-        for name in ("right", "left", "curvature", "least_gap", "least_edge", "bent"):
+        for name in ("right", "left", "curvature", "least_gap", "least_edge", "bent", "sixth"):
             getattr(self, name)[bands] = getattr(some, name)
 
 
@@ -72,20 +75,20 @@ def certify(task: Task, u: Array) -> Certificate:
 
     Notes
     -----
-    Between nodes the band is the cubic Hermite curve through them and obstacles move in straight lines. The
+    The band is the C2 cubic through its nodes, and between them obstacles move in straight lines. The
     gap of convex bodies in straight relative motion without turning is a convex function of time: it lies
     above its secants drawn on from the intervals on both sides. What the curve bulges from its chord and what
     turning may take away is taken off that bound, and where it falls below the distance asked, the interval
     is sampled closely.
     """
     nodes = task.base + 1j * task.tangents * u
-    along, curvature = tangents_of(nodes)[0], curvature_of(nodes, task.end_curvatures)
+    along, curvature, sixth = spline_along(nodes, task.ends)
     gaps = _gaps(task, nodes, along, curvature)
     right, left = _edge_distances(task, u, along, curvature)
     edge = np.minimum(right, left).min(axis=1)
     bent = np.abs(curvature / task.curvature_limit).max(axis=1)
     least_gap = gaps.min(axis=(0, 2)) if len(gaps) else np.full(len(u), math.inf)
-    return Certificate(gaps, right, left, curvature, least_gap, edge, bent)
+    return Certificate(gaps, right, left, curvature, least_gap, edge, bent, sixth)
 
 
 def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array:

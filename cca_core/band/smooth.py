@@ -13,7 +13,7 @@ from cca_core.errors import InputError, Status
 
 _PASSES = 8
 _AIM = 1e-3  # beyond what is asked [m]
-_SPARE = 1e-4  # share of the curvature limit that is left to its linearisation
+_SPARE, _RATE_SPARE = 1e-3, 0.03  # shares of the limits that are left to their linearisation
 
 
 def smooth_band(
@@ -81,7 +81,7 @@ def smooth_band(
     for _ in range(_PASSES):
         outcome = smoothest(
             spacing=h, route_curvature=base, lower=lower, upper=upper, curvature_limit=limit,
-            curvature_rate_limit=rate, weights=weights, curvature_error=error, solver=solver, start=u,
+            curvature_rate_limit=(1.0 - _RATE_SPARE) * rate, weights=weights, curvature_error=error, solver=solver, start=u,
         )  # fmt: skip
         if not outcome.solved and message:
             message = outcome.message
@@ -95,7 +95,7 @@ def smooth_band(
         missing = max(task.clearance - found.least_gap[0], -found.least_edge[0])
         bent = (np.abs(true) - task.curvature_limit[0]).max()
         steep = np.abs(np.diff(true)).max() / h - rate
-        if outcome.solved and missing <= 0.0 and bent <= 0.0 and steep <= _SPARE * rate:
+        if outcome.solved and missing <= 0.0 and bent <= 0.0 and steep <= 0.0:
             smooth = judged(
                 task, (), u[None], found, passes_left=passes_left, lower=lower[None], upper=upper[None],
                 solves=np.array([band.solves]), stuck={},

@@ -22,6 +22,8 @@ class Task:
     ----------
     base, tangents : ndarray of complex, shape (bands, n)
         Nodes x + iy of the undeformed route [m] and unit tangents there [-].
+    ends : ndarray of complex, shape (bands, 2)
+        A sixth of the route's second derivative at its first and last node [1/m].
     h : ndarray, shape (bands,)
         Distance between nodes [m].
     corridor : Corridor
@@ -38,6 +40,7 @@ class Task:
 
     base: Complex
     tangents: Complex
+    ends: Complex
     h: Array
     corridor: Corridor
     vehicle: VehicleParams
@@ -50,19 +53,13 @@ class Task:
         """Curvature of the route [1/m], left positive, shape (bands, n)."""
         return curvature_of(self.base)
 
-    @property
-    def end_curvatures(self) -> Array:
-        """Curvature of the route at its first and last node [1/m], left positive, shape (bands, 2)."""
-        return np.array(
-            [(end_curvature(*b[:4].tolist()), -end_curvature(*b[:-5:-1].tolist())) for b in self.base]
-        )
-
     def select(self, bands: Index) -> "Task":
         """Return the same for some bands, each as often as it is named."""
         return replace(
             self,
             base=self.base[bands],
             tangents=self.tangents[bands],
+            ends=self.ends[bands],
             h=self.h[bands],
             corridor=self.corridor.select(bands),
             curvature_limit=self.curvature_limit[bands],
@@ -72,54 +69,74 @@ class Task:
 def tangents_of(nodes: Complex) -> tuple[Complex, Array]:
     """Return unit tangents [-] at nodes x + iy and the lengths between [m].
 
-    Tangents are those of the C2 cubic through the nodes to second order, one-sided at the ends.
+    Tangents are central differences, one-sided at the ends.
     """
     steps = nodes[:, 1:] - nodes[:, :-1]
     along = np.empty_like(nodes)
     along[:, 1:-1] = steps[:, 1:] + steps[:, :-1]
-    along[:, 0], along[:, -1] = 2.0 * steps[:, 0], 2.0 * steps[:, -1]
-    # central differences are (t[i-1] + 4 t[i] + t[i+1]) / 6 of the cubic
-    along[:, 1:-1] -= (along[:, 2:] - 2.0 * along[:, 1:-1] + along[:, :-2]) / 6.0
+    along[:, 0], along[:, -1] = steps[:, 0], steps[:, -1]
     return along / np.abs(along), np.abs(steps)
 
 
-def curvature_of(nodes: Complex, ends: Array | None = None) -> Array:
-    """Return the signed curvature [1/m] at nodes x + iy of the C2 cubic through them, to second order.
-
-    Parameters
-    ----------
-    nodes : ndarray of complex, shape (bands, n)
-        Nodes [m].
-    ends : ndarray, shape (bands, 2), optional
-        Curvature of the cubic at its first and last node [1/m]; by default that of their neighbours.
-
-    Returns
-    -------
-    curvature : ndarray, shape (bands, n)
-        Left positive [1/m].
-    """
+def curvature_of(nodes: Complex) -> Array:
+    """Return the signed curvature [1/m] of the circles through three neighbouring nodes x + iy."""
     steps = nodes[:, 1:] - nodes[:, :-1]
     before, after = steps[:, :-1], steps[:, 1:]
     length, chord = np.abs(steps), np.abs(before + after)
     curvature = np.empty(nodes.shape)
-    inner = curvature[:, 1:-1]
-    inner[:] = 2.0 * (before.conj() * after).imag / (length[:, 1:] * length[:, :-1] * chord)
-    curvature[:, 0], curvature[:, -1] = (inner[:, 0], inner[:, -1]) if ends is None else ends.T
-    # circles through three nodes are (k[i-1] + 4 k[i] + k[i+1]) / 6 of the cubic, which bends more at kinks
-    inner -= (curvature[:, 2:] - 2.0 * inner + curvature[:, :-2]) / 6.0
-    if ends is None:
-        curvature[:, 0], curvature[:, -1] = inner[:, 0], inner[:, -1]
+    curvature[:, 1:-1] = 2.0 * (before.conj() * after).imag / (length[:, 1:] * length[:, :-1] * chord)
+    curvature[:, 0], curvature[:, -1] = curvature[:, 1], curvature[:, -2]
     return curvature
 
 
-def end_curvature(a: complex, b: complex, c: complex, d: complex) -> float:
-    """Return what `curvature_of` gives for the first of nodes that begin so, in less time."""
+def spline_along(nodes: Complex, ends: Complex) -> tuple[Complex, Array, Complex]:
+    """Lay the C2 cubic through nodes.
+
+    Parameters
+    ----------
+    nodes : ndarray of complex, shape (bands, n)
+        Positions x + iy [m].
+    ends : ndarray of complex, shape (bands, 2)
+        A sixth of its second derivative at the first and last node [1/m].
+
+    Returns
+    -------
+    along : ndarray of complex, shape (bands, n)
+        Its unit tangents at the nodes [-].
+    curvature : ndarray, shape (bands, n)
+        Its curvature there [1/m], left positive.
+    sixth : ndarray of complex, shape (bands, n)
+        A sixth of its second derivative there [1/m].
+    """
+    from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
+
+    steps = nodes[:, 1:] - nodes[:, :-1]
+    h = np.abs(steps)
+    slopes = steps / h
+    diagonal, off, rhs = np.ones(nodes.shape), np.zeros(nodes.shape), np.empty_like(nodes)
+    diagonal[:, 1:-1] = 2.0 * (h[:, 1:] + h[:, :-1])
+    off[:, 1:-2] = h[:, 1:-1]  # the ends are known, and nothing couples a band with the next
+    rhs[:, 1:-1] = slopes[:, 1:] - slopes[:, :-1]
+    rhs[:, 0], rhs[:, -1] = ends.T
+    rhs[:, 1] -= h[:, 0] * rhs[:, 0]
+    rhs[:, -2] -= h[:, -1] * rhs[:, -1]
+    solved = lapack.dptsv(diagonal.ravel(), off.ravel()[:-1], rhs.view(np.float64).reshape(-1, 2))[2]
+    sixth = np.ascontiguousarray(solved).view(np.complex128).reshape(nodes.shape)
+    along = np.empty_like(nodes)
+    along[:, :-1] = slopes - h * (2.0 * sixth[:, :-1] + sixth[:, 1:])
+    along[:, -1] = slopes[:, -1] + h[:, -1] * (2.0 * sixth[:, -1] + sixth[:, -2])
+    speed = np.abs(along)
+    along /= speed
+    return along, 6.0 * (along.conj() * sixth).imag / (speed * speed), sixth
+
+
+def _end(a: complex, b: complex, c: complex, d: complex) -> float:
+    """Curvature at the first of nodes that begin so, drawn on from the circles through three of them."""
 
     def circle(x: complex, y: complex, z: complex) -> float:
         return 2.0 * ((y - x).conjugate() * (z - y)).imag / (abs(y - x) * abs(z - y) * abs(z - x))
 
-    first, second = circle(a, b, c), circle(b, c, d)
-    return first - (second - first) / 6.0
+    return 2.0 * circle(a, b, c) - circle(b, c, d)
 
 
 def task_of(
@@ -169,8 +186,10 @@ def task_of(
     h = np.add.reduce(steps, axis=1) / (n - 1)
     if (steps.min(axis=1) <= 0.8 * h).any() or (h <= 0.8 * steps.max(axis=1)).any():
         raise InputError("nodes must be equally spaced along the route")
+    bent = np.array([(_end(*b[:4].tolist()), -_end(*b[:-5:-1].tolist())) for b in base])
     return Task(
-        base=base, tangents=tangents, h=h, vehicle=vehicle, clearance=clearance,
+        base=base, tangents=tangents, h=h, ends=1j * bent * tangents[:, [0, -1]] / 6.0,
+        vehicle=vehicle, clearance=clearance,
         corridor=corridor_around(
             base, tangents, obstacles, corridor, vehicle, clearance, lead, given.shape[:-2]
         ),

@@ -64,12 +64,7 @@ def interpolate_path(
 
 
 def spline_through(
-    points: Array,
-    start: float,
-    first: tuple[float, float] | None,
-    last: tuple[float, float] | None,
-    *,
-    second: bool = False,
+    points: Array, start: float, first: tuple[float, float] | None, last: tuple[float, float] | None
 ) -> Path:
     """Lay a path through nodes, as `interpolate_path` does, without checks.
 
@@ -81,8 +76,6 @@ def spline_through(
         Arc length of the first node [m].
     first, last : pair of float or None
         Unit tangent at the first and last node [-]; None for no curvature there.
-    second : bool
-        Whether `first` and `last` are second derivatives [1/m] instead.
 
     Returns
     -------
@@ -100,19 +93,34 @@ def spline_through(
     rhs = np.zeros_like(points)
     rhs[1:-1] = slopes[1:] - slopes[:-1]
     for tangent, node, sign in ((first, 0, 1.0), (last, -1, -1.0)):
-        if tangent is None or second:
-            off[node] = 0.0
-            rhs[node] = tangent or (0.0, 0.0)
-            rhs[node] /= 6.0
-            beside = node + int(
-                sign
-            )  # the known value goes to the other side, which keeps the matrix symmetric
-            rhs[beside] -= h[node] * rhs[node]
+        if tangent is None:
+            off[node] = 0.0  # natural end: no curvature
         else:
             diagonal[node] = 2.0 * h[node]
             rhs[node] = sign * (slopes[node] - tangent)
     # h_i-1 m_i-1 + 2 (h_i-1 + h_i) m_i + h_i m_i+1 = change of slope, with a sixth of the second derivative m
-    sixth = lapack.dptsv(diagonal, off, rhs)[2]
+    return cubics_along(points, lapack.dptsv(diagonal, off, rhs)[2], start)
+
+
+def cubics_along(points: Array, sixth: Array, start: float) -> Path:
+    """Path of the C2 cubic through nodes whose second derivatives are known.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 2)
+        Positions [m], no two neighbours equal.
+    sixth : ndarray, shape (n, 2)
+        A sixth of the second derivative there, over chord length [1/m].
+    start : float
+        Arc length of the first node [m].
+
+    Returns
+    -------
+    path : Path
+        One cubic between each two nodes.
+    """
+    steps = points[1:] - points[:-1]
+    h = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
     squared = (h * h)[:, None]
     now, then = squared * sixth[:-1], squared * sixth[1:]
     coefficients = np.empty((len(h), 2, 4))
