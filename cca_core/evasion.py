@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -24,6 +25,7 @@ _TAIL = 60.0  # the reference goes on along the route behind the window [m]
 _BEHIND = 2.0  # a window starts this far behind the car [m]
 _GROWTH = 2.0  # an end that would move on by less stays: it is an effect of rounding [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
+_MANOEUVRING = 5.0  # slower than this the steering limits curvature, not the tyres [m/s]
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 
 
@@ -106,7 +108,7 @@ def plan_evasion(
     evasion : Evasion or Candidate
         The swerve; a bare candidate with its obstruction where no band could be drawn.
     """
-    leads = [settings.lead_time * max(max(ego.v_x, ego.v_target) - b.v_s, 0.0) for b in blockers]
+    leads = [_lead(ego, b, settings, b is blockers[0]) for b in blockers]
     contact = [
         _contact(ego, b, settings, lead, b is blockers[0]) for b, lead in zip(blockers, leads, strict=True)
     ]
@@ -148,20 +150,20 @@ def plan_evasion(
     t = ego.times(s)
     right = road.own_lane.right if side == "left" or beside is None else beside.right
     left = road.own_lane.left if side == "right" or beside is None else beside.left
-    band = relax_band(
-        road.path.position(s),
-        [_boxes(road.path, s, o, t, settings, o is blockers[0]) for o in (*blockers, *beside_or_ahead)],
-        side=side,
-        vehicle=ego.vehicle,
-        clearance=settings.clearance,
-        lead=[*leads, *(0.0 for _ in beside_or_ahead)],
+    draw = partial(
+        relax_band, road.path.position(s), side=side, vehicle=ego.vehicle, clearance=settings.clearance,
         corridor=(right, left),
-        curvature_limit=settings.lateral_limit / max(ego.v_x, ego.v_target, 1.0) ** 2,
-    )
+        curvature_limit=settings.lateral_limit / np.maximum(_speeds(ego, s), _MANOEUVRING) ** 2,
+    )  # fmt: skip
+    passed = [_boxes(road.path, s, b, t, settings, b is blockers[0]) for b in blockers]
+    around = [_boxes(road.path, s, o, t, settings, False) for o in beside_or_ahead]
+    band = draw([*passed, *around], lead=[*leads, *(0.0 for _ in around)])
     found = band.status is Status.OK
-    outside = (
-        _outside(band.displacement, road.own_lane, half_width) if found else _between(s - ego.s, first, last)
-    )
+    ways = [_outside(band.displacement, road.own_lane, half_width)] if found else []
+    if found and around and ongoing is None:
+        # who is known less well pushes the band back sooner, which must not make the lane free
+        ways.append(_outside(draw(passed, lead=leads).displacement, road.own_lane, half_width))
+    outside = np.any(ways, axis=0) if found else _between(s - ego.s, first, last)
     leaves = bool(outside.any())
     until = float(t[np.flatnonzero(outside)[-1]]) + ego.vehicle.length / max(v_back, 1.0) if leaves else 0.0
     zone, obstruction = None, ""
@@ -220,10 +222,25 @@ def _contact(
     return float(x[abeam[0]]), last if abeam[-1] < len(x) - 1 else math.inf
 
 
+def _lead(ego: Ego, other: Neighbour, settings: EvasionSettings, passed: bool) -> float:
+    """How far behind another vehicle the ego must be beside its path, at the speed that it has by then."""
+    first, _ = _contact(ego, other, settings, 0.0, passed)
+    return settings.lead_time * max(_speed_after(ego, first) - other.v_s, 0.0)
+
+
 def _speed_after(ego: Ego, distance: float) -> float:
     ahead = min(max(distance, 0.0), HORIZON)
     reached = math.sqrt(ego.v_x**2 + 2.0 * ego.speed.a_max * ahead)
     return max(min(reached, max(ego.v_target, ego.v_x)), 1.0)
+
+
+def _speeds(ego: Ego, s: Array) -> Array:
+    """Highest speed that the ego may have at places on the route."""
+    ahead = np.maximum(s - ego.s, 0.0)
+    speeds: Array = np.maximum(
+        np.minimum(np.sqrt(ego.v_x**2 + 2.0 * ego.speed.a_max * ahead), ego.v_target), ego.v_x
+    )
+    return speeds
 
 
 def _between(x: Array, first: float, last: float) -> Mask:

@@ -1,7 +1,9 @@
 """What the ego must keep behind: the vehicle in front, those hidden before it, and those that cross."""
 
+import itertools
 import math
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,10 +13,14 @@ from cca_core.path import Path
 from cca_core.scene import Ego, Neighbour
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["conflict_ahead", "leader_ahead", "leader_at"]
+__all__ = ["conflict_ahead", "kept_behind", "leader_ahead", "leader_at"]
 
-_STANDS = 0.5  # slower than this a vehicle stands [m/s]
+_STANDS = 1.0  # slower than this a vehicle stands; messages err by 0.2 [m/s]
+_SOFTLY = 0.5  # time in which a creeping car comes to rest [s]
+_HOLD = 1.0  # further time that must lie between bodies until the ego goes on that waits already [s]
 _BRAKES = -2.0  # acceleration below which a hidden vehicle is braked for [m/s^2]
+_AT_ONCE = 1.0  # needed deceleration from which on a hidden braking vehicle is braked for [m/s^2]
+_AS_FAST = 2.0  # slower than the ego by less than this, a vehicle is not passed but followed [m/s]
 _HORIZON, _DELAY, _SPARE = 5.0, 0.3, 5.0  # of a stop behind a hidden vehicle [s], [s], [m]
 _SIGHT = 150.0  # within which crossing vehicles are looked at [m]
 _CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
@@ -50,21 +56,52 @@ def leader_ahead(
     """
     front = s + vehicle.box_offset + 0.5 * vehicle.length
     demanding: Leader | None = None
-    between = 0.0
+    between, follow = 0.0, math.inf
     for n in (b for b in blockers if b.s > s):
         gap = n.s - n.half_length - front - between
         hidden = between > 0.0
         alarming = n.v_s < _STANDS or n.remote.a_x < _BRAKES or "hard_braking" in n.remote.events
         if not hidden or alarming:
             kind = "hidden" if hidden else "ahead"
-            leader = _leader(n.remote.id, gap, n.v_s, n.remote.a_x, v_x, speed, kind)
-            stands = abs(n.v_s) < _STANDS and (hidden or n.remote.id in stopping)
+            v = 0.0 if abs(n.v_s) < _STANDS else n.v_s
+            leader = _leader(n.remote.id, gap, v, n.remote.a_x, v_x, speed, kind)
+            if hidden and v > 0.0 and leader.required_deceleration > _AT_ONCE:
+                # those between will brake too, so that following is too late
+                leader = replace(
+                    leader,
+                    follow_acceleration=min(leader.follow_acceleration, -leader.required_deceleration),
+                )
+            follow = min(follow, leader.follow_acceleration)
+            stands = v == 0.0 and (hidden or n.remote.id in stopping)
             if stands:
                 leader = _stopping(leader, v_x)
             if demanding is None or leader.required_deceleration > demanding.required_deceleration:
                 demanding = leader
         between += 2.0 * n.half_length + speed.standstill_gap
-    return demanding
+    return None if demanding is None else replace(demanding, follow_acceleration=follow)
+
+
+def kept_behind(blockers: Sequence[Neighbour], leader: Leader, ego: Ego) -> list[Neighbour]:
+    """Find who need not be passed on the way around a hidden vehicle.
+
+    Parameters
+    ----------
+    blockers : sequence of Neighbour
+        Vehicles in front on the route, nearest first.
+    leader : Leader
+        What is to be passed.
+    ego : Ego
+        The ego.
+
+    Returns
+    -------
+    kept : list of Neighbour
+        Those before the hidden vehicle that are about as fast as the ego, which goes on following them.
+    """
+    if leader.kind != "hidden":
+        return []
+    between = itertools.takewhile(lambda n: n.remote.id != leader.id, blockers)
+    return [n for n in between if n.v_s >= ego.v_x - _AS_FAST]
 
 
 def leader_at(conflict: Conflict, s: float, v_x: float, speed: SpeedSettings) -> Leader:
@@ -88,7 +125,9 @@ def leader_at(conflict: Conflict, s: float, v_x: float, speed: SpeedSettings) ->
     return _leader(conflict.remote, gap, 0.0, 0.0, v_x, speed, "crossing")
 
 
-def conflict_ahead(ego: Ego, path: Path, others: Sequence[Neighbour]) -> Conflict | None:
+def conflict_ahead(
+    ego: Ego, path: Path, others: Sequence[Neighbour], last: Conflict | None = None
+) -> Conflict | None:
     """Find the nearest place at which the ego must wait for a crossing vehicle.
 
     Parameters
@@ -99,6 +138,8 @@ def conflict_ahead(ego: Ego, path: Path, others: Sequence[Neighbour]) -> Conflic
         Its route.
     others : sequence of Neighbour
         Vehicles around.
+    last : Conflict, optional
+        What the ego waits for already; it goes on only when there is a little more time than it needs.
 
     Returns
     -------
@@ -113,6 +154,8 @@ def conflict_ahead(ego: Ego, path: Path, others: Sequence[Neighbour]) -> Conflic
         if abs(math.sin(angle)) < _CROSSING or abs(n.d) > _SIGHT or not -20.0 < n.s - ego.s < _SIGHT:
             continue
         conflict = crossing(path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
+        if conflict is not None and last is not None and conflict.remote == last.remote:
+            conflict = replace(conflict, margin=conflict.margin + _HOLD)
         if conflict is not None and conflict.wait:
             waits.append(conflict)
     return min(waits, key=lambda c: c.s_in, default=None)
@@ -122,6 +165,8 @@ def _leader(
     name: str, gap: float, v: float, a_x: float, v_x: float, speed: SpeedSettings, kind: str
 ) -> Leader:
     need = required_deceleration(v_x, gap + 0.5 * speed.standstill_gap, v, speed, a_x)
+    if v_x < _STANDS:  # following stops a creeping car softly, however small an uncertain gap seems
+        need = min(need, v_x / _SOFTLY)
     follow = follow_acceleration(v_x, gap, v, speed, a_x)
     return Leader(id=name, gap=gap, v_x=v, required_deceleration=need, follow_acceleration=follow, kind=kind)
 
@@ -130,7 +175,4 @@ def _stopping(leader: Leader, v_x: float) -> Leader:
     """Say how hard the ego must brake to stand behind a vehicle when it is a horizon away."""
     room = (_HORIZON - _DELAY) * v_x - _SPARE
     need = v_x * v_x / (2.0 * room) if room > 0.0 else 0.0
-    return Leader(
-        id=leader.id, gap=leader.gap, v_x=leader.v_x, required_deceleration=leader.required_deceleration,
-        follow_acceleration=leader.follow_acceleration, kind=leader.kind, stop_in_comfort=need,
-    )  # fmt: skip
+    return replace(leader, stop_in_comfort=need)

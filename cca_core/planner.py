@@ -27,7 +27,7 @@ from cca_core.follow import (
     profile_acceleration,
     squared_speed_limit,
 )
-from cca_core.hazards import conflict_ahead, leader_ahead, leader_at
+from cca_core.hazards import conflict_ahead, kept_behind, leader_ahead, leader_at
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.retreat import plan_retreat
 from cca_core.scene import Ego, Neighbour, locate
@@ -118,6 +118,7 @@ class Planner:
         self._retreating = False
         self._conflict: Conflict | None = None
         self._stopping: set[str] = set()
+        self._kept: set[str] = set()
         self._status = Status.OK
 
     def __repr__(self) -> str:
@@ -183,10 +184,10 @@ class Planner:
                 history=np.array(self._history).reshape(-1, 2) - (0.0, t),
             )  # fmt: skip
             self._decide(ego, leader, blockers, neighbours)
-        if self._status is not Status.OK and self._maneuver is not None:
-            offset = self._maneuver.offset_at
-            in_front = sorted((n for n in neighbours if self._blocks(n, offset(n.s))), key=lambda n: n.s)
-            leader = self._leader(in_front, s, state.v_x)
+        if self._maneuver is not None and self._decision.action.evades:
+            late, at = self._status is not Status.OK, self._maneuver.offset_at
+            kept = [n for n in neighbours if n.remote.id in self._kept or (late and self._blocks(n, at(n.s)))]
+            leader = self._leader(sorted(kept, key=lambda n: n.s), s, state.v_x)
         a_x = self._acceleration(s, state.v_x, state.r, leader, dt)
         reference = path if self._maneuver is None else self._maneuver.reference
         delta = self._controller.steer(state, reference)
@@ -243,7 +244,7 @@ class Planner:
         neighbours: list[Neighbour],
     ) -> None:
         """Renew the manoeuvre that is under way, or choose whether to begin one."""
-        self._conflict = conflict_ahead(ego, self.road.path, neighbours)
+        self._conflict = conflict_ahead(ego, self.road.path, neighbours, self._conflict)
         if self._maneuver is not None:
             if not self._retreating:
                 self._renew(ego, self._maneuver, leader, neighbours)
@@ -254,9 +255,10 @@ class Planner:
         looks = leader is not None and leader.kind != "crossing"
         if leader is not None and looks and (waiting or leader.follow_acceleration < _SLOWED):
             ahead = [b for b in blockers if b.s > ego.s]
-            if leader.kind == "hidden":  # the one in front of it is as fast as the ego, or is passed too
-                ahead = [b for b in ahead if b.remote.id == leader.id or b.v_s < ego.v_x - 2.0]
+            kept = kept_behind(ahead, leader, ego)
+            self._kept = {n.remote.id for n in kept}
             others = [] if self._leader_only else [n for n in neighbours if n not in ahead]
+            ahead = [b for b in ahead if b not in kept]
             if leader.v_x > ego.v_target - self.evasion.speed_floor:
                 candidates.append(Candidate(side="left", obstruction=f"{leader.id} is almost as fast"))
             else:
@@ -279,6 +281,7 @@ class Planner:
 
     def _renew(self, ego: Ego, maneuver: Evasion, leader: Leader | None, neighbours: list[Neighbour]) -> None:
         """Bend the band for what is known now; if that fails, give up, swerve harder or keep the old one."""
+        neighbours = [n for n in neighbours if n.remote.id not in self._kept]
         passing = [n for n in neighbours if self._blocks(n, 0.0) and n.s + n.half_length > maneuver.start]
         if not passing:
             return
@@ -310,7 +313,7 @@ class Planner:
         if leader is not None:
             if action is Action.BRAKE:
                 wanted = -min(max(leader.required_deceleration, _FALLBACK_BRAKE), self.speed.b_max)
-            elif action is Action.FOLLOW or (action.evades and self._status is not Status.OK):
+            elif action is Action.FOLLOW or action.evades:
                 wanted = min(wanted, leader.follow_acceleration)
         last = 0.0 if self._command is None else self._command.a_x
         limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu)

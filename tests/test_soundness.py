@@ -8,7 +8,7 @@ import pytest
 from tests.situations import decide, free_at_worst, least_gap, roads, situation
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
-BLOCKS, EACH = (40, 2500) if FULL else (2, 250)
+BLOCKS, EACH = (48, 2500) if FULL else (2, 250)
 ROADS = roads()
 TALLY = {"situations": 0, "evade": 0, "hit": 0, "free": 0, "refused": 0}
 

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+_RELEASE = 0.7  # share of the deceleration from which on it brakes below which it no longer does
+
 
 class Action(Enum):
     """What the ego does."""
@@ -151,7 +153,8 @@ def choose_action(
     """
     if leader is None:
         return Decision(action=Action.KEEP, reason="the lane ahead is free")
-    hard = leader.required_deceleration > brake_above
+    released = _RELEASE if previous is Action.BRAKE else 1.0
+    hard = leader.required_deceleration > brake_above * released
     usable = sorted((c for c in candidates if not c.obstruction), key=lambda c: c.cost)
     stops = leader.stop_in_comfort <= comfortable
     if usable and not stops:

@@ -14,13 +14,12 @@ from cca_core.geometry import box_gap, boxes
 from cca_core.planner import Planner
 from cca_core.sim.log import Log
 from cca_core.sim.plant import SingleTrackPlant
+from cca_core.sim.radio import Radio, Sight
 from cca_core.sim.scenario import RoadUser, Scenario
-from cca_core.vehicle import RemoteVehicle, VehicleState
+from cca_core.vehicle import VehicleState
 
 CYCLE = 0.02
 """Step of the closed loop [s]."""
-
-_PERIOD = 5  # cycles between the messages of one sender
 
 
 def simulate(
@@ -37,7 +36,7 @@ def simulate(
     scenario : Scenario
         What to drive.
     seed : int
-        Seed of the senders' phases.
+        Seed of the senders' phases and of the radio channel.
     planner : Planner, optional
         The ego's planner; the default is made from the scenario.
     progress : callable, optional
@@ -56,7 +55,7 @@ def simulate(
         _settled(scenario),
     )
     traffic = _Traffic(scenario)
-    messages = _Messages(scenario, rng)
+    radio, sight = Radio(scenario, rng), Sight(scenario)
     n = round(scenario.duration / CYCLE) + 1
     rows = np.empty((n, 15))
     others, places = np.empty((n, len(users), 4)), np.empty((n, len(users), 2))
@@ -69,7 +68,10 @@ def simulate(
         state = plant.state
         foot, d, _, _ = path.foot_point(state.x, state.y, foot)
         others[k], places[k] = traffic.poses()
-        remotes = messages.receive(k, others[k], traffic.acceleration, places[k], foot)
+        if scenario.v2v:
+            remotes = radio.receive(t, others[k], traffic.acceleration, state)
+        else:
+            remotes = sight.receive(others[k], traffic.acceleration, places[k], foot)
         tick = time.perf_counter()
         command = planner.step(t, state, remotes)
         cycle_us[k] = 1e6 * (time.perf_counter() - tick)
@@ -191,65 +193,3 @@ class _Traffic:
             self._alarmed[i] += CYCLE
         reacts = user.reaction <= self._alarmed[i] < math.inf
         self.acceleration[i] = -user.deceleration if reacts and self._v[i] > 0.0 else 0.0
-
-
-class _Messages:
-    """What the ego knows of the others: 10 Hz messages that arrive late, or the vehicle in front."""
-
-    def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
-        self._scenario = scenario
-        self._phase = rng.integers(0, _PERIOD, len(scenario.users))
-        self._delay = round(scenario.latency / CYCLE)
-        self._queue: list[list[tuple[int, RemoteVehicle]]] = [[] for _ in scenario.users]
-        self._latest: list[tuple[int, RemoteVehicle] | None] = [None] * len(scenario.users)
-
-    def receive(
-        self, k: int, poses: Array, acceleration: Array, places: Array, ego_s: float
-    ) -> list[RemoteVehicle]:
-        """Vehicles known at cycle `k`, dead-reckoned to now."""
-        if not self._scenario.v2v:
-            return self._seen(poses, acceleration, places, ego_s)
-        known = []
-        for i, user in enumerate(self._scenario.users):
-            if k % _PERIOD == self._phase[i]:
-                self._queue[i].append((k, _record(user, poses[i], float(acceleration[i]), "v2v")))
-            while self._queue[i] and self._queue[i][0][0] + self._delay <= k:
-                self._latest[i] = self._queue[i].pop(0)
-            latest = self._latest[i]
-            if latest is not None:
-                known.append(_dead_reckoned(latest[1], (k - latest[0]) * CYCLE))
-        return known
-
-    def _seen(self, poses: Array, acceleration: Array, places: Array, ego_s: float) -> list[RemoteVehicle]:
-        ahead = [
-            (places[i, 0], i)
-            for i, user in enumerate(self._scenario.users)
-            if 0.0 < places[i, 0] - ego_s < self._scenario.sensor_range and abs(user.d) < 1.0
-        ]
-        if not ahead:
-            return []
-        i = min(ahead)[1]
-        return [_record(self._scenario.users[i], poses[i], float(acceleration[i]), "sensor")]
-
-
-def _record(user: RoadUser, pose: Array, a_x: float, source: str) -> RemoteVehicle:
-    x, y, psi, v_x = pose.tolist()
-    return RemoteVehicle(
-        id=user.id,
-        x=x,
-        y=y,
-        psi=psi,
-        v_x=v_x,
-        a_x=a_x,
-        length=user.length,
-        width=user.width,
-        source=source,
-    )
-
-
-def _dead_reckoned(remote: RemoteVehicle, age: float) -> RemoteVehicle:
-    driven = remote.v_x * age
-    return replace(
-        remote, age=age,
-        x=remote.x + driven * math.cos(remote.psi), y=remote.y + driven * math.sin(remote.psi),
-    )  # fmt: skip

@@ -7,6 +7,7 @@ from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.evasion import EvasionSettings
 from cca_core.path import Road
+from cca_core.v2x import ChannelSettings
 from cca_core.vehicle import VehicleParams
 
 
@@ -91,6 +92,8 @@ class Scenario:
         Farthest vehicle in front that the ego's sensor sees [m].
     latency : float
         From a message's measurement to its arrival [s].
+    channel : ChannelSettings, optional
+        The radio channel; the default loses nothing and has that latency.
 
     Raises
     ------
@@ -111,6 +114,7 @@ class Scenario:
     v2v: bool = True
     sensor_range: float = 100.0
     latency: float = 0.1
+    channel: ChannelSettings | None = None
 
     def __post_init__(self) -> None:
         check_real("start", self.start, least=self.road.path.start, most=self.road.path.end)

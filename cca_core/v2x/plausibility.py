@@ -1,0 +1,178 @@
+"""Whether a message can be true, given what its sender and the others said before."""
+
+import math
+from dataclasses import dataclass, fields
+
+from cca_core._checks import check_real
+from cca_core.errors import InputError
+from cca_core.geometry import wrap_angle
+from cca_core.v2x.motion import Fix
+
+__all__ = ["PLAUSIBILITY_CHECKS", "PlausibilitySettings", "implausible_motion", "implausible_state"]
+
+PLAUSIBILITY_CHECKS = (
+    "replayed", "future", "size", "frozen", "teleport", "displacement", "acceleration", "yaw", "inside",
+)  # fmt: skip
+"""Names of the checks; each is a switch of `PlausibilitySettings`."""
+
+_SPEED_NOISE = 1.0  # between two messages [m/s]
+_TURN_NOISE = 0.2  # [rad]
+_TURNING = 3.0  # slower than this the heading is noise [m/s]
+_TELEPORT = 3.0  # times the room of `displacement`
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlausibilitySettings:
+    """Which checks are made, and their limits.
+
+    Parameters
+    ----------
+    replayed : bool
+        Drop what was measured longer than `age_limit` ago.
+    future : bool
+        Drop what claims to be measured more than `clock_error` from now.
+    size : bool
+        Drop a body longer than `longest`, wider than `widest`, or shorter or narrower than `least_size`.
+    frozen : bool
+        Drop a position that stands still while its sender reports to move.
+    teleport : bool
+        Drop a position more than three times as far from where the reported speeds lead as `displacement`
+        allows.
+    displacement : bool
+        Drop a position farther than `room` + `timing` times speed from where the reported speeds lead.
+    acceleration : bool
+        Drop an acceleration, or a change of speed, beyond `strongest`.
+    yaw : bool
+        Drop a yaw rate, or a change of heading, that needs more than `strongest` sideways.
+    inside : bool
+        Drop a position within the body of a vehicle that was heard of before it.
+    age_limit : float
+        [s]
+    clock_error : float
+        [s]
+    longest, widest, least_size : float
+        [m]
+    room : float
+        Error of a position against the last ones [m].
+    timing : float
+        Error of a time stamp [s].
+    strongest : float
+        Acceleration of a road vehicle [m/s^2].
+
+    Raises
+    ------
+    InputError
+        If a switch is not a bool, or a limit is not a positive number.
+    """
+
+    replayed: bool = True
+    future: bool = True
+    size: bool = True
+    frozen: bool = True
+    teleport: bool = True
+    displacement: bool = True
+    acceleration: bool = True
+    yaw: bool = True
+    inside: bool = True
+    age_limit: float = 1.0
+    clock_error: float = 0.2
+    longest: float = 26.0
+    widest: float = 4.0
+    least_size: float = 0.3
+    room: float = 6.0
+    timing: float = 0.35
+    strongest: float = 12.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name not in PLAUSIBILITY_CHECKS:
+                check_real(field.name, value, above=0.0)
+            elif not isinstance(value, bool):
+                raise InputError(f"{field.name} must be True or False, was {value!r}")
+
+
+def implausible_state(
+    settings: PlausibilitySettings, fix: Fix, length: float, width: float, t_received: float
+) -> str:
+    """Look at one message alone.
+
+    Parameters
+    ----------
+    settings : PlausibilitySettings
+        Checks and limits.
+    fix : Fix
+        What it says.
+    length, width : float
+        Size that it claims [m].
+    t_received : float
+        When it was received [s].
+
+    Returns
+    -------
+    check : str
+        Name of the check that it fails; empty if none.
+    """
+    age = t_received - fix.t
+    if settings.replayed and age > settings.age_limit:
+        return "replayed"
+    if settings.future and -age > settings.clock_error:
+        return "future"
+    if settings.size and not (
+        settings.least_size <= length <= settings.longest and settings.least_size <= width <= settings.widest
+    ):
+        return "size"
+    if settings.acceleration and abs(fix.a) > settings.strongest:
+        return "acceleration"
+    if settings.yaw and abs(fix.r) * max(abs(fix.v), _TURNING) > settings.strongest:
+        return "yaw"
+    return ""
+
+
+def implausible_motion(
+    settings: PlausibilitySettings, last: Fix, ref_x: float, ref_y: float, fix: Fix
+) -> tuple[str, float, float]:
+    """Compare a message with what its sender said before.
+
+    Parameters
+    ----------
+    settings : PlausibilitySettings
+        Checks and limits.
+    last : Fix
+        The last message that was believed.
+    ref_x, ref_y : float
+        Where its sender was then by all messages before [m].
+    fix : Fix
+        What the new one says, measured later.
+
+    Returns
+    -------
+    check : str
+        Name of the check that it fails; empty if none.
+    ref_x, ref_y : float
+        Where its sender is now by all messages [m]: dead-reckoned by the reported speeds and drawn to the
+        reported positions with a time constant of 2 s, so that a slow drift is found as well as a jump.
+    """
+    dt = fix.t - last.t
+    turn = wrap_angle(fix.psi - last.psi)
+    mean = last.psi + 0.5 * turn
+    s = 0.5 * (last.v + fix.v) * dt
+    ref_x, ref_y = ref_x + s * math.cos(mean), ref_y + s * math.sin(mean)
+    moved = math.hypot(fix.x - last.x, fix.y - last.y)
+    if settings.frozen and abs(s) > 0.5 and moved < 0.1 * abs(s):
+        return "frozen", ref_x, ref_y
+    off_x, off_y = fix.x - ref_x, fix.y - ref_y
+    off = math.hypot(off_x, off_y)
+    fastest = max(abs(last.v), abs(fix.v))
+    room = settings.room + settings.timing * fastest + 0.25 * settings.strongest * dt * dt
+    if settings.teleport and off > _TELEPORT * room:
+        return "teleport", ref_x, ref_y
+    if settings.displacement and off > room:
+        return "displacement", ref_x, ref_y
+    if settings.acceleration and abs(fix.v - last.v) > _SPEED_NOISE + settings.strongest * dt:
+        return "acceleration", ref_x, ref_y
+    slowest = max(min(abs(last.v), abs(fix.v)), 0.1)
+    if settings.yaw and slowest > _TURNING and abs(turn) > _TURN_NOISE + settings.strongest / slowest * dt:
+        return "yaw", ref_x, ref_y
+    gain = 1.0 - math.exp(-0.5 * dt)
+    return "", ref_x + gain * off_x, ref_y + gain * off_y

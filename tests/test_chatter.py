@@ -1,0 +1,102 @@
+"""A steady world under noisy messages: at most one change of the action in ten seconds."""
+
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from cca_core import Action, Lane, Planner, RemoteVehicle, Road
+from tests import test_hazards
+from tests.test_planner import ALL_KNOWN, CAR, CYCLE, Drive, Mover, planner, straight
+
+SEEDS = range(3)
+
+
+def noisy(seed: int) -> Callable[[float, list[RemoteVehicle]], list[RemoteVehicle]]:
+    """Ten messages a second, with errors of 0.5 m along the road and 0.2 m/s; dead-reckoned between."""
+    rng = np.random.default_rng(seed)
+    error: dict[str, tuple[float, float]] = {}
+
+    def heard(t: float, known: list[RemoteVehicle]) -> list[RemoteVehicle]:
+        if round(t / CYCLE) % 5 == 0:
+            error.update({r.id: (rng.normal(0.0, 0.5), rng.normal(0.0, 0.2)) for r in known})
+        told = []
+        for r in known:
+            x, v = error[r.id]
+            off = x + v * r.age
+            told.append(
+                RemoteVehicle(
+                    id=r.id, x=r.x + off * math.cos(r.psi), y=r.y + off * math.sin(r.psi), psi=r.psi,
+                    v_x=r.v_x + v, a_x=r.a_x, age=r.age, sigma_along=0.5,
+                )
+            )  # fmt: skip
+        return told
+
+    return heard
+
+
+def changes(run: Drive, since: float = 0.0, until: float = math.inf) -> list[Action]:
+    """Actions after the first one within a stretch of time."""
+    actions = [
+        c.decision.action for i, c in enumerate(run.commands) if since <= i * CYCLE < min(until, since + 10.0)
+    ]
+    return [b for a, b in itertools.pairwise(actions) if a is not b]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+class TestSteady:
+    def test_following_on_one_lane(self, seed: int) -> None:
+        run = Drive(planner(None), [Mover("R", 25.5, 0.0, 12.0)], 10.0, v=12.0, heard=noisy(seed))
+        assert len(changes(run)) <= 1
+
+    def test_following_with_the_lane_blocked(self, seed: int) -> None:
+        movers = [Mover("R", 25.5, 0.0, 12.0), Mover("L", 0.0, 3.5, 12.0)]
+        run = Drive(planner(), movers, 10.0, v=12.0, heard=noisy(seed))
+        assert len(changes(run)) <= 1
+
+    def test_approaching_without_a_lane_beside(self, seed: int) -> None:
+        run = Drive(planner(None), [Mover("R", 100.0, 0.0, 12.0)], 12.0, heard=noisy(seed))
+        assert len(changes(run)) <= 1
+        assert len(changes(run, 2.0)) <= 1
+
+    def test_approaching_what_is_passed_in_time(self, seed: int) -> None:
+        run = Drive(planner(), [Mover("R", 90.0, 0.0, 12.0)], 10.0, heard=noisy(seed))
+        assert changes(run) == [Action.EVADE_LEFT]
+
+    def test_almost_as_fast(self, seed: int) -> None:
+        """At the least speed advantage for which a car is passed."""
+        movers = [Mover("R", 40.0, 0.0, 18.0), Mover("L", 0.0, 3.5, 18.0)]
+        run = Drive(planner(), movers, 10.0, v=18.0, heard=noisy(seed))
+        assert len(changes(run)) <= 1
+
+    def test_waiting_for_oncoming_traffic(self, seed: int) -> None:
+        road = Road(straight(2000.0), (Lane(d=0.0), Lane(d=3.5, direction=-1)))
+        p = Planner(CAR, road, cruise_speed=20.0, evasion=ALL_KNOWN)
+        column = [Mover(f"O{i}", 60.0 + 110.0 * i, 3.5, 20.0, psi=math.pi) for i in range(6)]
+        run = Drive(p, [Mover("R", 25.5, 0.0, 12.0), *column], 10.0, v=12.0, heard=noisy(seed))
+        assert len(changes(run)) <= 1
+
+    def test_waiting_behind_a_standing_car(self, seed: int) -> None:
+        run = Drive(planner(None), [Mover("R", 7.5, 0.0, 0.0)], 10.0, v=0.0, heard=noisy(seed))
+        assert len(changes(run)) <= 1
+        assert run.hit is None
+
+    def test_braking_for_a_hidden_standing_car(self, seed: int) -> None:
+        movers = [Mover("Y", 45.0, 0.0, 13.9), Mover("R", 170.0, -1.05, 0.0)]
+        run = Drive(planner(cruise=13.9), movers, 10.0, v=13.9, heard=noisy(seed))
+        assert len(changes(run)) <= 1
+
+    def test_waiting_for_a_crossing_car(self, seed: int) -> None:
+        crosser = test_hazards.Crosser("X", 120.0, -60.0, 10.0, psi=0.5 * math.pi)
+        run = Drive(planner(None), [crosser], 10.0, heard=noisy(seed))
+        assert run.hit is None
+        # it comes and goes: wait, and drive on
+        assert len(changes(run, until=5.0)) <= 1
+        assert len(changes(run)) <= 2
+
+
+def test_hidden_standing_car_without_noise() -> None:
+    run = test_hazards.TestHiddenStanding().drive(13.9, 1.0)
+    assert max(len(changes(run, since)) for since in (0.0, 2.0, 4.0)) <= 1

@@ -1,0 +1,141 @@
+"""Braking and standing vehicles that others hide, and crossing ones, in closed loop."""
+
+import math
+
+import pytest
+
+from cca_core import Action, Lane, Path, Planner, Road
+from cca_core.follow import SpeedSettings
+from tests.test_planner import ALL_KNOWN, CAR, CYCLE, START, Drive, Mover, straight
+
+
+class Swerver(Mover):
+    """Swings out to `aside` in two seconds when it comes within `reach` of a place."""
+
+    def __init__(self, gap: float, v: float, *, place: float, reach: float, aside: float) -> None:
+        super().__init__("Y", gap, 0.0, v)
+        self.place, self.reach, self.aside, self.since = START + place, reach, aside, 0.0
+
+    def move(self, t: float) -> None:
+        super().move(t)
+        if self.x > self.place - self.reach:
+            self.since = min(self.since + 0.5 * CYCLE, 1.0)
+            self.d = self.aside * self.since**3 * (10.0 - 15.0 * self.since + 6.0 * self.since**2)
+
+
+class Crosser(Mover):
+    """Drives across the road at one place, at heading 90 degrees or -90 degrees."""
+
+    def move(self, t: float) -> None:
+        self.d += math.sin(self.psi) * self.v * CYCLE
+
+
+def ego(lanes: tuple[Lane, ...] = (), cruise: float = 20.0, time_gap: float = 1.5) -> Planner:
+    path = straight(1200.0)
+    road: Road | Path = Road(path, lanes) if lanes else path
+    return Planner(
+        CAR, road, cruise_speed=cruise, evasion=ALL_KNOWN, speed=SpeedSettings(time_gap=time_gap)
+    )
+
+
+@pytest.mark.parametrize("v", [20.0, 29.0])
+class TestHiddenBraking:
+    """Red brakes at 7 m/s^2 after two seconds, yellow 1.25 s later; the ego is a second behind yellow."""
+
+    def drive(self, v: float, *, connected: bool) -> Drive:
+        ahead = 4.5 + 3.0 + 1.0 * v
+        yellow = Mover("Y", ahead, 0.0, v, a=lambda t: -7.0 if t >= 3.25 else 0.0)
+        red = Mover("R", ahead + 4.5 + 1.8 * v, 0.0, v, a=lambda t: -7.0 if t >= 2.0 else 0.0)
+        return Drive(
+            ego(cruise=v, time_gap=1.0), [yellow, red], 14.0, v=v,
+            heard=lambda t, known: [r for r in known if connected or r.id == "Y"],
+        )  # fmt: skip
+
+    def test_brakes_before_the_leader_and_gently(self, v: float) -> None:
+        run = self.drive(v, connected=True)
+        assert run.hit is None
+        assert run.v[-1] < 0.1
+        first = next(i for i, a in enumerate(run.a_x) if a < -1.0)
+        assert 2.0 < first * CYCLE < 3.0
+        assert min(run.a_x) > -6.0
+
+    def test_without_messages_of_the_hidden_one_it_brakes_after_the_leader(self, v: float) -> None:
+        run = self.drive(v, connected=False)
+        first = next(i for i, a in enumerate(run.a_x) if a < -2.0)
+        assert first * CYCLE > 3.25
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["left", "right"])
+class TestHiddenStanding:
+    """Yellow swings out 1.1 s before a car that stands half in the lane."""
+
+    def drive(self, v: float, sign: float, *others: Mover, beside: bool = True) -> Drive:
+        lanes = (Lane(d=0.0), Lane(d=3.5 * sign)) if beside else (Lane(d=0.0),)
+        place = 9.0 * v
+        yellow = Swerver(1.5 * v + 4.5, v, place=place, reach=1.1 * v + 4.5, aside=3.0 * sign)
+        red = Mover("R", place, -1.05 * sign, 0.0)
+        return Drive(
+            ego(lanes, cruise=v), [yellow, red, *others], 22.0, v=v,
+            done=lambda s: s.v_x < 0.05 or s.x > START + place + 60.0,
+        )  # fmt: skip
+
+    def test_stops_at_50_km_h(self, sign: float) -> None:
+        run = self.drive(13.9, sign)
+        assert run.hit is None
+        assert run.v[-1] < 0.1
+        assert not any(c.decision.action.evades for c in run.commands)
+        assert run.gaps["R"] == pytest.approx(3.0, abs=1.0)
+        assert min(run.a_x) > -3.0
+
+    def test_passes_at_90_km_h(self, sign: float) -> None:
+        run = self.drive(25.0, sign)
+        side = Action.EVADE_LEFT if sign > 0.0 else Action.EVADE_RIGHT
+        assert run.hit is None
+        assert side in {c.decision.action for c in run.commands}
+        assert run.gaps["R"] > 0.5
+        assert min(run.v) > 20.0
+        assert max(map(abs, run.a_y)) < 4.0
+
+    def test_brakes_at_90_km_h_when_the_lane_beside_is_not_free(self, sign: float) -> None:
+        run = self.drive(25.0, sign, Mover("L", -6.0, 3.5 * sign, 25.0))
+        assert run.hit is None
+        assert not any(c.decision.action.evades for c in run.commands[: round(4.0 / CYCLE)])
+        assert min(run.a_x) < -0.5
+
+    def test_brakes_at_90_km_h_when_there_is_no_lane_beside(self, sign: float) -> None:
+        run = self.drive(25.0, sign, beside=False)
+        assert run.hit is None
+        assert run.v[-1] < 0.1
+        assert min(run.a_x) > -5.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["from the right", "from the left"])
+class TestCrossing:
+    PLACE = 120.0  # of the crossing [m]; the ego would be there 6 s after the start
+
+    def drive(self, sign: float, early: float, v: float = 10.0) -> Drive:
+        there = self.PLACE / 20.0 - early
+        crosser = Crosser("X", self.PLACE, -sign * v * there, v, psi=sign * 0.5 * math.pi)
+        return Drive(ego(), [crosser], 22.0, done=lambda s: s.x > START + self.PLACE + 120.0)
+
+    @pytest.mark.parametrize("early", [-0.8, 0.0, 0.8])
+    def test_waits_and_goes_on(self, sign: float, early: float) -> None:
+        run = self.drive(sign, early)
+        assert run.hit is None
+        assert run.gaps["X"] > 1.0
+        assert run.x[-1] > START + self.PLACE + 100.0
+        assert run.v[-1] > 15.0
+        assert min(run.a_x) > -5.0
+        assert max(map(abs, run.y)) < 0.1
+
+    @pytest.mark.parametrize("early", [-12.0, 5.0])
+    def test_far_in_time_nobody_is_waited_for(self, sign: float, early: float) -> None:
+        run = self.drive(sign, early)
+        assert run.hit is None
+        assert min(run.v) > 18.0
+
+
+def test_crossing_is_mirrored() -> None:
+    left, right = (TestCrossing().drive(sign, 0.3) for sign in (1.0, -1.0))
+    assert left.v == pytest.approx(right.v, abs=1e-6)
+    assert left.actions == right.actions

@@ -1,0 +1,178 @@
+"""Messages: all values of the format, a second decoder, and what must be refused."""
+
+import math
+import os
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cca_core.errors import InputError
+from cca_core.v2x import Accuracy, Brakes, Bsm, decode_bsm, encode_bsm
+from cca_core.v2x.events import EVENTS
+from tests.v2x import peer
+from tests.v2x.peer import assert_means, flat
+
+FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
+UNITS = {
+    "sec_mark": 1e-3, "latitude_deg": 1e-7, "longitude_deg": 1e-7, "elevation": 0.1, "speed": 0.02,
+    "psi": math.radians(0.0125), "steering_wheel_angle": math.radians(1.5), "a_x": 0.01, "a_y": 0.01,
+    "a_z": 0.02 * 9.80665, "r": math.radians(0.01), "width": 0.01, "length": 0.01,
+}  # fmt: skip
+LIMITS = {
+    "sec_mark": (0.0, 60.999), "latitude_deg": (-90.0, 90.0), "longitude_deg": (-180.0, 180.0),
+    "elevation": (-409.5, 6143.9), "speed": (0.0, 163.8),
+    "steering_wheel_angle": (-math.radians(189.0), math.radians(189.0)), "a_x": (-20.0, 20.0),
+    "a_y": (-20.0, 20.0), "a_z": (-127 * 0.02 * 9.80665, 126 * 0.02 * 9.80665),
+    "r": (-math.radians(327.67), math.radians(327.67)), "width": (0.01, 10.23), "length": (0.01, 40.95),
+}  # fmt: skip
+PLAIN = Bsm(msg_count=0, id="00000000")
+
+
+@pytest.mark.parametrize("block", range(20))
+def test_second_decoder_agrees(block: int) -> None:
+    """Its bytes mean the same to us, and ours mean the same to it."""
+    rng = np.random.default_rng(block)
+    for _ in range(500 if FULL else 15):
+        core = peer.random_core(rng)
+        flags = int(rng.integers(1 << 13)) if rng.random() < 0.5 else 0
+        parts = [
+            {"kind": int(rng.integers(1, 64)), "content": rng.bytes(int(rng.integers(1, 200)))}
+            for _ in range(rng.integers(4))
+        ]
+        if flags:
+            more = {"history": rng.bytes(9)} if rng.random() < 0.5 else {}
+            parts.insert(int(rng.integers(len(parts) + 1)), peer.event_part(flags, more))
+        regional = [{"kind": 3, "content": rng.bytes(20)}] if rng.random() < 0.2 else None
+        data = peer.message(core, parts, regional)
+        assert_means(data, core)
+        bsm = decode_bsm(data)
+        assert bsm.events == {name for i, name in enumerate(EVENTS[:13]) if flags >> 12 - i & 1}
+        again = peer.read(encode_bsm(bsm))
+        assert again.pop("flags") == bsm.events
+        assert again == core
+
+
+def test_every_single_code_survives() -> None:
+    """Each field alone through its whole range (the long ones in steps)."""
+    rng = np.random.default_rng(1)
+    core = peer.random_core(rng, absent=0.0)
+    names = list(peer.RANGES) if FULL else ["angle", "accelVert", "semiMajor", "transmission", "boost"]
+    for name in names:
+        low, high = peer.RANGES[name]
+        for code in range(low, high + 1, max(1, (high - low) // 3000)):
+            assert_means(peer.message(core | {name: code}), core | {name: code})
+
+
+def reals(name: str) -> st.SearchStrategy[float | None]:
+    return st.none() | st.floats(*LIMITS[name])
+
+
+ANGLES = st.none() | st.floats(-math.pi, math.pi)
+SYSTEMS = st.sampled_from([None, "off", "on", "engaged"])
+BOOSTS = st.sampled_from([None, "off", "on"])
+MESSAGES = st.builds(
+    Bsm,
+    msg_count=st.integers(0, 127),
+    id=st.binary(min_size=4, max_size=4).map(bytes.hex),
+    psi=ANGLES,
+    accuracy=st.builds(
+        Accuracy,
+        semi_major=st.none() | st.floats(0.0, 12.7),
+        semi_minor=st.none() | st.floats(0.0, 12.7),
+        orientation=ANGLES,
+    ),
+    transmission=st.sampled_from([None, "neutral", "park", "forward", "reverse"]),
+    brakes=st.builds(
+        Brakes,
+        wheels=st.none() | st.tuples(*[st.booleans()] * 4),
+        traction=SYSTEMS, abs=SYSTEMS, scs=SYSTEMS, boost=BOOSTS, aux=BOOSTS,
+    ),
+    events=st.frozensets(st.sampled_from(EVENTS)),
+    **{name: reals(name) for name in LIMITS},
+)  # fmt: skip
+
+
+@given(sent=MESSAGES)
+def test_what_is_sent_arrives(sent: Bsm) -> None:
+    """Within half a unit at first; exactly, once it is on the grid of the format."""
+    received = decode_bsm(encode_bsm(sent))
+    units = UNITS | {"semi_major": 0.05, "semi_minor": 0.05, "orientation": math.tau / 65535.0}
+    before, after = flat(sent), flat(received)
+    before["r"] = before["r"] or 0.0
+    for name, unit in units.items():
+        assert (before[name] is None) == (after[name] is None)
+        if before[name] is not None:
+            error = after[name] - before[name]
+            turn = math.tau if name in ("psi", "orientation") else 360.0 if name == "longitude_deg" else None
+            error = math.remainder(error, turn) if turn else error
+            assert abs(error) <= 0.5 * unit * (1.0 + 1e-6)
+    for name in before.keys() - units.keys():
+        assert after[name] == before[name]
+    assert received.events == sent.events
+    assert decode_bsm(encode_bsm(received)) == received
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_limits(name: str) -> None:
+    low, high = LIMITS[name]
+    for value, outside in ((low, low - 0.51 * UNITS[name]), (high, high + 0.51 * UNITS[name])):
+        found = getattr(decode_bsm(encode_bsm(replace(PLAIN, **{name: value}))), name)
+        assert abs(found) == pytest.approx(abs(value))  # 180 degrees west is 180 degrees east
+        with pytest.raises(InputError, match=name):
+            encode_bsm(replace(PLAIN, **{name: outside}))
+
+
+def test_nothing_but_what_must_be() -> None:
+    data = encode_bsm(replace(PLAIN, events=frozenset({"hard_braking"})))
+    assert len(encode_bsm(PLAIN)) == 40
+    assert len(data) == 45
+    assert data[:3].hex() == "00142a"
+    assert decode_bsm(encode_bsm(PLAIN)) == replace(PLAIN, r=0.0)
+
+
+def test_axes() -> None:
+    """A car that drives north-west in a left turn: what a message calls negative is positive here."""
+    core = {name: 0 for name in peer.RANGES} | {"id": bytes(4), "wheels": b"\0"}
+    core |= {"heading": 28800 - 3600, "yaw": -1000, "accelLat": -200, "angle": -20, "accelVert": -50}
+    bsm = decode_bsm(peer.message(core))
+    assert bsm.psi == pytest.approx(math.radians(135.0))
+    assert bsm.r == pytest.approx(math.radians(10.0))
+    assert bsm.a_y == 2.0
+    assert bsm.steering_wheel_angle == pytest.approx(math.radians(30.0))
+    assert bsm.a_z == pytest.approx(9.80665)
+
+
+def test_heading_is_wrapped() -> None:
+    for heading in range(0, 28800, 1 if FULL else 100):
+        psi = decode_bsm(encode_bsm(replace(PLAIN, psi=math.radians(90.0 - 0.0125 * heading)))).psi
+        assert psi is not None
+        assert -math.pi <= psi < math.pi
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("msg_count", 128), ("msg_count", -1), ("msg_count", 1.0), ("msg_count", None), ("id", "0000000G"),
+        ("id", "0000000"), ("id", "00 00 00"), ("id", "ABCDEF01"), ("id", b"1234"), ("id", "0000000\n"),
+        ("speed", "12"), ("speed", math.nan), ("speed", math.inf), ("speed", [1.0]), ("speed", np.ones(2)),
+        ("speed", 1j), ("psi", math.nan), ("psi", math.inf), ("psi", "north"), ("psi", 1j), ("r", 1e300),
+        ("transmission", "drive"), ("transmission", ["park"]), ("brakes", None), ("accuracy", 1.0),
+        ("brakes", Brakes(wheels=(True, False))), ("brakes", Brakes(wheels=[True])),
+        ("brakes", Brakes(traction="yes")), ("brakes", Brakes(boost="engaged")),
+        ("accuracy", Accuracy(semi_major=12.73)), ("accuracy", Accuracy(orientation="x")),
+        ("events", ["hard_braking"]), ("events", "hard_braking"), ("events", {"braking"}), ("events", {1}),
+        ("events", None),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_sent(name: str, value: Any) -> None:
+    with pytest.raises(InputError):
+        encode_bsm(replace(PLAIN, **{name: value}))
+
+
+def test_only_messages_are_sent() -> None:
+    with pytest.raises(InputError, match="bsm must be"):
+        encode_bsm(None)  # type: ignore[arg-type]

@@ -1,0 +1,204 @@
+"""The channel loses, delays and repeats what it says, and the same each time."""
+
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cca_core import InputError, LocalFrame, RemoteVehicle
+from cca_core.v2x import (
+    Arrival,
+    Channel,
+    ChannelSettings,
+    Sender,
+    SenderSettings,
+    Tracker,
+    decode_bsm,
+)
+
+FRAME = LocalFrame(41.0, -104.0)
+HERE = (0.0, 0.0)
+T0 = 6000.0
+
+
+def number(k: int) -> bytes:
+    return k.to_bytes(4, "big")
+
+
+def arrived(settings: ChannelSettings, n: int, *, seed: int = 1, distance: float = 0.0) -> list[Arrival]:
+    """Send `n` numbered messages at 10 Hz from a distance and take what arrives."""
+    channel, found = Channel(settings, np.random.default_rng(seed)), []
+    for k in range(n):
+        channel.send(0.1 * k, (distance, 0.0), number(k), sender="a")
+        found += channel.receive(0.1 * k, HERE)
+    return found + list(channel.receive(1e9, HERE))
+
+
+def numbers(arrivals: list[Arrival]) -> list[int]:
+    return [int.from_bytes(a.data, "big") for a in arrivals]
+
+
+def test_a_perfect_channel_changes_nothing() -> None:
+    found = arrived(ChannelSettings(), 50)
+    assert numbers(found) == list(range(50))
+    assert [a.t for a in found] == pytest.approx([0.1 * k for k in range(50)])
+    assert {a.sender for a in found} == {"a"}
+
+
+@pytest.mark.parametrize(("loss", "burst"), [(0.1, 1.5), (0.28, 3.0), (0.5, 2.0), (0.8, 6.0)])
+def test_loss_and_bursts(loss: float, burst: float) -> None:
+    kept = np.array(numbers(arrived(ChannelSettings(loss=loss, burst=burst), 20_000)))
+    runs = np.diff(kept) - 1
+    assert 1.0 - len(kept) / 20_000 == pytest.approx(loss, abs=0.03)
+    assert runs[runs > 0].mean() == pytest.approx(burst, rel=0.1)
+
+
+def test_bursts_are_each_senders_own() -> None:
+    channel = Channel(ChannelSettings(loss=0.5, burst=5.0), np.random.default_rng(2))
+    heard = {"a": set(), "b": set()}
+    for k in range(4000):
+        for sender in heard:
+            channel.send(0.1 * k, HERE, number(k), sender=sender)
+    for arrival in channel.receive(1e9, HERE):
+        heard[arrival.sender].add(arrival.data)
+    assert len(heard["a"] & heard["b"]) == pytest.approx(1000, abs=150)
+
+
+def test_latency_and_jitter() -> None:
+    found = arrived(ChannelSettings(latency=0.05, jitter=0.02), 3000)
+    delays = np.array([a.t - 0.1 * k for a, k in zip(found, numbers(found), strict=True)])
+    assert delays.min() >= 0.05 - 1e-9
+    assert delays.mean() == pytest.approx(0.07, abs=0.002)
+
+
+def test_nothing_arrives_before_its_time() -> None:
+    channel = Channel(ChannelSettings(latency=0.2), np.random.default_rng(0))
+    channel.send(1.0, HERE, b"a")
+    assert channel.receive(1.19, HERE) == ()
+    assert [a.data for a in channel.receive(1.2, HERE)] == [b"a"]
+    assert channel.receive(9.0, HERE) == ()
+
+
+@pytest.mark.parametrize(("distance", "share"), [(0.0, 1.0), (150.0, 0.9625), (299.0, 0.41), (301.0, 0.0)])
+def test_distance(distance: float, share: float) -> None:
+    found = arrived(ChannelSettings(range=300.0, edge_loss=0.6), 5000, distance=distance)
+    assert len(found) / 5000 == pytest.approx(share, abs=0.03)
+
+
+def test_reordering_and_duplicates() -> None:
+    found = numbers(arrived(ChannelSettings(reordered=0.2, duplicated=0.1), 5000))
+    assert set(found) == set(range(5000))
+    assert len(found) / 5000 == pytest.approx(1.1, abs=0.02)
+    assert sum(b < a for a, b in itertools.pairwise(found)) > 500
+
+
+@given(st.integers(0, 2**32), st.lists(st.floats(0.0, 0.3), min_size=1, max_size=30))
+def test_chance_does_not_depend_on_when_one_looks(seed: int, pauses: list[float]) -> None:
+    settings = ChannelSettings(
+        latency=0.02, jitter=0.05, loss=0.3, burst=2.0, range=400.0, edge_loss=0.5, reordered=0.2,
+        duplicated=0.2,
+    )  # fmt: skip
+    once, often = (Channel(settings, np.random.default_rng(seed)) for _ in range(2))
+    looked, t = [], 0.0
+    for k, pause in enumerate(pauses):
+        t += pause
+        for channel in (once, often):
+            channel.send(t, (350.0, 0.0), number(k), sender=str(k % 3))
+        looked += often.receive(t, HERE)
+    assert looked + list(often.receive(1e9, HERE)) == list(once.receive(1e9, HERE))
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{"loss": 1.0}, {"loss": 0.9, "burst": 2.0}, {"latency": -1.0}, {"range": math.nan}, {"burst": 0.5}],
+)
+def test_settings_are_checked(values: dict[str, float]) -> None:
+    with pytest.raises(InputError, match=list(values)[-1]):
+        ChannelSettings(**values)
+
+
+def sent(settings: SenderSettings, seconds: float, *, step: float = 0.001, seed: int = 1) -> list[Any]:
+    """Messages of a car at 20 m/s along +x, each with the time at which it was sent."""
+    sender = Sender("0000cafe", FRAME, settings, np.random.default_rng(seed))
+    found = []
+    for k in range(round(seconds / step)):
+        t = T0 + step * k
+        data = sender.poll(t, RemoteVehicle(id="", x=20.0 * step * k, y=0.0, psi=0.0, v_x=20.0))
+        if data is not None:
+            found.append((t, data))
+    return found
+
+
+def test_a_sender_says_what_is() -> None:
+    found = sent(SenderSettings(), 3.0, step=0.02)
+    assert len(found) in (29, 30)
+    messages = [decode_bsm(data) for _, data in found]
+    assert {b.msg_count - a.msg_count for a, b in itertools.pairwise(messages)} <= {1, -127}
+    tracker = Tracker(FRAME)
+    for t, data in found:
+        assert tracker.update(data, t).accepted
+        (vehicle,) = tracker.vehicles(t)
+        assert (vehicle.x, vehicle.y) == pytest.approx((20.0 * (t - T0), 0.0), abs=0.02)
+    assert (vehicle.id, vehicle.length, vehicle.width) == ("0000cafe", 4.5, 1.8)
+
+
+def test_wyoming() -> None:
+    """Intervals of 95 to 105 ms, 28 % lost, most gaps of one to three messages, a few repeated positions."""
+    found = sent(SenderSettings.wyoming(), 60.0)
+    intervals = np.diff([t for t, _ in found])
+    assert 0.094 <= intervals.min() < 0.097
+    assert 0.103 < intervals.max() <= 0.1061
+    places = [decode_bsm(data).longitude_deg for _, data in found]
+    repeats = sum(a == b for a, b in itertools.pairwise(places))
+    assert 0.01 < repeats / len(places) < 0.06
+    kept = np.array(numbers(arrived(ChannelSettings.wyoming(), 20_000)))
+    runs = np.diff(np.sort(kept)) - 1
+    assert 1.0 - len(kept) / 20_000 == pytest.approx(0.28, abs=0.02)
+    assert np.mean(runs[runs > 0] <= 3) > 0.6
+
+
+@pytest.mark.parametrize("noise_time", [0.0, 5.0])
+def test_position_noise(noise_time: float) -> None:
+    found = sent(SenderSettings(position_noise=1.5, noise_time=noise_time), 400.0, step=0.1)
+    messages = [decode_bsm(data) for _, data in found]
+    xy = FRAME.to_local([m.latitude_deg for m in messages], [m.longitude_deg for m in messages])
+    across = xy[:, 1]
+    assert across.std() == pytest.approx(1.5, rel=0.3)
+    kept = np.corrcoef(across[1:], across[:-1])[0, 1]
+    assert kept == pytest.approx(math.exp(-0.1 / noise_time) if noise_time else 0.0, abs=0.1)
+
+
+def test_same_seed_same_bytes() -> None:
+    settings = SenderSettings(interval_spread=0.005, position_noise=1.0, frozen=0.1, frozen_length=3.0)
+    runs = [sent(settings, 5.0, seed=seed) for seed in (4, 4, 5)]
+    assert runs[0] == runs[1] != runs[2]
+    lossy = ChannelSettings(loss=0.3, burst=2.0, jitter=0.02, reordered=0.1, duplicated=0.1)
+    assert arrived(lossy, 300) == arrived(lossy, 300)
+
+
+def test_from_sender_to_track_through_a_bad_channel() -> None:
+    """Half of all lost, late, doubled and out of order: the car is still where its bounds say."""
+    settings = ChannelSettings(latency=0.1, jitter=0.05, loss=0.5, burst=2.0, reordered=0.1, duplicated=0.1)
+    channel, tracker = Channel(settings, np.random.default_rng(6)), Tracker(FRAME)
+    sender = Sender("0000cafe", FRAME, SenderSettings.wyoming(), np.random.default_rng(7))
+    inside = []
+    for k in range(3000):
+        t, x = T0 + 0.02 * k, 20.0 * 0.02 * k
+        data = sender.poll(t, RemoteVehicle(id="", x=x, y=0.0, psi=0.0, v_x=20.0))
+        if data is not None:
+            channel.send(t, (x, 0.0), data, sender=sender.id)
+        for arrival in channel.receive(t, (x, 0.0)):
+            tracker.update(arrival.data, t)
+        inside += [abs(v.x - x) <= 2.0 * v.sigma_along for v in tracker.vehicles(t)]
+    assert len(inside) > 2900
+    assert np.mean(inside) > 0.95
+
+
+@pytest.mark.parametrize("values", [{"interval": 0.0}, {"interval_spread": 0.2}, {"frozen": 1.5}])
+def test_sender_settings_are_checked(values: dict[str, float]) -> None:
+    with pytest.raises(InputError, match=next(iter(values))):
+        SenderSettings(**values)
