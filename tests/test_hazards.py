@@ -33,9 +33,7 @@ class Crosser(Mover):
 def ego(lanes: tuple[Lane, ...] = (), cruise: float = 20.0, time_gap: float = 1.5) -> Planner:
     path = straight(1200.0)
     road: Road | Path = Road(path, lanes) if lanes else path
-    return Planner(
-        CAR, road, cruise_speed=cruise, evasion=ALL_KNOWN, speed=SpeedSettings(time_gap=time_gap)
-    )
+    return Planner(CAR, road, cruise_speed=cruise, evasion=ALL_KNOWN, speed=SpeedSettings(time_gap=time_gap))
 
 
 @pytest.mark.parametrize("v", [20.0, 29.0])

@@ -10,6 +10,8 @@ import pytest
 from cca_core.path import Lane, Path, Road, fit_path
 from cca_core.sim import Log, Scenario, maneuver, simulate
 
+GRID = 5e-3  # speeds, headings and places in messages are rounded; both worlds round differently
+
 LONG = 13.0  # the first swerve of case 1-fast and its end [s]
 
 
@@ -58,21 +60,21 @@ def test_the_run_is_worth_comparing(plain: tuple[str, Log]) -> None:
 def test_turned_and_shifted(plain: tuple[str, Log], angle: float, shift: tuple[float, float]) -> None:
     kind, log = plain
     other = simulate(scenario_on(path_of(moved(waypoints(kind), angle, shift))))
-    assert np.abs(other.command - log.command).max() < 1e-6
+    assert np.abs(other.command - log.command).max() < GRID
     assert [(t, name) for t, name, _ in other.decisions] == [(t, name) for t, name, _ in log.decisions]
-    assert moved(log.ego[:, :2], angle, shift) == pytest.approx(other.ego[:, :2], abs=1e-4)
-    assert other.gaps() == pytest.approx(log.gaps(), abs=1e-4)
+    assert moved(log.ego[:, :2], angle, shift) == pytest.approx(other.ego[:, :2], abs=0.02)
+    assert other.gaps() == pytest.approx(log.gaps(), abs=0.02)
 
 
 def test_mirrored(plain: tuple[str, Log]) -> None:
     kind, log = plain
     path = path_of(waypoints(kind) * (1.0, -1.0))
     other = simulate(mirrored(scenario_on(path), path))
-    assert np.abs(other.command[:, 0] + log.command[:, 0]).max() < 1e-6
-    assert np.abs(other.command[:, 1] - log.command[:, 1]).max() < 1e-6
+    assert np.abs(other.command[:, 0] + log.command[:, 0]).max() < GRID
+    assert np.abs(other.command[:, 1] - log.command[:, 1]).max() < GRID
     swap = {"EVADE_LEFT": "EVADE_RIGHT", "EVADE_RIGHT": "EVADE_LEFT"}
     assert [(t, swap.get(n, n)) for t, n, _ in other.decisions] == [(t, n) for t, n, _ in log.decisions]
-    assert other.place[:, 1] == pytest.approx(-log.place[:, 1], abs=1e-5)
+    assert other.place[:, 1] == pytest.approx(-log.place[:, 1], abs=0.02)
     words = {"left": "right", "right": "left"}
     for (_, _, said), (_, _, meant) in zip(other.decisions, log.decisions, strict=True):
         assert " ".join(words.get(w, w) for w in said.split()) == meant
@@ -89,8 +91,8 @@ def test_mirrored_wait_for_an_oncoming_car() -> None:
     left, right = logs
     assert left.actions == ["KEEP", "EVADE_LEFT", "KEEP", "FOLLOW"]
     assert right.actions == ["KEEP", "EVADE_RIGHT", "KEEP", "FOLLOW"]
-    assert np.abs(left.command[:, 0] + right.command[:, 0]).max() < 1e-6
-    assert np.abs(left.command[:, 1] - right.command[:, 1]).max() < 1e-6
+    assert np.abs(left.command[:, 0] + right.command[:, 0]).max() < GRID
+    assert np.abs(left.command[:, 1] - right.command[:, 1]).max() < GRID
 
 
 def test_both_sides_legal_the_cheaper_one_is_mirrored_too() -> None:
@@ -105,4 +107,4 @@ def test_both_sides_legal_the_cheaper_one_is_mirrored_too() -> None:
         seen.append((log.actions, log.command))
     assert seen[0][0] == ["KEEP", "EVADE_RIGHT", "KEEP"]
     assert seen[1][0] == ["KEEP", "EVADE_LEFT", "KEEP"]
-    assert np.abs(seen[0][1][:, 0] + seen[1][1][:, 0]).max() < 1e-6
+    assert np.abs(seen[0][1][:, 0] + seen[1][1][:, 0]).max() < GRID

@@ -60,6 +60,7 @@ def test_slower_target(kmh: int) -> None:
 @pytest.mark.parametrize("gap", [12.0, 40.0])
 def test_braking_target(gap: float, braking: float) -> None:
     """Full deceleration is reached within a second, down to standstill."""
+
     def a(t: float) -> float:
         return -braking * min(max(t - 1.0, 0.0), 1.0)
 

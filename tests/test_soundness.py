@@ -1,4 +1,4 @@
-"""Whenever the choice is EVADE, nothing that others may do within the declared bounds leads to a collision."""
+"""Whenever the choice is EVADE, nothing that others do within the declared bounds leads to a collision."""
 
 import os
 
@@ -35,6 +35,5 @@ def test_evade_is_never_followed_by_a_collision(block: int) -> None:
 
 
 def test_enough_of_them_are_evade_and_few_are_refused_without_need() -> None:
-    print(TALLY)
-    assert TALLY["evade"] >= 0.08 * TALLY["situations"]
-    assert TALLY["refused"] <= 0.15 * TALLY["free"]
+    assert TALLY["evade"] >= 0.08 * TALLY["situations"], TALLY
+    assert TALLY["refused"] <= 0.15 * TALLY["free"], TALLY

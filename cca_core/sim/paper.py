@@ -74,7 +74,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
         vehicle=replace(VehicleParams.bmw_320i(), length=4.5, width=1.8),
         start=start, v_x=cruise, cruise_speed=cruise, users=users, duration=duration, v2v=v2v,
         evasion=EvasionSettings(
-            lateral_acceleration=3.5 if case == "1-fast" else 2.0, known_range=math.inf,
+            lateral_acceleration={"1-fast": 3.5, "1-smooth": 1.8}.get(case, 2.0), known_range=math.inf,
             braking=0.0, acceleration=0.0,  # the paper's others go on as they are
         ),
     )  # fmt: skip

@@ -1,6 +1,7 @@
 """Closed loop: reproducible, and fed as the scenario says."""
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -61,7 +62,7 @@ def test_other_seed_differs_in_something_but_not_in_the_outcome(run: Run, case: 
     assert len({log.ego.tobytes() for log in logs}) > 1
     assert len({tuple(log.actions) for log in logs}) == 1
     assert np.ptp([log.gaps().min() for log in logs]) < 0.2
-    assert max(abs(log.decisions[1][0] - logs[0].decisions[1][0]) for log in logs) <= 0.11
+    assert max(abs(log.decisions[1][0] - logs[0].decisions[1][0]) for log in logs) <= 0.21  # two messages
 
 
 def test_progress_is_called_each_cycle(road: Callable[[str], Path]) -> None:
@@ -82,8 +83,9 @@ class TestMessages:
                 i = [u.id for u in scenario.users].index(remote.id)
                 measured[remote.id].add(round(t - remote.age, 6))
                 assert scenario.latency - 1e-9 <= remote.age < scenario.latency + 0.1
-                assert (remote.x, remote.y) == pytest.approx(tuple(log.users[k, i, :2]), abs=1e-6)
-                assert (remote.psi, remote.v_x) == pytest.approx(tuple(log.users[k, i, 2:]))
+                assert (remote.x, remote.y) == pytest.approx(tuple(log.users[k, i, :2]), abs=0.02)
+                assert math.cos(remote.psi - log.users[k, i, 2]) > 1.0 - 1e-6
+                assert remote.v_x == pytest.approx(log.users[k, i, 3], abs=0.011)
                 assert remote.source == "v2v"
         for moments in measured.values():
             assert np.diff(sorted(moments)) == pytest.approx(0.1)
