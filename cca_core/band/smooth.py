@@ -13,6 +13,7 @@ from cca_core.errors import InputError, Status
 
 _PASSES = 8
 _AIM = 1e-3  # beyond what is asked [m]
+_MOST_SPARE = 0.05
 _SPARE, _RATE_SPARE = 1e-3, 0.03  # shares of the limits that are left to their linearisation
 
 
@@ -76,12 +77,14 @@ def smooth_band(
     passes_left = band.passes_left[:, None]
     lower, upper = (bound[0].copy() for bound in task.corridor.bounds(passes_left))
     base, error = task.curvature[0], np.zeros(len(band))
-    limit = (1.0 - _SPARE) * task.curvature_limit[0]
+    spare = _SPARE
     u, message = band.displacement, ""
     for _ in range(_PASSES):
         outcome = smoothest(
-            spacing=h, route_curvature=base, lower=lower, upper=upper, curvature_limit=limit,
-            curvature_rate_limit=(1.0 - _RATE_SPARE) * rate, weights=weights, curvature_error=error, solver=solver, start=u,
+            spacing=h, route_curvature=base, lower=lower, upper=upper,
+            curvature_limit=(1.0 - spare) * task.curvature_limit[0],
+            curvature_rate_limit=(1.0 - _RATE_SPARE) * rate, weights=weights, curvature_error=error,
+            solver=solver, start=u,
         )  # fmt: skip
         if not outcome.solved and message:
             message = outcome.message
@@ -93,7 +96,7 @@ def smooth_band(
         wide = np.pad(u, 1)
         error = true - (base + base**2 * u + (wide[2:] - 2.0 * u + wide[:-2]) / h**2)
         missing = max(task.clearance - found.least_gap[0], -found.least_edge[0])
-        bent = (np.abs(true) - task.curvature_limit[0]).max()
+        bent = found.bent[0] - 1.0
         steep = np.abs(np.diff(true)).max() / h - rate
         if outcome.solved and missing <= 0.0 and bent <= 0.0 and steep <= 0.0:
             smooth = judged(
@@ -102,6 +105,7 @@ def smooth_band(
             )  # fmt: skip
             residual = max(outcome.primal_residual, outcome.dual_residual, outcome.gap)
             return replace(smooth, qp_residual=residual)
+        spare = min(spare + max(bent, 0.0), _MOST_SPARE)  # corners of the curvature overshoot in the cubic
         lower, upper = _within_reach(found, u, band.passes_left, task.clearance)
         lacking = (
             f"{missing:.3f} m of clearance" if missing > 0.0 else
