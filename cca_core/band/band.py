@@ -33,7 +33,7 @@ class Band:
     clearance : float or ndarray, shape (...)
         Least distance between the ego's box, swept along the band between nodes as at nodes, and any
         obstacle's box at the same time [m]; infinite without obstacles, negative where they overlap. A lower
-        bound, exact within 5 mm, of bands that swerve by less than 30 m.
+        bound, within 1 cm, of bands that swerve by less than 30 m.
     edge_clearance : float or ndarray, shape (...)
         The same towards the edges of the corridor [m].
     curvature : float or ndarray, shape (...)

@@ -123,7 +123,7 @@ def iso3888_2(width: float) -> DoubleLaneChange:
 
 
 def plan_through(
-    course: DoubleLaneChange, vehicle: VehicleParams, speed: float, *, a_y: float = 7.0, jerk: float = 20.0
+    course: DoubleLaneChange, vehicle: VehicleParams, speed: float, *, a_y: float = 6.6, jerk: float = 20.0
 ) -> Band:
     """Smoothest path through the gates with as much room to them as the limits allow.
 

@@ -15,7 +15,7 @@ from tests.band.cases import Case
 from tests.band.measure import remeasure
 from tests.band.scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
 
-EXACT = 5e-3  # what the certificate may miss, beside the bulge of the band between nodes [m]
+EXACT = 1e-2  # what the certificate may miss, beside the bulge of the band between nodes [m]
 
 box = st.tuples(
     st.floats(45.0, 105.0),
