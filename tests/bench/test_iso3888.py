@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from importlib.util import find_spec
 from typing import Any
 
 import pytest
@@ -28,13 +27,13 @@ COURSES: dict[str, tuple[DoubleLaneChange, int]] = {  # entry speed that must be
 PLANTS: dict[str, Callable[[VehicleState], Any] | None] = {"single_track": None, "multi_body": MultiBodyPlant}
 
 
-@pytest.mark.parametrize("plant", PLANTS)
+@pytest.mark.requires("qpsolvers", "piqp")
+@pytest.mark.parametrize(
+    "plant", ["single_track", pytest.param("multi_body", marks=pytest.mark.requires("vehiclemodels"))]
+)
 @pytest.mark.parametrize("name", COURSES)
 def test_passed_up_to(benchmark: Any, name: str, plant: str) -> None:
     """The speed asked for is passed; then 1 km/h more each time until a gate is touched."""
-    for module in ("qpsolvers", "piqp", *(["vehiclemodels"] if plant == "multi_body" else [])):
-        if find_spec(module) is None:
-            pytest.skip(f"needs {module}")
     course, wanted = COURSES[name]
 
     def highest() -> tuple[int, Passage]:
