@@ -21,6 +21,7 @@ _HOLD = 1.0  # further time that must lie between bodies until the ego goes on t
 _BRAKES = -2.0  # acceleration below which a hidden vehicle is braked for [m/s^2]
 _AT_ONCE = 1.0  # needed deceleration from which on a hidden braking vehicle is braked for [m/s^2]
 _AS_FAST = 2.0  # slower than the ego by less than this, a vehicle is not passed but followed [m/s]
+_FALLS_BACK = 2.0  # how much slower the ego gets than one that may be in its lane [m/s]
 _HORIZON, _DELAY, _SPARE = 5.0, 0.3, 5.0  # of a stop behind a hidden vehicle [s], [s], [m]
 _SIGHT = 150.0  # within which crossing vehicles are looked at [m]
 _CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
@@ -65,6 +66,8 @@ def leader_ahead(
             kind = "hidden" if hidden else "ahead"
             v = 0.0 if abs(n.v_s) < _STANDS else n.v_s
             leader = _leader(n.remote.id, gap, v, n.remote.a_x, v_x, speed, kind)
+            if abs(n.d) - n.half_width + 2.0 * n.remote.sigma_across > 0.5 * vehicle.width:
+                leader = _unsure(leader, v_x, speed)
             if hidden and v > 0.0 and leader.required_deceleration > _AT_ONCE:
                 # those between will brake too, so that following is too late
                 leader = replace(
@@ -169,6 +172,16 @@ def _leader(
         need = min(need, v_x / _SOFTLY)
     follow = follow_acceleration(v_x, gap, v, speed, a_x)
     return Leader(id=name, gap=gap, v_x=v, required_deceleration=need, follow_acceleration=follow, kind=kind)
+
+
+def _unsure(leader: Leader, v_x: float, speed: SpeedSettings) -> Leader:
+    """Fall back behind a vehicle that may be in the way; hard braking would endanger those behind."""
+    gentle = max(max(leader.v_x - _FALLS_BACK, 0.0) - v_x, -speed.b_comfort)
+    return replace(
+        leader,
+        required_deceleration=min(leader.required_deceleration, speed.b_comfort),
+        follow_acceleration=max(leader.follow_acceleration, gentle),
+    )
 
 
 def _stopping(leader: Leader, v_x: float) -> Leader:

@@ -43,6 +43,7 @@ _SLOWED = -0.5  # acceleration asked for by a leader from which on a way around 
 _PERIOD = 0.1  # between two looks at the same vehicles [s]
 _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up for following
 _GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
+_NARROW = 0.3  # clearance with which it is driven on then [m]
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
 _CURVE_ACCELERATION = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
 
@@ -96,7 +97,9 @@ class Planner:
         self.cruise_speed = check_real("cruise_speed", cruise_speed, above=0.0)
         self.evasion = evasion or EvasionSettings()
         self.speed = speed or SpeedSettings()
-        self._emergency = replace(self.evasion, lateral_limit=_GRIP_USED * vehicle.mu * 9.81)
+        hard = replace(self.evasion, lateral_limit=_GRIP_USED * vehicle.mu * 9.81)
+        narrow = replace(hard, clearance=min(_NARROW, hard.clearance))
+        self._swerves = (self.evasion, Status.OK), (hard, Status.FALLBACK), (narrow, Status.FALLBACK)
         self._controller = controller or PreviewController(vehicle)
         self._leader_only = _leader_only
         self._cap = squared_speed_limit(
@@ -287,7 +290,7 @@ class Planner:
             return
         passing.sort(key=lambda n: n.s)
         others = [] if self._leader_only else [n for n in neighbours if n not in passing]
-        for settings, status in ((self.evasion, Status.OK), (self._emergency, Status.FALLBACK)):
+        for settings, status in self._swerves:
             plan = plan_evasion(
                 ego, self.road, passing, others, maneuver.side, settings, maneuver, at_once=self._inside
             )
@@ -302,7 +305,7 @@ class Planner:
                 return
         self._status = Status.FALLBACK
         if not self._inside:
-            retreat = plan_retreat(ego, self.road, maneuver, passing, obstruction)
+            retreat = plan_retreat(ego, self.road, maneuver, neighbours, obstruction)
             if retreat is not None:
                 self._maneuver, self._retreating = retreat, True
                 self._decision = Decision(action=Action.FOLLOW, reason=f"returning: {obstruction}")

@@ -8,19 +8,20 @@ import numpy as np
 
 from cca_core.errors import Status
 from cca_core.evasion import Evasion, reference_along
-from cca_core.path import Road
+from cca_core.path import Lane, Road
 from cca_core.scene import Ego, Neighbour
 
 __all__ = ["plan_retreat"]
 
 _BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
 _ROOM = 2.0  # to the vehicle in front before the ego returns behind it [m]
+_REACTION = 1.0  # of drivers behind [s]
 _LATERAL = 4.0  # lateral acceleration of the return [m/s^2]
 _SLOPE = 5.7735  # peak of the second derivative of the quintic step
 
 
 def plan_retreat(
-    ego: Ego, road: Road, maneuver: Evasion, passed: Sequence[Neighbour], obstruction: str
+    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], obstruction: str
 ) -> Evasion | None:
     """Return to the own lane behind what was to be passed, if that can still be done.
 
@@ -32,31 +33,39 @@ def plan_retreat(
         Route and lanes.
     maneuver : Evasion
         What is given up.
-    passed : sequence of Neighbour
-        Vehicles on the own lane, nearest first.
+    others : sequence of Neighbour
+        All other vehicles.
     obstruction : str
         Why it is given up.
 
     Returns
     -------
     retreat : Evasion or None
-        The way back; None beyond the point of no return: where braking no longer brings the ego behind.
+        The way back; None beyond the point of no return: where braking no longer brings the ego behind, or
+        into the way of those that come from behind on either lane.
     """
     d = maneuver.offset_at(ego.s)
     front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
-    ahead = [n for n in passed if n.s + n.half_length > front - ego.vehicle.length]
+    rear = front - ego.vehicle.length
+    own = road.own_lane
+    ahead = [n for n in others if n.s + n.half_length > rear and _on(n, own)]
     if not ahead:
         return None
     leader = min(ahead, key=lambda n: n.s)
     gap = leader.s - leader.half_length - front
     t = np.linspace(0.0, max(ego.v_x, 0.1) / _BRAKE, 60)
     opens = gap + leader.v_s * t - (ego.v_x * t - 0.5 * _BRAKE * t * t)
-    behind = np.flatnonzero(opens >= _ROOM)
+    closing = np.maximum(ego.v_x - _BRAKE * t - leader.v_s, 0.0)
+    behind = np.flatnonzero(opens >= _ROOM + closing**2 / (2.0 * _BRAKE))
     if not len(behind):
         return None
     moment = float(t[behind[0]])
     hold = ego.v_x * moment - 0.5 * _BRAKE * moment**2
     v_then = ego.v_x - _BRAKE * moment
+    for n in others:
+        behind_it = n.s + n.half_length <= rear and n.v_s > 0.0
+        if behind_it and rear + hold - (n.s + n.half_length + n.v_s * moment) < _following(n.v_s, min(v_then, leader.v_s)):
+            return None
     length = max(v_then * math.sqrt(_SLOPE * max(abs(d), 0.5) / _LATERAL), 15.0)
     first, last = ego.s + hold, ego.s + hold + length
     if last > road.path.end:
@@ -71,3 +80,12 @@ def plan_retreat(
         message=f"given up: {obstruction}",
     )  # fmt: skip
     return replace(maneuver, end=last, band=band, reference=reference_along(road.path, s, nodes))
+
+
+def _on(other: Neighbour, lane: Lane) -> bool:
+    return other.d - other.half_width < lane.left and other.d + other.half_width > lane.right
+
+
+def _following(v: float, v_ahead: float) -> float:
+    """Gap in which a driver behind slows down to the speed of the one in front [m]."""
+    return _ROOM + v * _REACTION * (v > v_ahead) + max(v * v - v_ahead * v_ahead, 0.0) / (2.0 * _BRAKE)

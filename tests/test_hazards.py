@@ -1,6 +1,7 @@
 """Braking and standing vehicles that others hide, and crossing ones, in closed loop."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -137,3 +138,28 @@ def test_crossing_is_mirrored() -> None:
     left, right = (TestCrossing().drive(sign, 0.3) for sign in (1.0, -1.0))
     assert left.v == pytest.approx(right.v, abs=1e-6)
     assert left.actions == right.actions
+
+
+class TestUncertain:
+    """A vehicle of the other lane that may be in the way by its bounds alone."""
+
+    def drive(self, sigma: float, behind: float = math.inf) -> Drive:
+        beside = Mover("L", 4.0, 3.5, 18.0)
+        others = [beside] if math.isinf(behind) else [beside, Mover("B", -behind, 0.0, 20.0)]
+        return Drive(
+            ego((Lane(d=0.0), Lane(d=3.5))), others, 4.0,
+            heard=lambda t, known: [
+                replace(r, sigma_across=sigma, sigma_along=2.0) if r.id == "L" else r for r in known
+            ],
+        )  # fmt: skip
+
+    def test_is_given_room_in_comfort(self) -> None:
+        run = self.drive(1.0)
+        assert -2.5 < min(run.a_x) < -0.5
+        assert 15.0 < min(run.v) < 18.0
+
+    def test_does_not_matter_where_it_is_known(self) -> None:
+        assert min(self.drive(0.1).a_x) > -0.1
+
+    def test_whoever_follows_is_not_surprised(self) -> None:
+        assert self.drive(1.0, behind=20.0).hit is None
