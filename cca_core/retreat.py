@@ -63,8 +63,9 @@ def plan_retreat(
     hold = ego.v_x * moment - 0.5 * _BRAKE * moment**2
     v_then = ego.v_x - _BRAKE * moment
     for n in others:
-        behind_it = n.s + n.half_length <= rear and n.v_s > 0.0
-        if behind_it and rear + hold - (n.s + n.half_length + n.v_s * moment) < _following(n.v_s, min(v_then, leader.v_s)):
+        left = rear + hold - (n.s + n.half_length + n.v_s * moment)
+        from_behind = n.s + n.half_length <= rear and n.v_s > 0.0
+        if from_behind and left < _following(n.v_s, min(v_then, leader.v_s)):
             return None
     length = max(v_then * math.sqrt(_SLOPE * max(abs(d), 0.5) / _LATERAL), 15.0)
     first, last = ego.s + hold, ego.s + hold + length

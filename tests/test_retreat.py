@@ -33,9 +33,7 @@ def maneuver() -> Evasion:
 
 
 def retreat(maneuver: Evasion, gap: float, *others: Neighbour) -> Evasion | None:
-    ego = Ego(
-        vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings(), history=np.empty((0, 2))
-    )
+    ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings(), history=np.empty((0, 2)))
     return plan_retreat(ego, ROAD, maneuver, [at(gap, 0.0, 12.0), *others], "somebody comes")
 
 
