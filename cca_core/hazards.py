@@ -13,7 +13,10 @@ from cca_core.path import Path
 from cca_core.scene import Ego, Neighbour
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["conflict_ahead", "kept_behind", "leader_ahead", "leader_at"]
+__all__ = ["IN_THE_WAY", "conflict_ahead", "kept_behind", "leader_ahead", "leader_at"]
+
+IN_THE_WAY = 0.3
+"""Lateral gap to the route below which a vehicle blocks it [m]."""
 
 _STANDS = 1.0  # slower than this a vehicle stands; messages err by 0.2 [m/s]
 _SOFTLY = 0.5  # time in which a creeping car comes to rest [s]
@@ -66,7 +69,8 @@ def leader_ahead(
             kind = "hidden" if hidden else "ahead"
             v = 0.0 if abs(n.v_s) < _STANDS else n.v_s
             leader = _leader(n.remote.id, gap, v, n.remote.a_x, v_x, speed, kind)
-            if abs(n.d) - n.half_width + 2.0 * n.remote.sigma_across > 0.5 * vehicle.width:
+            body = n.half_width - 2.0 * n.remote.sigma_across
+            if abs(n.d) - body > 0.5 * vehicle.width + IN_THE_WAY:
                 leader = _unsure(leader, v_x, speed)
             if hidden and v > 0.0 and leader.required_deceleration > _AT_ONCE:
                 # those between will brake too, so that following is too late

@@ -27,7 +27,7 @@ from cca_core.follow import (
     profile_acceleration,
     squared_speed_limit,
 )
-from cca_core.hazards import conflict_ahead, kept_behind, leader_ahead, leader_at
+from cca_core.hazards import IN_THE_WAY, conflict_ahead, kept_behind, leader_ahead, leader_at
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.retreat import plan_retreat
 from cca_core.scene import Ego, Neighbour, locate
@@ -36,7 +36,6 @@ from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, Ve
 __all__ = ["Command", "Planner"]
 
 _FAR_FUTURE = 1e12  # [s]
-_IN_THE_WAY = 0.3  # lateral gap to the route below which a vehicle blocks it [m]
 _OFF_ROUTE = 15.0  # farther from the route than this the planner does not know where it is [m]
 _SIDES: tuple[Side, Side] = ("left", "right")
 _SLOWED = -0.5  # acceleration asked for by a leader from which on a way around it is looked for [m/s^2]
@@ -45,6 +44,7 @@ _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up f
 _GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
 _NARROW = 0.3  # clearance with which it is driven on then [m]
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
+_HARD = 0.7  # share of the brakes from which on jerk is not spared, as from twice the comfortable share
 _CURVE_ACCELERATION = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
 
 
@@ -227,7 +227,7 @@ class Planner:
 
     def _blocks(self, other: Neighbour, d: float) -> bool:
         """Whether a vehicle leaves too little room beside the ego at lateral coordinate `d`."""
-        return abs(other.d - d) < 0.5 * self.vehicle.width + _IN_THE_WAY + other.half_width
+        return abs(other.d - d) < 0.5 * self.vehicle.width + IN_THE_WAY + other.half_width
 
     def _leader(self, blockers: list[Neighbour], s: float, v_x: float) -> Leader | None:
         """Return what demands most of the ego: on the route, or crossing it."""
@@ -320,7 +320,8 @@ class Planner:
                 wanted = min(wanted, leader.follow_acceleration)
         last = 0.0 if self._command is None else self._command.a_x
         limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu)
-        return jerk_limited(limited, last, dt, self.speed, emergency=wanted < -2.0 * self.speed.b_comfort)
+        hard = min(2.0 * self.speed.b_comfort, _HARD * self.speed.b_max)
+        return jerk_limited(limited, last, dt, self.speed, emergency=wanted < -hard)
 
     def _give_up(self, reason: str) -> Command:
         """Hold the steering and brake: the lowest rung of the ladder."""

@@ -6,8 +6,6 @@ from cca_core.follow.speed import SpeedSettings
 
 __all__ = ["cacc_acceleration", "follow_acceleration", "idm_acceleration", "required_deceleration"]
 
-_RATE = 0.5  # closing rate near the wanted gap [1/s]
-
 
 def follow_acceleration(
     v_x: float, gap: float, v_lead: float, settings: SpeedSettings, a_lead: float = 0.0
@@ -42,14 +40,15 @@ def follow_acceleration(
     need = required_deceleration(v_x, gap + 0.5 * settings.standstill_gap, v_lead, settings, a_lead)
     v_lead = max(v_lead, 0.0)
     surplus = gap - settings.standstill_gap - settings.time_gap * v_lead
-    linear = b / _RATE**2
+    rate = settings.approach_rate
+    linear = b / rate**2
     if surplus > linear:
         shed = math.sqrt(2.0 * b * (surplus - 0.5 * linear))
         slope = b / shed
     else:
-        shed, slope = _RATE * surplus, _RATE
+        shed, slope = rate * surplus, rate
     wanted = v_lead + shed
-    approach = slope * min(v_lead - v_x, 0.0) + 2.0 * _RATE * (wanted - v_x)
+    approach = slope * min(v_lead - v_x, 0.0) + 2.0 * rate * (wanted - v_x)
     if need > 2.0 * b:
         approach = min(approach, -need)
     return max(approach, -settings.b_max)

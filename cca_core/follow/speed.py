@@ -25,6 +25,8 @@ class SpeedSettings:
         Bumper-to-bumper gap behind a standing leader [m].
     time_gap : float
         Additional gap behind a moving leader [s].
+    approach_rate : float
+        Rate at which the last metres to the wanted gap are closed [1/s].
     jerk : float
         Largest change of acceleration in normal driving [m/s^3].
     jerk_emergency : float
@@ -41,6 +43,7 @@ class SpeedSettings:
     b_max: float = 7.0
     standstill_gap: float = 3.0
     time_gap: float = 1.5
+    approach_rate: float = 0.5
     jerk: float = 3.0
     jerk_emergency: float = 12.65
 

@@ -1,0 +1,241 @@
+"""CommonRoad files: what is read, and that anything else is refused with its name."""
+
+import math
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cca_core import InputError, VehicleState
+from cca_core.sim.commonroad import read_commonroad
+from tests.sim.commonroad_files import BOX, REGION, ROAD, document, goal, moving, problem, state, written
+
+CAR = moving(31, [state("state", k, 40.0 + 1.2 * k, 0.0, 12.0) for k in range(5, 21)])
+GOAL = goal((80, 100), REGION.format(y=0.0))
+GOOD = document(ROAD, CAR, problem(GOAL))
+
+
+def test_lanelets(tmp_path: Path) -> None:
+    scenario = read_commonroad(written(tmp_path, GOOD))
+    assert scenario.name == "ZAM_Test-1"
+    assert scenario.dt == 0.1
+    assert sorted(scenario.lanelets) == [1, 2, 3, 4, 5, 6]
+    one = scenario.lanelets[1]
+    np.testing.assert_array_equal(one.centre, [[0.0, 0.0], [50.0, 0.0], [100.0, 0.0]])
+    assert (one.length, one.width) == (100.0, 3.5)
+    assert (one.successors, one.on_left, one.on_right) == ((2,), (3, 1), (5, -1))
+    assert scenario.lanelets[2].predecessors == (1,)
+    assert scenario.lanelets[5].heading_at(50.0, -3.5) == pytest.approx(math.pi)
+    assert not one.left.flags.writeable
+
+
+def test_both_names_of_a_moving_obstacle(tmp_path: Path) -> None:
+    states = [state("state", k, 2.0 * k, 0.0, 20.0) for k in range(3)]
+    new = read_commonroad(written(tmp_path, document(ROAD, moving(31, states), problem(GOAL))))
+    text = document(ROAD, moving(31, states, new=False), problem(GOAL), version="2018b")
+    old = read_commonroad(written(tmp_path, text))
+    np.testing.assert_array_equal(new.obstacles[0].states, old.obstacles[0].states)
+
+
+def test_an_obstacle_between_its_states(tmp_path: Path) -> None:
+    turning = [state("state", 5, 0.0, 0.0, 10.0, 3.1), state("state", 6, 1.0, 0.5, 11.0, -3.1)]
+    text = document(ROAD, moving(31, turning), problem(GOAL))
+    (car,) = read_commonroad(written(tmp_path, text)).obstacles
+    assert car.at(0.49) is None
+    assert car.at(0.61) is None
+    now = car.at(0.525)
+    assert now is not None
+    step = math.tau - 6.2
+    found = (now.x, now.y, now.psi, now.v_x, now.a_x, now.r, now.length, now.width)
+    assert found == pytest.approx((0.25, 0.125, 3.1 + 0.25 * step, 10.25, 10.0, 10.0 * step, 4.5, 1.8))
+    assert now.defect is None
+
+
+def test_a_static_obstacle_is_there_always(tmp_path: Path) -> None:
+    shape = (
+        "<shape><rectangle><length>2</length><width>1</width><orientation>0.5</orientation>"
+        "<center><x>3</x><y>1</y></center></rectangle></shape>"
+    )
+    still = state("initialState", 0, 60.0, 2.0, 0.0, math.pi / 2.0)
+    still = still.replace("<velocity><exact>0.0</exact></velocity>", "")
+    text = document(
+        ROAD, f'<staticObstacle id="40"><type>x</type>{shape}{still}</staticObstacle>', problem(GOAL)
+    )
+    (parked,) = read_commonroad(written(tmp_path, text)).obstacles
+    now = parked.at(1e4)
+    assert now is not None
+    # 3 m ahead of (60, 2) facing north and 1 m to its left
+    assert (now.x, now.y, now.psi, now.v_x) == pytest.approx((59.0, 5.0, math.pi / 2.0 + 0.5, 0.0))
+
+
+def test_round_and_polygonal_shapes_become_boxes(tmp_path: Path) -> None:
+    corners = ((-1.0, -1.0), (3.0, -1.0), (1.0, 2.0))
+    points = "".join(f"<point><x>{x}</x><y>{y}</y></point>" for x, y in corners)
+    car = moving(31, [state("state", 0, 10.0, 0.0, 5.0), state("state", 1, 10.5, 0.0, 5.0)])
+    expected = {
+        "<circle><radius>0.4</radius></circle>": (10.0, 0.0, 0.8, 0.8),
+        f"<polygon>{points}</polygon>": (11.0, 0.5, 4.0, 3.0),
+    }
+    for shape, box in expected.items():
+        text = document(ROAD, car.replace(BOX, f"<shape>{shape}</shape>"), problem(GOAL))
+        now = read_commonroad(written(tmp_path, text)).obstacles[0].at(0.0)
+        assert now is not None
+        assert (now.x, now.y, now.length, now.width) == pytest.approx(box)
+
+
+def test_the_goal_has_time_place_speed_and_heading(tmp_path: Path) -> None:
+    inner = (
+        REGION.format(y=0.0)
+        + "<orientation><intervalStart>-0.1</intervalStart><intervalEnd>0.2</intervalEnd></orientation>"
+        + "<velocity><intervalStart>10</intervalStart><intervalEnd>12</intervalEnd></velocity>"
+    )
+    text = document(ROAD, problem(goal((80, 100), inner), step=7))
+    (task,) = read_commonroad(written(tmp_path, text)).problems
+    (aim,) = task.goals
+    assert task.t == pytest.approx(0.7)
+    assert aim.t == pytest.approx((8.0, 10.0))
+
+    def reached(
+        t: float = 9.0, x: float = 150.0, y: float = 0.0, v_x: float = 11.0, psi: float = 0.0
+    ) -> bool:
+        return aim.reached(t, VehicleState(x=x, y=y, psi=psi, v_x=v_x))
+
+    assert reached()
+    assert reached(t=8.0) and reached(t=10.0) and not reached(t=7.9) and not reached(t=10.1)  # noqa: PT018
+    assert reached(x=145.1) and not reached(x=144.9) and not reached(y=1.8)  # noqa: PT018
+    assert reached(v_x=10.0) and not reached(v_x=9.9) and not reached(v_x=12.1)  # noqa: PT018
+    assert reached(psi=0.2 - math.tau) and not reached(psi=0.21) and not reached(psi=-0.11)  # noqa: PT018
+
+
+def test_goals_of_other_forms(tmp_path: Path) -> None:
+    circle = "<circle><radius>2</radius><center><x>150</x><y>0</y></center></circle>"
+    goals = goal((0, 9), f"<position>{circle}</position>") + goal(
+        (0, 9), '<position><lanelet ref="4"/></position>'
+    )
+    (task,) = read_commonroad(written(tmp_path, document(ROAD, problem(goals)))).problems
+    round_, lane = task.goals
+    at = {x: VehicleState(x=x, y=0.0, psi=0.0, v_x=1.0) for x in (148.1, 147.9)}
+    assert round_.reached(0.5, at[148.1])
+    assert not round_.reached(0.5, at[147.9])
+    assert lane.lanelets == (4,)
+    assert lane.reached(0.5, VehicleState(x=150.0, y=3.5, psi=0.0, v_x=1.0))
+    assert not lane.reached(0.5, at[148.1])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("commonRoad ", "openRoad ", "broken XML"),
+        ('commonRoadVersion="2020a"', 'commonRoadVersion="2017a"', "commonRoadVersion"),
+        ('timeStepSize="0.1"', 'timeStepSize="0"', "timeStepSize"),
+        ('timeStepSize="0.1"', 'timeStepSize="-0.1"', "timeStepSize"),
+        ('timeStepSize="0.1"', "", "timeStepSize"),
+        ('timeStepSize="0.1"', 'timeStepSize="nan"', "timeStepSize"),
+        ('<successor ref="2"/>', '<successor ref="77"/>', "lanelet 1 refers to lanelet 77"),
+        ('<adjacentLeft ref="3"', '<adjacentLeft ref="33"', "lanelet 1 refers to lanelet 33"),
+        ('drivingDir="same"', 'drivingDir="up"', "drivingDir of adjacentLeft of lanelet 1"),
+        ('<lanelet id="1">', "<lanelet>", "id of lanelet"),
+        ('<lanelet id="2">', '<lanelet id="1">', "id must be unique, 1"),
+        ("leftBound>", "upperBound>", "lanelet 1 must hold one leftBound, held 0"),
+        ("<point><x>50.0</x><y>1.75</y></point>", "", "rightBound of lanelet 1 must have 2 points"),
+        ("<x>50.0</x><y>1.75</y>", "<x>nan</x><y>1.75</y>", "x of leftBound of lanelet 1 must be finite"),
+        ("<x>50.0</x><y>1.75</y>", "<x>1e9</x><y>1.75</y>", "x of leftBound of lanelet 1 must be at most"),
+        ("<x>50.0</x><y>1.75</y>", "<x>50.0</x>", "leftBound of lanelet 1 must hold one y"),
+        ("<x>50.0</x><y>1.75</y>", "<x>a</x><y>1.75</y>", "x of leftBound of lanelet 1 must be a real"),
+        ("<rectangle><length>4.5", "<rectangle><length>-4.5", "length of rectangle of dynamicObstacle 31"),
+        ("<shape>", "<shape><circle/>", "shape of dynamicObstacle 31 must hold one"),
+        ("trajectory>", "occupancySet>", "dynamicObstacle 31 must hold one trajectory"),
+        ("<time><exact>6</exact>", "<time><exact>9</exact>", "time of the states of dynamicObstacle 31"),
+        ("<time><exact>6</exact>", "<time><exact>6.5</exact>", "time of state of dynamicObstacle 31"),
+        ("planningProblem", "wish", "commonRoad must hold a planningProblem"),
+        ("goalState", "hope", "planningProblem 900 must hold a goalState"),
+        ("<intervalEnd>100<", "<intervalEnd>10<", "intervalEnd of time of goalState"),
+        ("<velocity><exact>15.0", "<velocity><exact>-15.0", "velocity of initialState"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_named(tmp_path: Path, old: str, new: str, says: str) -> None:
+    assert old in GOOD
+    all_of_them = not old.startswith(("<", "draw", "driv")) or old.endswith("Bound>")
+    with pytest.raises(InputError) as caught:
+        read_commonroad(written(tmp_path, GOOD.replace(old, new, -1 if all_of_them else 1)))
+    assert says in str(caught.value)
+
+
+def test_fewer_than_two_points(tmp_path: Path) -> None:
+    text = document('<lanelet id="1"><leftBound/><rightBound/></lanelet>', problem(GOAL))
+    with pytest.raises(InputError, match="leftBound of lanelet 1 must have at least 2 points, had 0"):
+        read_commonroad(written(tmp_path, text))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_entities_are_refused(tmp_path: Path, encoding: str) -> None:
+    bomb = '<!DOCTYPE commonRoad [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>'
+    text = GOOD.replace('<?xml version="1.0"?>', f'<?xml version="1.0" encoding="{encoding}"?>{bomb}')
+    file = tmp_path / "bomb.xml"
+    file.write_bytes(text.replace("ZAM_Test-1", "&b;").encode(encoding))
+    with pytest.raises(InputError, match="DOCTYPE"):
+        read_commonroad(file)
+
+
+def test_large_absent_and_foreign_files(tmp_path: Path) -> None:
+    large = tmp_path / "large.xml"
+    with large.open("wb") as stream:
+        stream.truncate(50_000_001)
+    with pytest.raises(InputError, match="at most 50 MB"):
+        read_commonroad(large)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_commonroad(tmp_path / "none.xml")
+    with pytest.raises(InputError, match="cannot be read"):
+        read_commonroad(tmp_path)
+    with pytest.raises(InputError, match="must be a path"):
+        read_commonroad(None)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="root element must be commonRoad, was 'gpx'"):
+        read_commonroad(written(tmp_path, "<gpx/>"))
+
+
+def refused_or_read(data: bytes) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "fuzzed.xml"
+        file.write_bytes(data)
+        with suppress(InputError):
+            assert read_commonroad(file).problems
+
+
+@given(st.integers(0, len(GOOD)))
+def test_truncated_files_are_refused(length: int) -> None:
+    refused_or_read(GOOD[:length].encode())
+
+
+@given(st.integers(0, len(GOOD) - 1), st.binary(max_size=4))
+def test_damaged_bytes_are_refused_or_read(at: int, patch: bytes) -> None:
+    data = GOOD.encode()
+    refused_or_read(data[:at] + patch + data[at + len(patch) :])
+
+
+@given(st.data())
+def test_damaged_elements_are_refused_or_read(data: st.DataObject) -> None:
+    root = ElementTree.fromstring(GOOD)
+    for _ in range(data.draw(st.integers(1, 3))):
+        elements = [element for element in root.iter() if len(element)]
+        parent = elements[data.draw(st.integers(0, len(elements) - 1))]
+        child = parent[data.draw(st.integers(0, len(parent) - 1))]
+        kind = data.draw(st.sampled_from(("delete", "repeat", "text", "tag", "attribute")))
+        if kind == "delete":
+            parent.remove(child)
+        elif kind == "repeat":
+            parent.append(child)
+        elif kind == "text":
+            child.text = data.draw(st.sampled_from(("", "nan", "-inf", "1e400", "-1", "1_0", "\u0663", "x")))
+        elif kind == "tag":
+            child.tag = data.draw(st.sampled_from(("point", "lanelet", "x", "exact", "circle")))
+        else:
+            name = data.draw(st.sampled_from(("id", "ref", "drivingDir")))
+            child.set(name, data.draw(st.sampled_from(("", "-1", "1", "900", "1e3", "9" * 50))))
+        if not any(len(element) for element in root.iter()):
+            break
+    refused_or_read(ElementTree.tostring(root))
