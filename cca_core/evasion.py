@@ -80,6 +80,7 @@ def plan_evasion(
     settings: EvasionSettings,
     ongoing: Evasion | None = None,
     at_once: bool = False,
+    known_range: float = math.inf,
 ) -> Evasion | Candidate:
     """Plan a swerve around what blocks the route.
 
@@ -102,6 +103,8 @@ def plan_evasion(
     at_once : bool
         Whether the swerve begins now even if there would be time to drive on; of an ongoing one, whether it
         could still be given up, so that the lane beside must still be free.
+    known_range : float
+        Distance up to which all vehicles are known now [m], where that is less than the settings say.
 
     Returns
     -------
@@ -173,8 +176,8 @@ def plan_evasion(
         span = np.linspace(begins, until, 24)
         zone, obstruction = lane_beside(
             ego, road, beside, [*others, *blockers[1:]], span,
-            x_safety=settings.x_safety, known_range=settings.known_range, stale_after=settings.stale_after,
-            braking=settings.braking, acceleration=settings.acceleration,
+            x_safety=settings.x_safety, known_range=min(settings.known_range, known_range),
+            stale_after=settings.stale_after, braking=settings.braking, acceleration=settings.acceleration,
         )  # fmt: skip
     if not found:
         obstruction = obstruction or band.message

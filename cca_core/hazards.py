@@ -67,7 +67,7 @@ def leader_ahead(
         alarming = n.v_s < _STANDS or n.remote.a_x < _BRAKES or "hard_braking" in n.remote.events
         if not hidden or alarming:
             kind = "hidden" if hidden else "ahead"
-            v = 0.0 if abs(n.v_s) < _STANDS else n.v_s
+            v = 0.0 if abs(n.v_least) < _STANDS else n.v_least
             leader = _leader(n.remote.id, gap, v, n.remote.a_x, v_x, speed, kind)
             body = n.half_width - 2.0 * n.remote.sigma_across
             if abs(n.d) - body > 0.5 * vehicle.width + IN_THE_WAY:
@@ -157,8 +157,7 @@ def conflict_ahead(
     times = ego.times(stations)
     waits = []
     for n in others:
-        angle = n.remote.psi - float(path.heading(n.s))
-        if abs(math.sin(angle)) < _CROSSING or abs(n.d) > _SIGHT or not -20.0 < n.s - ego.s < _SIGHT:
+        if abs(math.sin(n.angle)) < _CROSSING or abs(n.d) > _SIGHT or not -20.0 < n.s - ego.s < _SIGHT:
             continue
         conflict = crossing(path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
         if conflict is not None and last is not None and conflict.remote == last.remote:

@@ -39,6 +39,7 @@ _FAR_FUTURE = 1e12  # [s]
 _OFF_ROUTE = 15.0  # farther from the route than this the planner does not know where it is [m]
 _SIDES: tuple[Side, Side] = ("left", "right")
 _SLOWED = -0.5  # acceleration asked for by a leader from which on a way around it is looked for [m/s^2]
+_BESIDE = 1.5  # beyond the road's edges and the clearance nobody matters who does not cross [m]
 _PERIOD = 0.1  # between two looks at the same vehicles [s]
 _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up for following
 _GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
@@ -112,6 +113,9 @@ class Planner:
         self._s: float | None = None
         self._command: Command | None = None
         self._places: dict[str, float] = {}
+        self._known_range = math.inf
+        room = self.evasion.clearance + _BESIDE
+        self._matters = self.road.right_edge - room, self.road.left_edge + room
         self._seen: frozenset[tuple[str, frozenset[str]]] = frozenset()
         self._decided = -math.inf
         self._decision = Decision(action=Action.KEEP, reason="starting")
@@ -128,7 +132,14 @@ class Planner:
         action = self._decision.action.value
         return f"Planner({self.road!r}, cruise_speed={self.cruise_speed:g}, {action} at t={self._t:g})"
 
-    def step(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
+    def step(
+        self,
+        t: float,
+        state: VehicleState,
+        remotes: Iterable[RemoteVehicle],
+        *,
+        known_range: float = math.inf,
+    ) -> Command:
         """Compute steering and acceleration for this cycle.
 
         Parameters
@@ -139,6 +150,9 @@ class Planner:
             The ego's motion now.
         remotes : iterable of RemoteVehicle
             What is known of other vehicles, dead-reckoned to `t`.
+        known_range : float
+            Distance up to which they are all that there are [m], where that is less than the settings say:
+            0 while `Tracker.is_saturated`.
 
         Returns
         -------
@@ -150,6 +164,7 @@ class Planner:
         if defect:
             return self._give_up(defect)
         try:
+            self._known_range = known_range if known_range >= 0.0 else 0.0
             return self._cycle(float(t), state, remotes)
         except (
             Exception
@@ -165,7 +180,7 @@ class Planner:
         if not abs(d) < _OFF_ROUTE or math.cos(state.psi - heading) < 0.0:
             return self._give_up(f"the ego is not on its route (d = {d:.1f} m)")
         self._s = s
-        neighbours, dropped = locate(remotes, path, self._places)
+        neighbours, dropped = locate(remotes, path, self._places, self._matters)
         blockers = self._blockers(neighbours, s)
         v_target = math.sqrt(max(float(np.interp(s, *self._cap)), 0.0))
         leader = self._leader(blockers, s, state.v_x)
@@ -260,13 +275,16 @@ class Planner:
             ahead = [b for b in blockers if b.s > ego.s]
             kept = kept_behind(ahead, leader, ego)
             self._kept = {n.remote.id for n in kept}
-            others = [] if self._leader_only else [n for n in neighbours if n not in ahead]
-            ahead = [b for b in ahead if b not in kept]
+            others = [] if self._leader_only else _without(neighbours, ahead)
+            ahead = _without(ahead, kept)
             if leader.v_x > ego.v_target - self.evasion.speed_floor:
                 candidates.append(Candidate(side="left", obstruction=f"{leader.id} is almost as fast"))
             else:
                 for side in _SIDES:
-                    plan = plan_evasion(ego, self.road, ahead, others, side, self.evasion, at_once=waiting)
+                    plan = plan_evasion(
+                        ego, self.road, ahead, others, side, self.evasion, at_once=waiting,
+                        known_range=self._known_range,
+                    )  # fmt: skip
                     if isinstance(plan, Evasion):
                         plans[side] = plan
                         plan = plan.candidate
@@ -289,11 +307,12 @@ class Planner:
         if not passing:
             return
         passing.sort(key=lambda n: n.s)
-        others = [] if self._leader_only else [n for n in neighbours if n not in passing]
+        others = [] if self._leader_only else _without(neighbours, passing)
         for settings, status in self._swerves:
             plan = plan_evasion(
-                ego, self.road, passing, others, maneuver.side, settings, maneuver, at_once=self._inside
-            )
+                ego, self.road, passing, others, maneuver.side, settings, maneuver, at_once=self._inside,
+                known_range=self._known_range,
+            )  # fmt: skip
             obstruction = plan.candidate.obstruction if isinstance(plan, Evasion) else plan.obstruction
             if isinstance(plan, Evasion) and not obstruction:
                 self._maneuver, self._status = plan, status
@@ -332,3 +351,8 @@ class Planner:
             reference=self.road.path, status=Status.INVALID_INPUT,
         )  # fmt: skip
         return self._command
+
+
+def _without(neighbours: list[Neighbour], others: list[Neighbour]) -> list[Neighbour]:
+    left_out = {n.remote.id for n in others}
+    return [n for n in neighbours if n.remote.id not in left_out]

@@ -18,6 +18,11 @@ __all__ = ["HORIZON", "Ego", "Neighbour", "locate"]
 HORIZON = 600.0
 """Farthest point ahead at which a pass may end [m]."""
 
+_STALE_AFTER = 1.0  # age from which on a vehicle may have braked unheard [s]
+_UNHEARD_BRAKING = 8.0  # [m/s^2]
+_CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
+_FEW = 25  # vehicles up to which one by one is faster than all at once
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Neighbour:
@@ -33,6 +38,8 @@ class Neighbour:
         Its speed along the route [m/s], negative if it comes towards the ego.
     half_length, half_width : float
         Half its extent along and across the route [m], with two standard deviations of its place.
+    angle : float
+        Its heading relative to the route [rad], counter-clockwise.
     """
 
     remote: RemoteVehicle
@@ -41,6 +48,7 @@ class Neighbour:
     v_s: float
     half_length: float
     half_width: float
+    angle: float
 
     @classmethod
     def seen_from(cls, remote: RemoteVehicle, s: float, d: float, angle: float, kappa: float) -> Self:
@@ -68,7 +76,20 @@ class Neighbour:
         return cls(
             remote=remote, s=s, d=d, v_s=remote.v_x * cos / max(1.0 - d * kappa, 0.1),
             half_length=along * abs(cos) + across * abs(sin), half_width=along * abs(sin) + across * abs(cos),
+            angle=angle,
         )  # fmt: skip
+
+    @property
+    def v_least(self) -> float:
+        """Least speed along the route [m/s]: the one told, or less if nothing was heard since it was stale.
+
+        The bounds of a stale vehicle's place grow as if it had braked at 8 m/s^2 from 1 s of age on; this is
+        its speed then. One that comes towards the ego keeps its speed.
+        """
+        late = self.remote.age - _STALE_AFTER
+        if late <= 0.0 or self.v_s <= 0.0:
+            return self.v_s
+        return max(self.v_s - _UNHEARD_BRAKING * late, 0.0)
 
     def span(self, t: Array, *, braking: float, acceleration: float) -> tuple[Array, Array]:
         """Stretch of the route that its body may cover at times from now.
@@ -142,7 +163,10 @@ class Ego:
 
 
 def locate(
-    remotes: Iterable[RemoteVehicle], path: Path, places: dict[str, float]
+    remotes: Iterable[RemoteVehicle],
+    path: Path,
+    places: dict[str, float],
+    within: tuple[float, float] = (-15.0, 15.0),
 ) -> tuple[list[Neighbour], tuple[tuple[str, str], ...]]:
     """Bring remote vehicles into path coordinates.
 
@@ -154,6 +178,9 @@ def locate(
         The route.
     places : dict
         Where each vehicle was on the route last time [m], by id; kept up to date here.
+    within : tuple of float
+        Right and left end of what matters beside the route [m]: a vehicle beyond, with its bounds, that does
+        not head across the route is left out.
 
     Returns
     -------
@@ -174,13 +201,35 @@ def locate(
             dropped.append((str(remote.id), defect))
         elif remote.id not in usable or remote.age < usable[remote.id].age:
             usable[remote.id] = remote
-    neighbours, known = [], dict(places)
+    feet = _feet(usable, path, places)
     places.clear()
-    for remote in usable.values():
-        near = known.get(remote.id)
-        if near is None:
-            near = float(path.project((remote.x, remote.y))[0])
-        s, d, heading, kappa = path.foot_point(remote.x, remote.y, near)
-        places[remote.id] = s
-        neighbours.append(Neighbour.seen_from(remote, s, d, remote.psi - heading, kappa))
+    places.update(zip(usable, (foot[0] for foot in feet), strict=True))
+    neighbours = []
+    for remote, (s, d, heading, kappa) in zip(usable.values(), feet, strict=True):
+        angle = remote.psi - heading
+        if not within[0] <= d <= within[1]:
+            across = abs(math.sin(angle))
+            room = (0.5 * remote.length + 2.0 * remote.sigma_along) * across
+            room += 0.5 * remote.width + 2.0 * remote.sigma_across
+            if across < _CROSSING and not within[0] - room <= d <= within[1] + room:
+                continue
+        neighbours.append(Neighbour.seen_from(remote, s, d, angle, kappa))
     return neighbours, tuple(dropped)
+
+
+def _feet(
+    remotes: dict[str, RemoteVehicle], path: Path, places: dict[str, float]
+) -> Iterable[tuple[float, float, float, float]]:
+    """Foot point, lateral coordinate, heading and curvature of the route for each vehicle."""
+    new = [(remote.x, remote.y) for name, remote in remotes.items() if name not in places]
+    cold = iter(path.project(new)[0].tolist() if new else ())
+    near = [places[name] if name in places else next(cold) for name in remotes]
+    if len(near) <= _FEW:
+        pairs = zip(remotes.values(), near, strict=True)
+        return [path.foot_point(remote.x, remote.y, at) for remote, at in pairs]
+    s, d = path.project([(remote.x, remote.y) for remote in remotes.values()], near)
+    _, first, second = path.derivatives(s)
+    heading = np.arctan2(first[:, 1], first[:, 0])
+    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    kappa = cross / np.hypot(first[:, 0], first[:, 1]) ** 3
+    return list(zip(s.tolist(), d.tolist(), heading.tolist(), kappa.tolist(), strict=True))

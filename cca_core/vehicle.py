@@ -3,7 +3,10 @@
 import math
 from dataclasses import dataclass, fields
 from numbers import Real
+from operator import attrgetter
 from typing import Self
+
+import numpy as np
 
 from cca_core._checks import check_real
 from cca_core.errors import InputError
@@ -235,10 +238,11 @@ class RemoteVehicle:
     @property
     def defect(self) -> str | None:
         """Why this record cannot be used, in words, or None if it can."""
-        for name in _REMOTE_NUMBERS:
-            value = getattr(self, name)
-            if not isinstance(value, Real) or not abs(value) < float("inf"):  # type: ignore[operator]  # int, float
-                return f"{name} is not a finite number ({str(value)[:20]})"
+        values = _REMOTE_VALUES(self)
+        if not (_FLOATS.issuperset(map(type, values)) and all(map(math.isfinite, values))):
+            for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
+                if not isinstance(value, Real) or not abs(value) < float("inf"):  # type: ignore[operator]  # int, float
+                    return f"{name} is not a finite number ({str(value)[:20]})"
         labels: tuple[object, object] = (self.id, self.events)
         if not (isinstance(labels[0], str) and isinstance(labels[1], frozenset)):
             return "id is not a string or events is not a frozenset"
@@ -260,3 +264,5 @@ class RemoteVehicle:
 _REMOTE_NUMBERS = (
     "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across",
 )  # fmt: skip
+_REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)
+_FLOATS = frozenset({float, np.float64})

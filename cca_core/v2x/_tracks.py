@@ -5,19 +5,21 @@ import math
 import numpy as np
 
 from cca_core.geometry import wrap_angle
-from cca_core.v2x.motion import STALE_AFTER, Fix, move_on, position_bounds
+from cca_core.v2x.motion import STALE_AFTER, Fix, carried, move_on, position_bounds
 from cca_core.v2x.tracker_settings import TrackerSettings
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
 _NOWHERE = 1e12  # [m]
+_SHORTEST, _NARROWEST = 1.5, 0.8  # room that a body takes, however small it says to be [m]
 _AROUND = 6.0  # silence after which the message count may have gone around [s]
 
 
 class Track:
-    """What is known of one sender."""
+    """What is known of one sender: motion by its last message, place by the last that was believed."""
 
     __slots__ = (
-        "begun", "doubt", "events", "fix", "id", "length", "msg_count", "ref", "row", "timed", "width",
+        "begun", "doubt", "driven", "events", "fix", "id", "length", "msg_count", "origin", "placed", "ref",
+        "row", "said", "speed", "timed", "width",
     )  # fmt: skip
 
     def __init__(
@@ -33,9 +35,19 @@ class Track:
         self.id, self.fix, self.length, self.width, self.events = id, fix, length, width, events
         self.msg_count, self.timed = msg_count, timed
         self.begun = fix.t  # time of its first message [s]
-        self.ref = (fix.x, fix.y)  # where it is by all messages [m]
-        self.doubt: Track | None = None  # its last message that was not believed
+        self.said = self.origin = self.ref = (fix.x, fix.y)  # place told last, first, and by all messages [m]
+        self.placed, self.speed, self.driven = fix.t, fix.v, 0.0  # of the last place believed; driven since
+        self.doubt: Track | None = None  # its last message whose place was not believed
         self.row = -1
+
+    def carry(self, fresh: "Track") -> None:
+        """Go on as a message says, from where the sender was: its place is not believed, its motion is."""
+        new, old = fresh.fix, self.fix
+        x, y, way = carried(old, new)
+        self.driven += way
+        self.ref = self.ref[0] + x - old.x, self.ref[1] + y - old.y
+        self.fix = new._replace(x=x, y=y)
+        self.events, self.msg_count, self.timed = fresh.events, fresh.msg_count, fresh.timed
 
     def resembles(self, other: "Track") -> bool:
         """Whether both may be one body."""
@@ -59,12 +71,26 @@ class Track:
             return "duplicate"
         return "out_of_order" if ahead >= 64 or (timed and measured <= last) else ""
 
-    def vehicle(self, t: float, shared: float) -> RemoteVehicle:
-        """Where it is at a time; `shared` is a standard deviation that is added [m]."""
+    def vehicle(self, t: float, shared: float, agreed: float) -> RemoteVehicle:
+        """Where it is at a time.
+
+        `shared` is a standard deviation that is added [m]; a doubted place that was told for `agreed`
+        seconds lies within the bounds too.
+        """
         fix = self.fix
         _, x, y, psi, v, a, r = move_on(fix, t)
-        age = max(t - fix.t, 0.0)
-        along, across = position_bounds(fix.v, age)
+        age = max(t - self.placed, 0.0)
+        if self.placed == fix.t:
+            along, across = position_bounds(fix.v, age)
+        else:
+            along, across = position_bounds(self.speed, age, self.driven + abs(fix.v) * max(t - fix.t, 0.0))
+        doubt = self.doubt
+        if doubt is not None and doubt.fix.t - doubt.begun >= agreed:
+            other, cos, sin = move_on(doubt.fix, t), math.cos(psi), math.sin(psi)
+            far_x, far_y = other.x - x, other.y - y
+            more = position_bounds(doubt.fix.v, max(t - doubt.fix.t, 0.0))
+            along = max(along, abs(far_x * cos + far_y * sin) + more[0])
+            across = max(across, abs(far_y * cos - far_x * sin) + more[1])
         return RemoteVehicle(
             id=self.id, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, age=age, length=self.length, width=self.width,
             sigma_along=min(math.hypot(0.5 * along, shared), 1e3),
@@ -73,17 +99,23 @@ class Track:
         )  # fmt: skip
 
 
-def is_over(vehicle: RemoteVehicle, ego: VehicleState | None, settings: TrackerSettings) -> bool:
-    """Whether a stale vehicle may be forgotten: its bounds do not reach the ego's stopping distance."""
-    if vehicle.age > settings.forget_after:
+def is_over(
+    vehicle: RemoteVehicle, silent: float, ego: VehicleState | None, speed: float, settings: TrackerSettings
+) -> bool:
+    """Whether a vehicle silent for some time [s] stays out of the way of an ego at a speed."""
+    if silent > settings.forget_after:
         return True
     if ego is None:
         return False
-    stopping = ego.v_x * settings.reaction + 0.5 * ego.v_x * ego.v_x / settings.braking
+    stopping = speed * settings.reaction + 0.5 * speed * speed / settings.braking
     extent = 0.5 * math.hypot(vehicle.length, vehicle.width)
     bound = 2.0 * math.hypot(vehicle.sigma_along, vehicle.sigma_across)
-    distance = math.hypot(vehicle.x - ego.x, vehicle.y - ego.y)
-    return distance - bound - extent > max(stopping, settings.least_reach)
+    x, y = vehicle.x - ego.x, vehicle.y - ego.y
+    away = math.hypot(x, y)
+    v_x = vehicle.v_x * math.cos(vehicle.psi) - speed * math.cos(ego.psi)
+    v_y = vehicle.v_x * math.sin(vehicle.psi) - speed * math.sin(ego.psi)
+    nearer = max(-(x * v_x + y * v_y) / max(away, 1.0), 0.0) * settings.outlook
+    return away - bound - extent - nearer > max(stopping, settings.least_reach)
 
 
 class Tracks:
@@ -98,6 +130,7 @@ class Tracks:
         self._form = np.zeros((2, most, 4))
         self._form[..., 3] = _NOWHERE
         self._half = np.zeros((2, most))
+        self._begun = np.full(most, math.inf)
 
     @property
     def is_full(self) -> bool:
@@ -109,7 +142,7 @@ class Tracks:
         track.row = self._free.pop()
         self._track[track.row] = track
         self.by_id[track.id] = track
-        self._write(track)
+        self.write(track)
 
     def remove(self, track: Track) -> None:
         """Forget a track."""
@@ -121,20 +154,22 @@ class Tracks:
 
     def advance(self, track: Track, fresh: Track) -> None:
         """Replace a track by its next state, under the id of that."""
-        fresh.row, fresh.begun, fresh.doubt = track.row, track.begun, None
+        fresh.row, fresh.begun, fresh.origin, fresh.doubt = track.row, track.begun, track.origin, None
         if fresh.id != track.id:
             del self.by_id[track.id]
         self.by_id[fresh.id] = fresh
         self._track[fresh.row] = fresh
-        self._write(fresh)
+        self.write(fresh)
 
-    def _write(self, track: Track) -> None:
+    def write(self, track: Track) -> None:
+        """Enter into the table what has changed of a track."""
         t, x, y, psi, v, _, _ = track.fix
         cos, sin, row = math.cos(psi), math.sin(psi), track.row
         self._xy[:, row] = x, y
         self._form[0, row] = cos, sin, -v, v * t - x * cos - y * sin
         self._form[1, row] = -sin, cos, 0.0, x * sin - y * cos
-        self._half[:, row] = 0.5 * track.length, 0.5 * track.width
+        self._half[:, row] = 0.5 * max(track.length, _SHORTEST), 0.5 * max(track.width, _NARROWEST)
+        self._begun[row] = track.begun
 
     def holder(self, fix: Fix, begun: float, itself: Track | None) -> Track | None:
         """Track, begun earlier and not stale, in whose body a position lies."""
@@ -147,10 +182,16 @@ class Tracks:
                 return track
         return None
 
-    def farthest(self, place: tuple[float, float] | None) -> Track | None:
-        """Track farthest from a place."""
-        if place is None:
-            return None
+    def dispensable(
+        self, place: tuple[float, float], fix: Fix, within: float, established: float
+    ) -> Track | None:
+        """Farthest track that may make room for a nearer newcomer.
+
+        One that has been heard for `established` seconds may only if it is farther than `within` from
+        `place`.
+        """
         x, y = self._xy
         away = np.where(x < _NOWHERE, np.hypot(x - place[0], y - place[1]), -1.0)
-        return self._track[int(np.argmax(away))]
+        away[(away <= within) & (fix.t - self._begun >= established)] = -1.0
+        row = int(np.argmax(away))
+        return self._track[row] if away[row] > math.dist(fix[1:3], place) else None

@@ -3,20 +3,21 @@
 import math
 from typing import NamedTuple
 
-__all__ = ["STALE_AFTER", "Fix", "move_on", "position_bounds"]
+from cca_core.geometry import wrap_angle
+
+__all__ = ["STALE_AFTER", "Fix", "carried", "move_on", "position_bounds"]
 
 STALE_AFTER = 1.0
 """Age from which on a track is stale [s]."""
 
 _CREEPING = 0.5  # slower than this the direction of motion is not known [m/s]
 
-# Bounds that hold in 95 % of cases on the recorded drives; docs/v2x.md says how they were found
-_TIMING_RATE = 1.3  # growth of the error of time stamps with age [s/s]
+# Bounds of 95 %: the largest errors of the first half of the recorded drives, rounded up; see docs/v2x.md
+_TIMING_RATE = 2.3  # growth of the error of time stamps with age [s/s]
 _TIMING = 0.31  # its end [s]
-_DRIFT = 0.005  # its growth from there on [s/s]
 _ALONG = 0.1  # at standstill [m]
-_ACROSS = 0.06  # new [m]
-_ACROSS_RATE = 0.22  # growth with age [m/s]
+_ACROSS = 0.035  # new [m]
+_ACROSS_RATE = 0.32  # growth with age [m/s]
 # beyond the record
 _BRAKING = 8.0  # what a vehicle may do that is not heard any more [m/s^2]
 _SWERVING = 1.0
@@ -84,15 +85,37 @@ def move_on(fix: Fix, t: float) -> Fix:
     return Fix(t, x, y, psi, after, a, r)
 
 
-def position_bounds(v: float, age: float) -> tuple[float, float]:
+def carried(last: Fix, fix: Fix) -> tuple[float, float, float]:
+    """Place to which the motion told by two messages leads from the place of the first.
+
+    Parameters
+    ----------
+    last, fix : Fix
+        The two, in order of time; the place of the second is not looked at.
+
+    Returns
+    -------
+    x, y : float
+        Place [m], at the mean of speeds and headings.
+    driven : float
+        Way from the one to the other [m], not negative.
+    """
+    mean = last.psi + 0.5 * wrap_angle(fix.psi - last.psi)
+    s = 0.5 * (last.v + fix.v) * (fix.t - last.t)
+    return last.x + s * math.cos(mean), last.y + s * math.sin(mean), abs(s)
+
+
+def position_bounds(v: float, age: float, driven: float = math.inf) -> tuple[float, float]:
     """Errors of a dead-reckoned position that are not exceeded in 95 % of cases.
 
     Parameters
     ----------
     v : float
-        Speed reported [m/s].
+        Speed reported with the position [m/s].
     age : float
         Time since the position was measured [s], not negative.
+    driven : float
+        Distance driven since by the speeds reported later [m]; infinite if nothing was heard.
 
     Returns
     -------
@@ -103,18 +126,19 @@ def position_bounds(v: float, age: float) -> tuple[float, float]:
     -----
     Up to 1 s the bounds are those of recorded messages, whose largest error is that of their time stamps and
     so goes with speed. Beyond, the vehicle may have braked or sped up at 8 m/s^2 to at most twice its speed,
-    and swerved at 1 m/s^2.
+    and swerved at 1 m/s^2. Where its speed is still heard, it may stand where it was or be twice as far.
 
     Examples
     --------
     >>> [round(b, 2) for b in position_bounds(20.0, 0.1) + position_bounds(20.0, 1.0)]
-    [2.7, 0.08, 6.4, 0.28]
+    [4.7, 0.07, 6.3, 0.35]
     """
     speed = abs(v)
-    timing = min(_TIMING_RATE * age, _TIMING + _DRIFT * age)
+    timing = min(_TIMING_RATE * age, _TIMING)
     along, across = _ALONG + speed * timing, _ACROSS + _ACROSS_RATE * age
     late = age - STALE_AFTER
     if late > 0.0:
-        along += min(0.5 * _BRAKING * late * late, max(speed, _CREEPING) * late)
-        across += min(0.5 * _SWERVING * late * late, max(speed, _CREEPING) * late)
+        most = min(max(speed, _CREEPING) * late, driven + _CREEPING * late)
+        along += min(0.5 * _BRAKING * late * late, most)
+        across += min(0.5 * _SWERVING * late * late, most)
     return along, across

@@ -130,8 +130,13 @@ def implausible_state(
 
 
 def implausible_motion(
-    settings: PlausibilitySettings, last: Fix, ref_x: float, ref_y: float, fix: Fix
-) -> tuple[str, float, float]:
+    settings: PlausibilitySettings,
+    last: Fix,
+    ref: tuple[float, float],
+    said: tuple[float, float],
+    driven: float,
+    fix: Fix,
+) -> tuple[str, tuple[float, float]]:
     """Compare a message with what its sender said before.
 
     Parameters
@@ -139,40 +144,44 @@ def implausible_motion(
     settings : PlausibilitySettings
         Checks and limits.
     last : Fix
-        The last message that was believed.
-    ref_x, ref_y : float
+        Where it was and how it moved at its last message.
+    ref : tuple of float
         Where its sender was then by all messages before [m].
+    said : tuple of float
+        The last place that was believed, as told [m].
+    driven : float
+        Distance driven between that and the last message by the reported speeds [m].
     fix : Fix
         What the new one says, measured later.
 
     Returns
     -------
     check : str
-        Name of the check that it fails; empty if none.
-    ref_x, ref_y : float
+        Name of the check that it fails; empty if none. Those of its motion come before those of its place.
+    ref : tuple of float
         Where its sender is now by all messages [m]: dead-reckoned by the reported speeds and drawn to the
         reported positions with a time constant of 2 s, so that a slow drift is found as well as a jump.
     """
     dt = fix.t - last.t
     turn = wrap_angle(fix.psi - last.psi)
-    mean = last.psi + 0.5 * turn
-    s = 0.5 * (last.v + fix.v) * dt
-    ref_x, ref_y = ref_x + s * math.cos(mean), ref_y + s * math.sin(mean)
-    moved = math.hypot(fix.x - last.x, fix.y - last.y)
-    if settings.frozen and abs(s) > 0.5 and moved < 0.1 * abs(s):
-        return "frozen", ref_x, ref_y
-    off_x, off_y = fix.x - ref_x, fix.y - ref_y
+    mean, s = last.psi + 0.5 * turn, 0.5 * (last.v + fix.v) * dt
+    x, y = ref[0] + s * math.cos(mean), ref[1] + s * math.sin(mean)
+    if settings.acceleration and abs(fix.v - last.v) > _SPEED_NOISE + settings.strongest * dt:
+        return "acceleration", (x, y)
+    slowest = max(min(abs(last.v), abs(fix.v)), 0.1)
+    if settings.yaw and slowest > _TURNING and abs(turn) > _TURN_NOISE + settings.strongest / slowest * dt:
+        return "yaw", (x, y)
+    driven += abs(s)
+    moved = math.hypot(fix.x - said[0], fix.y - said[1])
+    if settings.frozen and driven > 0.5 and moved < 0.1 * driven:
+        return "frozen", (x, y)
+    off_x, off_y = fix.x - x, fix.y - y
     off = math.hypot(off_x, off_y)
     fastest = max(abs(last.v), abs(fix.v))
     room = settings.room + settings.timing * fastest + 0.25 * settings.strongest * dt * dt
     if settings.teleport and off > _TELEPORT * room:
-        return "teleport", ref_x, ref_y
+        return "teleport", (x, y)
     if settings.displacement and off > room:
-        return "displacement", ref_x, ref_y
-    if settings.acceleration and abs(fix.v - last.v) > _SPEED_NOISE + settings.strongest * dt:
-        return "acceleration", ref_x, ref_y
-    slowest = max(min(abs(last.v), abs(fix.v)), 0.1)
-    if settings.yaw and slowest > _TURNING and abs(turn) > _TURN_NOISE + settings.strongest / slowest * dt:
-        return "yaw", ref_x, ref_y
+        return "displacement", (x, y)
     gain = 1.0 - math.exp(-0.5 * dt)
-    return "", ref_x + gain * off_x, ref_y + gain * off_y
+    return "", (x + gain * off_x, y + gain * off_y)

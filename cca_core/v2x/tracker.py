@@ -22,6 +22,8 @@ _UNTIMED_AGE = 0.1  # assumed of a message without time [s]
 _STANDING = 0.5  # [m/s]
 _BACKWARDS = -20.0
 _WIDEST = 5.0  # [m]
+_CALMING = 0.5  # rate at which it is forgotten how fast the ego was [m/s^2]
+_DRIVEN = 5.0  # way on which a doubted sender shows that its place moves as it tells [m]
 
 
 class Tracker:
@@ -48,6 +50,7 @@ class Tracker:
         self._dropped: deque[Outcome] = deque(maxlen=_REMEMBERED)
         self._turned_away = -math.inf
         self._ego: tuple[float, float] | None = None
+        self._speed = 0.0, 0.0  # that the ego may have again, and when that was said
 
     def __len__(self) -> int:
         return len(self._tracks.by_id)
@@ -58,7 +61,7 @@ class Tracker:
         return tuple(self._dropped)
 
     def is_saturated(self, t: float) -> bool:
-        """Tell whether more senders were heard of late than are kept: silence then says even less.
+        """Tell whether senders within `keep_within` were turned away of late: silence then says nothing.
 
         Parameters
         ----------
@@ -68,7 +71,7 @@ class Tracker:
         Returns
         -------
         saturated : bool
-            Whether one was turned away in the last second.
+            Whether that happened in the last second.
         """
         return t - self._turned_away <= 1.0
 
@@ -112,8 +115,9 @@ class Tracker:
         t : float
             Now, on the senders' clock [s].
         ego : VehicleState, optional
-            Own place and speed. A stale track is forgotten once it is, with its bounds, out of reach of the
-            ego's stopping distance, and where there are too many senders the nearest are kept.
+            Own place and speed. A silent track is forgotten once it is, with its bounds, out of reach of
+            the stopping distance that the ego has, or had when it was last fast; and where there are too many
+            senders, those heard for long and the nearest are kept.
 
         Returns
         -------
@@ -128,10 +132,13 @@ class Tracker:
         t = check_real("t", t)
         if ego is not None:
             self._ego = ego.x, ego.y
+            slower = self._speed[0] - _CALMING * max(t - self._speed[1], 0.0)
+            self._speed = max(ego.v_x, slower), t
         known = []
         for track in tuple(self._tracks.by_id.values()):
-            vehicle = track.vehicle(t, self.settings.sigma_position)
-            if vehicle.age > STALE_AFTER and is_over(vehicle, ego, self.settings):
+            vehicle = track.vehicle(t, self.settings.sigma_position, self.settings.readmit_after)
+            silent = t - track.fix.t
+            if silent > STALE_AFTER and is_over(vehicle, silent, ego, self._speed[0], self.settings):
                 self._tracks.remove(track)
             else:
                 known.append(vehicle)
@@ -181,64 +188,78 @@ class Tracker:
         return Fix(measured, x, y, psi, v, a, r) if usable else None
 
     def _follow(self, track: Track, fresh: Track) -> str:
-        """Move a track on to its sender's next message."""
-        what = "updated"
+        """Move a track on to its sender's next message, or only as far as that is believed."""
         failed = self._compare(track, fresh)
-        if failed == "frozen":
-            track.events = fresh.events  # the position is old, the warning is not
-        if failed and track.doubt is not None and not self._compare(track.doubt, fresh):
-            fresh.begun = track.doubt.begun
-            agrees = math.dist(fresh.fix[1:3], fresh.ref) <= 0.5 * self.settings.plausibility.room
-            if agrees and fresh.fix.t - fresh.begun >= self.settings.readmit_after:
-                what, failed = "returned", ""
-                fresh.ref = fresh.fix.x, fresh.fix.y
-        elif failed:
-            fresh.begun, fresh.ref = fresh.fix.t, (fresh.fix.x, fresh.fix.y)
         if not failed and self._is_inside(fresh, track):
             failed = "inside"
-        if failed:
-            if failed != "inside":
-                track.doubt = fresh
-            return failed
-        self._tracks.advance(track, fresh)
-        return what
+        elif failed and self._agrees(track.doubt, fresh) and not self._is_inside(fresh, track):
+            fresh.ref = fresh.fix.x, fresh.fix.y
+            self._tracks.advance(track, fresh)
+            return "returned"
+        if not failed:
+            self._tracks.advance(track, fresh)
+            return "updated"
+        if failed != "inside":
+            track.doubt = fresh
+        if failed in _OF_PLACE:
+            track.carry(fresh)
+            self._tracks.write(track)
+        return failed
+
+    def _agrees(self, doubt: Track | None, fresh: Track) -> bool:
+        """Whether a sender whose place was doubted has meanwhile driven as it tells."""
+        place, room = fresh.fix[1:3], 0.5 * self.settings.plausibility.room
+        if doubt is None or self._compare(doubt, fresh) or math.dist(place, fresh.ref) > room:
+            fresh.ref = fresh.fix.x, fresh.fix.y
+            return False
+        fresh.begun, fresh.origin = doubt.begun, doubt.origin
+        told = fresh.fix.t - fresh.begun
+        return told >= self.settings.readmit_after and math.dist(place, fresh.origin) >= _DRIVEN
 
     def _compare(self, track: Track, fresh: Track) -> str:
         """Name of the check that a message fails after those of `track`; its reference place moves on."""
         if fresh.fix.t <= track.fix.t:
             return "displacement"
-        failed, x, y = implausible_motion(self.settings.plausibility, track.fix, *track.ref, fresh.fix)
+        failed, ref = implausible_motion(
+            self.settings.plausibility, track.fix, track.ref, track.said, track.driven, fresh.fix
+        )
         if not failed:
-            fresh.ref = x, y
+            fresh.ref = ref
         return failed
 
-    def _is_inside(self, fresh: Track, track: Track | None) -> bool:
+    def _is_inside(self, fresh: Track, track: Track) -> bool:
         """Whether a message lies in the body of a vehicle heard of before its sender."""
         if not self.settings.plausibility.inside:
             return False
-        begun = fresh.fix.t if track is None else track.begun
-        return self._tracks.holder(fresh.fix, begun, track) is not None
+        return self._tracks.holder(fresh.fix, track.begun, track) is not None
 
     def _begin(self, fresh: Track) -> str:
         """Begin a track, or let a lost one go on under a new id."""
         fix, tracks = fresh.fix, self._tracks
-        former = tracks.holder(fix, fix.t, None)
+        former = tracks.holder(fix, math.inf, None)
         if former is not None and fix.t - former.fix.t > self.settings.lost_after:
             if former.resembles(fresh) and not self._compare(former, fresh):
                 tracks.advance(former, fresh)
                 return "took_over"
         if former is not None and self.settings.plausibility.inside:
             return "inside"
-        if tracks.is_full:
-            self._turned_away = fix.t
-            farthest = tracks.farthest(self._ego)
-            if farthest is None or self._ego is None:
-                return "full"
-            if math.dist(farthest.fix[1:3], self._ego) <= math.dist(fix[1:3], self._ego):
-                return "full"
-            tracks.remove(farthest)
+        if tracks.is_full and not self._makes_room(fix):
+            return "full"
         tracks.add(fresh)
         return "new"
 
+    def _makes_room(self, fix: Fix) -> bool:
+        """Forget a sender that matters less than a new one, if there is any."""
+        settings, loser, spare = self.settings, fix, None
+        if self._ego is not None:
+            spare = self._tracks.dispensable(self._ego, fix, settings.keep_within, settings.established_after)
+        if spare is not None:
+            loser = spare.fix
+            self._tracks.remove(spare)
+        if self._ego is None or math.dist(loser[1:3], self._ego) <= settings.keep_within:
+            self._turned_away = fix.t
+        return spare is not None
 
+
+_OF_PLACE = frozenset({"frozen", "teleport", "displacement", "inside"})  # its motion may be true
 _ACCEPTED = frozenset({"new", "updated", "returned", "took_over"})

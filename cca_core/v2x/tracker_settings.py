@@ -19,14 +19,21 @@ class TrackerSettings:
         Which messages are believed.
     most_senders : int
         Senders kept at the same time, 1 to 1000.
+    keep_within : float
+        Distance from the ego within which all senders are wanted, and one that is known makes no room for
+        another [m].
+    established_after : float
+        Time after which a sender is known in that sense [s]; until then a nearer one replaces it.
     lost_after : float
         Silence after which a new id at its place takes a track over [s].
     readmit_after : float
-        Time after which a sender whose messages are dropped, but agree with each other, is believed again
-        [s].
+        Time after which a sender whose messages are dropped, but agree with each other while it drives, is
+        believed again [s].
     braking, reaction, least_reach : float
         Stopping distance of the ego is v `reaction` + v^2 / (2 `braking`), at least `least_reach`
         [m/s^2, s, m]; a stale track that cannot be nearer is forgotten.
+    outlook : float
+        Time for which a stale track that comes nearer is taken to go on doing so [s]: as long as a pass.
     forget_after : float
         Age at which a track is forgotten in any case [s].
     sigma_position : float
@@ -43,11 +50,14 @@ class TrackerSettings:
 
     plausibility: PlausibilitySettings = field(default_factory=PlausibilitySettings)
     most_senders: int = 200
+    keep_within: float = 300.0
+    established_after: float = 0.5
     lost_after: float = 0.25
     readmit_after: float = 1.0
     braking: float = 4.0
     reaction: float = 1.0
     least_reach: float = 20.0
+    outlook: float = 15.0
     forget_after: float = 30.0
     sigma_position: float = 0.0
     length: float = 5.0
@@ -58,7 +68,7 @@ class TrackerSettings:
             raise InputError(f"plausibility must be PlausibilitySettings, was {self.plausibility!r}")
         for limit in fields(self)[1:]:
             value = getattr(self, limit.name)
-            if limit.name in ("sigma_position", "reaction", "least_reach"):
+            if limit.name in ("sigma_position", "reaction", "least_reach", "outlook"):
                 check_real(limit.name, value, least=0.0, most=100.0)
             else:
                 check_real(limit.name, value, above=0.0, most=1000.0)

@@ -3,9 +3,8 @@
 In these runs no liar makes the ego touch a real vehicle, leave the road, or leave its lane beside a real
 vehicle. What a ghost can still cause without need, and these tests let it: following, braking up to a stop, a
 swerve into a lane that is truly free, and a wait behind a slow car for as long as the ghost pretends to be
-beside, or a track that fell silent still could be. Not covered, and unsafe: a crowd of more senders than are
-kept, all nearer than a real car, hides it; and a car whose messages freeze just before it brakes hard is
-not seen to brake.
+beside, or a track that fell silent still could be. Not covered: a car ahead that is first heard when a crowd
+has taken all places is not known, as if it had no radio.
 """
 
 import math
@@ -40,7 +39,6 @@ STEP = 0.02
 START, SPEED = 300.0, 20.0  # of the ego
 DURATION = 7.0
 FROM = 1.0  # when lies begin [s]
-FULL_TRACKER = STEP  # what a cycle may take with as many senders as are kept [s]
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ class Real:
     y: float
     v: float
     brakes_at: float = math.inf
-    deceleration: float = 4.0
+    deceleration: float = 7.0
 
     def at(self, t: float) -> RemoteVehicle:
         braked = min(max(t - self.brakes_at, 0.0), self.v / self.deceleration)
@@ -67,7 +65,8 @@ class Real:
 SLOW = Real(60.0, 0.0, 12.0)  # to be passed
 BESIDE = Real(-2.0, LANE, 20.0)  # stays beside the ego
 FAST = Real(-70.0, LANE, 32.0)  # comes from behind
-BRAKING = Real(45.0, 0.0, 20.0, brakes_at=1.3, deceleration=4.0)  # just after its frames froze
+BRAKING = Real(45.0, 0.0, 20.0, brakes_at=1.3, deceleration=7.0)  # just after its frames froze
+STANDING = Real(130.0, 0.0, 0.0)
 WORLDS = ((SLOW,), (SLOW, BESIDE), (SLOW, FAST))
 
 
@@ -94,7 +93,8 @@ class Drive:
     commands: np.ndarray
     gaps: np.ndarray  # to each real car [m]
     actions: tuple[str, ...]
-    cycle: float  # median of the planner [s]
+    cycle: float  # mean of the planner, its own time [s]
+    slowest: float  # its 99th percentile [s]
     tracker: Tracker
 
     @property
@@ -128,12 +128,19 @@ def honest(t: float, i: int, data: bytes, before: list[bytes]) -> bytes:
     return data
 
 
-def drive(reals: tuple[Real, ...], attack: Attack = nothing, sent: Filter = honest, t0: float = 0.0) -> Drive:
+def drive(
+    reals: tuple[Real, ...],
+    attack: Attack = nothing,
+    sent: Filter = honest,
+    t0: float = 0.0,
+    duration: float = DURATION,
+    lanes: int = 2,
+) -> Drive:
     """Ego, real cars, honest senders, a channel, and what the liar adds; time begins at `t0`."""
     s = np.arange(0.0, 1001.0, 10.0)
     road = Road(
         fit_path(np.column_stack((s, np.zeros_like(s))), tolerance=0.05),
-        (Lane(d=0.0, width=LANE), Lane(d=LANE, width=LANE)), speed_limit=36.0,
+        [Lane(d=i * LANE, width=LANE) for i in range(lanes)], speed_limit=36.0,
     )  # fmt: skip
     rng = np.random.default_rng(1)
     planner, tracker = Planner(CAR, road, cruise_speed=SPEED), Tracker(FRAME)
@@ -143,7 +150,7 @@ def drive(reals: tuple[Real, ...], attack: Attack = nothing, sent: Filter = hone
     heard: list[tuple[float, int, bytes]] = []
     own: list[list[bytes]] = [[] for _ in reals]
     rows, commands, gaps, actions, cycles = [], [], [], [], []
-    for k in range(round(DURATION / STEP)):
+    for k in range(round(duration / STEP)):
         since, state = k * STEP, plant.state
         t = t0 + since
         truth = [real.at(since) for real in reals]
@@ -161,9 +168,10 @@ def drive(reals: tuple[Real, ...], attack: Attack = nothing, sent: Filter = hone
         for arrival in channel.receive(t, (state.x, state.y)):
             tracker.update(arrival.data, t)
         remotes = tracker.vehicles(t, state)
-        begun = time.perf_counter()
-        command = planner.step(t, state, remotes)
-        cycles.append(time.perf_counter() - begun)
+        known_range = 0.0 if tracker.is_saturated(t) else math.inf
+        begun = time.thread_time()
+        command = planner.step(t, state, remotes, known_range=known_range)
+        cycles.append(time.thread_time() - begun)
         rows.append((since, state.x, state.y, state.psi, state.v_x))
         commands.append((command.delta, command.a_x))
         body = boxes(
@@ -178,7 +186,7 @@ def drive(reals: tuple[Real, ...], attack: Attack = nothing, sent: Filter = hone
     table = np.array(rows)
     return Drive(
         table[:, 0], table[:, 1:], np.array(commands), np.array(gaps).reshape(len(rows), -1), tuple(actions),
-        statistics.median(cycles), tracker,
+        statistics.fmean(cycles), float(np.quantile(cycles, 0.99)), tracker,
     )  # fmt: skip
 
 
@@ -187,8 +195,8 @@ def without_lies(reals: tuple[Real, ...]) -> Drive:
     return drive(reals)
 
 
-def check(run: Drive, reals: tuple[Real, ...], cycle: float | None = None) -> None:
-    """What holds whatever is on the air; the planner takes 5 times as long at most, or `cycle`."""
+def check(run: Drive, reals: tuple[Real, ...]) -> None:
+    """What holds whatever is on the air; a cycle takes 5 times as long as with honest senders at most."""
     assert np.isfinite(run.ego).all()
     assert np.isfinite(run.commands).all()
     assert (run.gaps > 0.0).all(), f"touched a real car: {run.gaps.min(axis=0)}, {run.actions}"
@@ -196,7 +204,7 @@ def check(run: Drive, reals: tuple[Real, ...], cycle: float | None = None) -> No
     assert reach[:, 0].min() > -0.5 * LANE, "left the road"
     assert reach[:, 1].max() < 1.5 * LANE, "left the road"
     assert (run.gaps[run.leaves_lane] > 0.5).all(), "left its lane beside a real car"
-    assert run.cycle < (cycle or 5.0 * max(without_lies(reals).cycle, 1e-4))
+    assert run.cycle < 5.0 * max(without_lies(world).cycle for world in ((SLOW, BESIDE), reals))
 
 
 def ghost_ahead(distance: float, v: float) -> Attack:
@@ -242,6 +250,10 @@ def thousand_on_the_field(air: Air) -> Iterable[bytes]:
     return crowd(air, (-150.0, 150.0), (-60.0, -10.0))
 
 
+def thousand_close_by(air: Air) -> Iterable[bytes]:
+    return crowd(air, (-40.0, 40.0), (-40.0, -6.0), length=0.3, width=0.3)
+
+
 def later(delay: float) -> Attack:
     """All that was heard, once more."""
 
@@ -261,11 +273,11 @@ def a_minute_old(number: int, real: Real) -> Attack:
     return attack
 
 
-def repeats(which: int, place_only: bool) -> Filter:
+def repeats(which: int, place_only: bool, until: float = math.inf) -> Filter:
     """From `FROM` on one sender repeats its last frame, or its last place with a fresh time stamp."""
 
     def sent(t: float, i: int, data: bytes, before: list[bytes]) -> bytes | None:
-        if i != which or t < FROM or not before:
+        if i != which or not FROM <= t < until or not before:
             return data
         if not place_only:
             return before[8]
@@ -331,6 +343,18 @@ def test_frozen_sender(reals: tuple[Real, ...], which: int, place_only: bool) ->
     assert sum(run.tracker.counts[name] for name in names) > 30
 
 
+@pytest.mark.parametrize("until", [2.0, 3.0, 6.0, math.inf])
+@pytest.mark.parametrize("brakes_at", [1.0, 1.3, 2.5])
+def test_frozen_leader_brakes_to_standstill(brakes_at: float, until: float) -> None:
+    """Only its place is frozen: its speed still tells that it brakes, and where it stands, also for long."""
+    reals = (replace(BRAKING, brakes_at=brakes_at),)
+    run = drive(reals, sent=repeats(0, place_only=True, until=until), duration=12.0, lanes=1)
+    check(run, reals)
+    assert not run.leaves_lane.any()
+    assert until < 10.0 or run.ego[-50:, 3].max() < 0.5
+    assert (run.tracker.vehicles(12.0)[0].age < 0.3) == (until < 10.0)
+
+
 @pytest.mark.parametrize("reals", WORLDS)
 @pytest.mark.parametrize("delay", [0.1, 0.5, 2.0])
 def test_replay(delay: float, reals: tuple[Real, ...]) -> None:
@@ -350,18 +374,44 @@ def test_replay_of_the_minute_before() -> None:
         assert not run.leaves_lane.any()
         assert run.tracker.counts[what] > 30
     past = Real(60.0 * SPEED, LANE, SPEED)  # was where the ego is now, a minute ago
-    run = drive((SLOW,), a_minute_old(0xBAD, past), t0=60.0)
-    check(run, (SLOW,))
+    reals = (replace(SLOW, s=65.0),)  # not yet to be passed when the ghost comes
+    run = drive(reals, a_minute_old(0xBAD, past), t0=60.0)
+    check(run, reals)
+    assert "EVADE_LEFT" in without_lies(reals).actions
     assert "EVADE_LEFT" not in run.actions
 
 
 @pytest.mark.parametrize("attack", [thousand, thousand_on_the_field])
 def test_thousand_senders_at_once(attack: Attack) -> None:
-    """They make the ego stop or wait. Of them 200 are kept; a cycle takes less than its 20 ms."""
+    """They make the ego stop or wait."""
     reals = (SLOW, BESIDE)
     run = drive(reals, attack)
-    check(run, reals, FULL_TRACKER)
+    check(run, reals)
     assert not run.leaves_lane.any()
     assert len(run.tracker) <= 200
     assert run.tracker.counts["full"] > 1000
     assert run.tracker.is_saturated(FROM + 5.6)
+    assert run.slowest < max(STEP, 1.5 * without_lies(reals).slowest)
+
+
+@pytest.mark.parametrize(
+    "reals", [(STANDING,), (STANDING, BESIDE), (SLOW, BESIDE), (replace(BRAKING, brakes_at=2.5), BESIDE)]
+)
+def test_crowd_that_would_hide(reals: tuple[Real, ...]) -> None:
+    """Nearer than any real car, small and close together: who was heard before them stays heard."""
+    run = drive(reals, thousand_close_by)
+    check(run, reals)
+    assert run.slowest < max(STEP, 1.5 * without_lies(reals).slowest)
+    assert run.tracker.counts["full"] > 1000
+    known = {vehicle.id for vehicle in run.tracker.vehicles(DURATION)}
+    assert known.issuperset(f"{i:08x}" for i in range(len(reals)))
+
+
+def test_crowd_that_hides_who_comes_later() -> None:
+    """A car that is first heard after the crowd is not taken in: then the lane beside is not known."""
+    reals = (replace(SLOW, s=100.0), FAST)
+    assert "EVADE_LEFT" in without_lies(reals[:1]).actions
+    run = drive(reals, thousand_close_by, lambda t, i, data, before: data if i == 0 or t > 1.5 else None)
+    check(run, reals)
+    assert not run.leaves_lane.any()
+    assert "00000001" not in {vehicle.id for vehicle in run.tracker.vehicles(DURATION)}
