@@ -1,19 +1,30 @@
-"""Closed loop in software: scenarios, plant, log."""
+"""Closed loop in software: scenarios, plants, log; and worlds recorded elsewhere."""
 
+from cca_core.sim.archive import load_log, save_log
+from cca_core.sim.car import PLANTS, make_plant
+from cca_core.sim.curbside import CURBSIDE_CASES, curbside
+from cca_core.sim.driver import Driver
+from cca_core.sim.eebl import EEBL_CASES, REALISTIC, eebl
+from cca_core.sim.frames import read_frames
+from cca_core.sim.ima import IMA_CASES, ima
 from cca_core.sim.iso3888 import DoubleLaneChange, iso3888_1, iso3888_2, plan_through
 from cca_core.sim.log import Log
-from cca_core.sim.loop import make_planner, simulate
+from cca_core.sim.loop import make_driver, make_planner, simulate
 from cca_core.sim.multi_body import MultiBodyPlant
-from cca_core.sim.paper import CASES, maneuver
+from cca_core.sim.paper import CASES, maneuver, paper_scenarios
 from cca_core.sim.passage import Passage, drive_through
 from cca_core.sim.plant import SingleTrackPlant
-from cca_core.sim.scenario import RoadUser, Scenario
+from cca_core.sim.rerun import replay
+from cca_core.sim.road_user import Brakes, Follows, RoadUser, Swerves
+from cca_core.sim.scenario import EGOS, PinnedGap, Scenario
+from cca_core.sim.sensor import Sensor, visible_share
 from cca_core.sim.tracking import TrackingRun, lane_change, track
 
 __all__ = [
-    "CASES", "DoubleLaneChange", "Log",
-    "MultiBodyPlant", "Passage", "RoadUser", "Scenario", "SingleTrackPlant", "TrackingRun",
-    "drive_through", "iso3888_1", "iso3888_2", "lane_change",
-    "make_planner", "maneuver", "plan_through", "simulate",
-    "track",
+    "CASES", "CURBSIDE_CASES", "EEBL_CASES", "EGOS", "IMA_CASES", "PLANTS", "REALISTIC", "Brakes",
+    "DoubleLaneChange", "Driver", "Follows", "Log", "MultiBodyPlant", "Passage", "PinnedGap", "RoadUser",
+    "Scenario", "Sensor", "SingleTrackPlant", "Swerves", "TrackingRun", "curbside", "drive_through", "eebl",
+    "ima", "iso3888_1", "iso3888_2", "lane_change", "load_log", "make_driver", "make_planner", "make_plant",
+    "maneuver", "paper_scenarios", "plan_through", "read_frames", "replay", "save_log", "simulate", "track",
+    "visible_share",
 ]  # fmt: skip

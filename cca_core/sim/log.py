@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core._checks import Array, Mask
 from cca_core.decide import Action
 from cca_core.geometry import Boxes, box_gap
 from cca_core.sim.scenario import Scenario
@@ -37,16 +37,31 @@ class Log:
         Lateral error to the reference that was steered along [m], left positive.
     users : ndarray, shape (n, n_users, 4)
         x [m], y [m], psi [rad], v_x [m/s] of the others' body centres.
+    user_motion : ndarray, shape (n, n_users, 2)
+        Their acceleration [m/s^2] and yaw rate [rad/s].
     user_places : ndarray, shape (n, n_users, 2)
         The others in path coordinates s, d [m].
+    seen, heard : ndarray of bool, shape (n, n_users)
+        Who is in the ego's line of sight, whatever drives it, and who is known to it by messages.
+    held : ndarray of bool, shape (n,)
+        Whether a pinned gap was held instead of the command's acceleration.
     decisions : tuple of (float, str, str)
         Time [s], action and reason at each change of action.
+    events : tuple of (float, str, str)
+        Time [s], what happened, and to whom, as `Witness` tells.
+    received : tuple of (int, bytes)
+        Cycle and content of every message that arrived at the ego.
+    messages : dict
+        How many messages the others sent, how many were delivered to the ego, and the same for those of the
+        ego to the others.
     fallback : ndarray of bool, shape (n,)
         Whether the command was less than what was wished.
     cycle_us : ndarray, shape (n,)
         Wall-clock time of each planner cycle [us]; the only field that differs between equal runs.
     wall_s : float
         Wall-clock time of the whole run [s].
+    missed : int
+        Cycles of a paced run that ended too late.
     """
 
     scenario: Scenario
@@ -59,11 +74,19 @@ class Log:
     place: Array
     tracking: Array
     users: Array
+    user_motion: Array
     user_places: Array
+    seen: Mask
+    heard: Mask
+    held: Mask
     decisions: tuple[tuple[float, str, str], ...]
-    fallback: "np.ndarray[Any, np.dtype[np.bool_]]"
+    events: tuple[tuple[float, str, str], ...]
+    received: tuple[tuple[int, bytes], ...]
+    messages: dict[str, int]
+    fallback: Mask
     cycle_us: Array
     wall_s: float
+    missed: int = 0
 
     def gaps(self) -> Array:
         """Signed distance between the ego's box and each other's.
@@ -108,12 +131,45 @@ class Log:
         along = self.user_places[..., 0] - self.place[:, None, 0]
         beside = np.abs(self.user_places[..., 1] - self.place[:, None, 1])
         gap = np.abs(along) - 0.5 * (vehicle.length + size[:, 0])
-        v_s = self.users[..., 3] * np.array([u.direction for u in users])
+        heading = self.scenario.road.path.heading(self.user_places[..., 0])
+        v_s = self.users[..., 3] * np.cos(self.users[..., 2] - heading)
         closing = (self.ego[:, None, 3] - v_s) * np.sign(along)
         relevant = (beside < 0.5 * (vehicle.width + size[:, 1])) & (closing > 0.1) & (gap > 0.0)
         ttc = np.where(relevant, gap / np.where(relevant, closing, 1.0), np.inf)
         least: Array = ttc.min(axis=1, initial=np.inf)
         return least
+
+    def closing_speed(self) -> float:
+        """Speed of the ego relative to the vehicle that is nearest in the last cycle.
+
+        Returns
+        -------
+        speed : float
+            Magnitude of the difference of both velocities [m/s]: the severity of a contact; 0 without others.
+        """
+        if not self.scenario.users:
+            return 0.0
+        _, _, psi, v = self.users[-1, int(np.argmin(self.gaps()[-1]))].tolist()
+        ego = self.ego[-1]
+        own = (ego[3] + 1j * ego[4]) * np.exp(1j * ego[2])
+        return float(abs(own - v * np.exp(1j * psi)))
+
+    def time_of(self, what: str, who: str = "ego") -> float:
+        """When something happened first.
+
+        Parameters
+        ----------
+        what : str
+            Kind of event, as in `events`.
+        who : str
+            Id of a road user, or ``"ego"``.
+
+        Returns
+        -------
+        t : float
+            Time [s]; infinite if it never did.
+        """
+        return next((t for t, kind, name in self.events if (kind, name) == (what, who)), np.inf)
 
     @property
     def actions(self) -> list[str]:
@@ -137,11 +193,13 @@ class Log:
         return {
             "scenario": self.scenario.name,
             "case": self.scenario.case,
+            "ego": self.scenario.ego,
             "v2v": self.scenario.v2v,
             "plant": self.plant,
             "seed": self.seed,
             "collided": collided,
             "collided_with": hit,
+            "closing_speed_mps": _rounded(self.closing_speed()) if collided else None,
             "min_gap_m": _rounded(gaps.min(initial=np.inf)),
             "min_ttc_s": _rounded(self.time_to_collision().min()),
             "max_abs_ay_mps2": _rounded(np.abs(self.a_y).max()),
@@ -151,6 +209,9 @@ class Log:
             "max_offset_m": _rounded(np.abs(self.place[:, 1]).max()),
             "evading_s": _rounded(float(np.sum(np.diff(self.t)[evading[:-1]]))),
             "actions": [[round(t, 2), name] for t, name, _ in self.decisions],
+            "events": [[round(t, 2), what, who] for t, what, who in self.events],
+            "messages": dict(self.messages),
+            "missed_deadlines": self.missed,
             "duration_s": _rounded(self.t[-1]),
             "realtime_factor": _rounded(self.t[-1] / self.wall_s, 1),
             "cycle_us": {
@@ -161,7 +222,7 @@ class Log:
         }
 
 
-def _evading(log: Log) -> "np.ndarray[Any, np.dtype[np.bool_]]":
+def _evading(log: Log) -> Mask:
     begins = [t for t, _, _ in log.decisions]
     index = np.searchsorted(begins, log.t, side="right") - 1
     return np.array([Action(log.decisions[i][1]).evades for i in index])

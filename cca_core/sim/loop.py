@@ -1,33 +1,41 @@
-"""Closed loop: planner, plant, scripted road users and messages, in fixed steps."""
+"""Closed loop: ego, plant, scripted road users, messages and sight, in fixed steps."""
 
-import math
+import cmath
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from cca_core._checks import Array
 from cca_core.errors import Status
 from cca_core.follow import steady_sideslip, steady_steering
-from cca_core.geometry import box_gap, boxes
-from cca_core.planner import Planner
+from cca_core.planner import Command, Planner
+from cca_core.sim.car import make_plant
+from cca_core.sim.driver import Driver
 from cca_core.sim.log import Log
-from cca_core.sim.plant import SingleTrackPlant
-from cca_core.sim.radio import Radio, Sight
-from cca_core.sim.scenario import RoadUser, Scenario
-from cca_core.vehicle import VehicleState
+from cca_core.sim.perception import Perception
+from cca_core.sim.pinned import Tailgating
+from cca_core.sim.radio import Radio
+from cca_core.sim.scenario import Scenario
+from cca_core.sim.tracking import Plant
+from cca_core.sim.traffic import CYCLE, Traffic
+from cca_core.sim.witness import Witness
+from cca_core.vehicle import RemoteVehicle, VehicleState
 
-CYCLE = 0.02
-"""Step of the closed loop [s]."""
+__all__ = ["CYCLE", "make_driver", "make_planner", "simulate"]
+
+_LOOKS = 5  # cycles between two looks that are only logged
 
 
 def simulate(
     scenario: Scenario,
     *,
-    seed: int = 1,
-    planner: Planner | None = None,
+    plant: str = "single_track",
+    seed: int | None = None,
+    planner: Planner | Driver | None = None,
     progress: Callable[[float], None] | None = None,
+    frames: Iterable[tuple[float, bytes]] = (),
+    pace: bool = False,
 ) -> Log:
     """Drive a scenario to its end or to the first contact.
 
@@ -35,72 +43,137 @@ def simulate(
     ----------
     scenario : Scenario
         What to drive.
-    seed : int
-        Seed of the senders' phases and of the radio channel.
-    planner : Planner, optional
-        The ego's planner; the default is made from the scenario.
+    plant : {"single_track", "multi_body"}
+        The ego's car.
+    seed : int, optional
+        Seed of the senders' phases and of the radio channel; the default is the scenario's.
+    planner : Planner or Driver, optional
+        Who drives the ego; the default is made from the scenario.
     progress : callable, optional
         Called with the simulated time [s] after each cycle.
+    frames : iterable of (float, bytes)
+        Messages of other senders with the time at which each arrives at the ego [s], in order of time, such
+        as a recorded log. Without V2V they are not heard.
+    pace : bool
+        Whether to run against the wall clock, one cycle every 20 ms; a cycle that ends after its time is
+        counted as missed. Nothing else in the log depends on it.
 
     Returns
     -------
     log : Log
         Every cycle; equal seeds give equal logs, bit for bit, but for the wall-clock times.
+
+    Raises
+    ------
+    InputError
+        If the plant is unknown.
+    MissingExtraError
+        If its package is not installed.
     """
-    rng = np.random.default_rng(seed)
-    planner = planner or make_planner(scenario)
-    path, users = scenario.road.path, scenario.users
-    plant = SingleTrackPlant(
-        scenario.vehicle,
-        _settled(scenario),
-    )
-    traffic = _Traffic(scenario)
-    radio, sight = Radio(scenario, rng), Sight(scenario)
-    n = round(scenario.duration / CYCLE) + 1
-    rows = np.empty((n, 15))
-    others, places = np.empty((n, len(users), 4)), np.empty((n, len(users), 2))
-    fallback, cycle_us = np.zeros(n, dtype=bool), np.zeros(n)
-    decisions: list[tuple[float, str, str]] = []
-    foot, reference_foot, reference = scenario.start, scenario.start, None
+    seed = scenario.seed if seed is None else seed
+    pilot = planner or (make_driver(scenario) if scenario.ego == "driver" else make_planner(scenario))
+    car, path = make_plant(plant, scenario.vehicle, _settled(scenario)), scenario.road.path
+    traffic, perception = Traffic(scenario), Perception(scenario)
+    radio, recorded = Radio(scenario, np.random.default_rng(seed)), list(frames)[::-1]
+    pinned = None if scenario.pinned is None else Tailgating(scenario, scenario.pinned)
+    witness, book = Witness(scenario), _Book(scenario)
+    seen: list[bool] = []
+    foot = scenario.start
     begun = time.perf_counter()
-    for k in range(n):
+    for k in range(book.n):
         t = k * CYCLE
-        state = plant.state
+        state, rows = car.state, traffic.rows()
         foot, d, _, _ = path.foot_point(state.x, state.y, foot)
-        others[k], places[k] = traffic.poses()
-        if scenario.v2v:
-            remotes = radio.receive(t, others[k], traffic.acceleration, state)
-        else:
-            remotes = sight.receive(others[k], traffic.acceleration, places[k], foot)
+        if perception.looks or k % _LOOKS == 0:
+            seen = perception.look(rows, state)
+        messages: list[bytes] = []
+        if scenario.v2v or radio.needed:
+            messages = radio.exchange(t, traffic, state, ego_sends=scenario.v2v)
+        while recorded and recorded[-1][0] <= t + 1e-9:
+            messages.append(recorded.pop()[1])
+        remotes = perception.remotes(t, rows, seen, messages, state)
         tick = time.perf_counter()
-        command = planner.step(t, state, remotes)
-        cycle_us[k] = 1e6 * (time.perf_counter() - tick)
-        if command.reference is not reference:
-            reference, reference_foot = command.reference, foot
-        reference_foot, error, _, _ = command.reference.foot_point(state.x, state.y, reference_foot)
-        name = command.decision.action.value
-        if not decisions or decisions[-1][1] != name:
-            decisions.append((t, name, command.decision.reason))
-        rows[k] = (
-            t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x, plant.a_y,
-            command.delta, command.a_x, foot, d, error,
-        )  # fmt: skip
-        fallback[k] = command.status is not Status.OK
+        command = pilot.step(t, state, remotes)
+        book.cycle_us[k] = 1e6 * (time.perf_counter() - tick)
+        a_x, held = command.a_x, False
+        if pinned is not None and scenario.pinned is not None:
+            leader = traffic.by_id[scenario.pinned.leader]
+            a_x, held = pinned.acceleration(remotes, command, foot, state.v_x, leader), not pinned.released
+        touched = _touching(scenario, state, rows)
+        book.write(k, t, car, command, (foot, d), rows, traffic.places())
+        book.seen[k], book.held[k] = seen, held
+        book.hear(k, remotes, messages if scenario.v2v else [])
+        witness.note(t, state, command, remotes, seen, traffic, touched, held=held)
         if progress is not None:
             progress(t)
-        if _touching(scenario, state, others[k]):
-            n = k + 1
+        if pace:
+            book.missed += _is_late(begun + t + CYCLE)
+        if touched:
             break
-        plant.step(command.delta, command.a_x, CYCLE)
-        traffic.step(foot, d, state.v_x)
-    wall = time.perf_counter() - begun
-    rows = rows[:n]
-    return Log(
-        scenario=scenario, plant=plant.name, seed=seed, t=rows[:, 0], ego=rows[:, 1:9], a_y=rows[:, 9],
-        command=rows[:, 10:12], place=rows[:, 12:14], tracking=rows[:, 14], users=others[:n],
-        user_places=places[:n], decisions=tuple(decisions), fallback=fallback[:n],
-        cycle_us=cycle_us[:n], wall_s=wall,
-    )  # fmt: skip
+        car.step(command.delta, a_x, CYCLE)
+        traffic.step(t, state)
+    return book.close(plant, seed, witness, radio, time.perf_counter() - begun)
+
+
+class _Book:
+    """The arrays of a log while they are being filled."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        n = self.n = round(scenario.duration / CYCLE) + 1
+        users = len(scenario.users)
+        self._scenario, self._end = scenario, 0
+        self._index = {user.id: i for i, user in enumerate(scenario.users)}
+        self._rows = np.empty((n, 15))
+        self._others, self._places = np.empty((n, users, 6)), np.empty((n, users, 2))
+        self.seen, self.heard = np.zeros((n, users), dtype=bool), np.zeros((n, users), dtype=bool)
+        self._fallback, self.held = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        self.cycle_us = np.zeros(n)
+        self._received: list[tuple[int, bytes]] = []
+        self.missed = 0
+        self._foot, self._reference = scenario.start, scenario.road.path
+
+    def write(
+        self,
+        k: int,
+        t: float,
+        car: Plant,
+        command: Command,
+        place: tuple[float, float],
+        rows: Sequence[Sequence[float]],
+        places: Sequence[Sequence[float]],
+    ) -> None:
+        state, self._end = car.state, k + 1
+        if command.reference is not self._reference:
+            self._reference, self._foot = command.reference, place[0]
+        error = place[1]
+        if self._reference is not self._scenario.road.path:
+            self._foot, error, _, _ = self._reference.foot_point(state.x, state.y, self._foot)
+        self._rows[k] = (
+            t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x, car.a_y,
+            command.delta, command.a_x, *place, error,
+        )  # fmt: skip
+        if rows:
+            self._others[k], self._places[k] = rows, places
+        self._fallback[k] = command.status is not Status.OK
+
+    def hear(self, k: int, remotes: Iterable[RemoteVehicle], messages: Iterable[bytes]) -> None:
+        self._received += [(k, data) for data in messages]
+        for remote in remotes:
+            i = self._index.get(remote.id)
+            if i is not None and remote.source == "v2v":
+                self.heard[k, i] = True
+
+    def close(self, plant: str, seed: int, witness: Witness, radio: Radio, wall_s: float) -> Log:
+        n = self._end
+        rows, others = self._rows[:n], self._others[:n]
+        return Log(
+            scenario=self._scenario, plant=plant, seed=seed, t=rows[:, 0], ego=rows[:, 1:9], a_y=rows[:, 9],
+            command=rows[:, 10:12], place=rows[:, 12:14], tracking=rows[:, 14], users=others[:, :, :4],
+            user_motion=others[:, :, 4:], user_places=self._places[:n], seen=self.seen[:n],
+            heard=self.heard[:n], held=self.held[:n], decisions=tuple(witness.decisions),
+            events=tuple(witness.events), received=tuple(self._received), messages=dict(radio.counts),
+            fallback=self._fallback[:n], cycle_us=self.cycle_us[:n], wall_s=wall_s, missed=self.missed,
+        )  # fmt: skip
 
 
 def _settled(scenario: Scenario) -> VehicleState:
@@ -131,65 +204,58 @@ def make_planner(scenario: Scenario, *, _leader_only: bool = False) -> Planner:
     evasion = scenario.evasion if scenario.v2v else replace(scenario.evasion, known_range=0.0)
     return Planner(
         scenario.vehicle, scenario.road, cruise_speed=scenario.cruise_speed, evasion=evasion,
-        _leader_only=_leader_only,
+        speed=scenario.speed, _leader_only=_leader_only,
     )  # fmt: skip
 
 
-def _touching(scenario: Scenario, state: VehicleState, others: Array) -> bool:
-    """Whether the ego's box touches another's (a quick look by distance first)."""
+def make_driver(scenario: Scenario) -> Driver:
+    """Driver as a scenario asks for him.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Vehicle, road, speeds and reaction time.
+
+    Returns
+    -------
+    driver : Driver
+        A fresh driver.
+    """
+    return Driver(
+        scenario.vehicle, scenario.road, cruise_speed=scenario.cruise_speed, speed=scenario.speed,
+        reaction=scenario.reaction,
+    )  # fmt: skip
+
+
+def _touching(scenario: Scenario, state: VehicleState, rows: Sequence[Sequence[float]]) -> str:
+    """Id of who touches the ego's box, empty if nobody does (a quick look by distance first)."""
     vehicle = scenario.vehicle
-    for user, (x, y, psi, _) in zip(scenario.users, others, strict=True):
-        if math.hypot(x - state.x, y - state.y) < vehicle.length + user.length:
-            ego = boxes(
-                state.x + vehicle.box_offset * math.cos(state.psi),
-                state.y + vehicle.box_offset * math.sin(state.psi),
-                state.psi, vehicle.length, vehicle.width,
-            )  # fmt: skip
-            if box_gap(ego, boxes(x, y, psi, user.length, user.width)) <= 0.0:
-                return True
-    return False
+    ahead = cmath.exp(1j * state.psi)
+    middle = complex(state.x, state.y) + vehicle.box_offset * ahead
+    half = 0.5 * vehicle.length, 0.5 * vehicle.width
+    for user, (x, y, psi, *_) in zip(scenario.users, rows, strict=True):
+        to = complex(x, y) - middle
+        if abs(to) < vehicle.length + user.length:
+            other = cmath.exp(1j * psi)
+            size = 0.5 * user.length, 0.5 * user.width
+            if _reaches(to, ahead, half, other, size) and _reaches(-to, other, size, ahead, half):
+                return user.id
+    return ""
 
 
-class _Traffic:
-    """The scripted road users' motion along the route."""
+def _reaches(
+    to: complex, ahead: complex, half: tuple[float, float], other: complex, size: tuple[float, float]
+) -> bool:
+    """Whether two boxes overlap along both axes of the first one."""
+    seen, turn = to * ahead.conjugate(), other * ahead.conjugate()
+    c, s = abs(turn.real), abs(turn.imag)
+    along = abs(seen.real) <= half[0] + size[0] * c + size[1] * s
+    return along and abs(seen.imag) <= half[1] + size[0] * s + size[1] * c
 
-    def __init__(self, scenario: Scenario) -> None:
-        self._users, self._path = scenario.users, scenario.road.path
-        self._vehicle = scenario.vehicle
-        self._s = np.array([u.s for u in self._users])
-        self._v = np.array([u.v_x for u in self._users])
-        self._d = np.array([u.d for u in self._users])
-        self._direction = np.array([float(u.direction) for u in self._users])
-        self._alarmed = np.full(len(self._users), math.inf)  # time since something was in the way
-        self.acceleration = np.zeros(len(self._users))
 
-    def poses(self) -> tuple[Array, Array]:
-        """x, y, psi, v_x and s, d of every user."""
-        centre, tangent, _ = self._path.derivatives(self._s)
-        norm = np.hypot(tangent[:, 0], tangent[:, 1])
-        heading = np.arctan2(tangent[:, 1], tangent[:, 0]) + np.where(self._direction > 0.0, 0.0, math.pi)
-        x = centre[:, 0] - self._d * tangent[:, 1] / norm
-        y = centre[:, 1] + self._d * tangent[:, 0] / norm
-        return np.column_stack((x, y, heading, self._v)), np.column_stack((self._s, self._d))
-
-    def step(self, s: float, d: float, v_x: float) -> None:
-        """Move on by one cycle, given the ego's place and speed."""
-        for i, user in enumerate(self._users):
-            if math.isfinite(user.reaction):
-                self._react(i, user, s, d, v_x)
-        v = np.maximum(self._v + self.acceleration * CYCLE, 0.0)
-        self._s = self._s + self._direction * 0.5 * (self._v + v) * CYCLE
-        self._v = v
-
-    def _react(self, i: int, user: RoadUser, s: float, d: float, v_x: float) -> None:
-        gap = user.direction * (s - self._s[i]) - 0.5 * (user.length + self._vehicle.length)
-        closing = self._v[i] - user.direction * v_x
-        beside = abs(d - user.d) >= 0.5 * (user.width + self._vehicle.width)
-        if gap < 0.0 or beside or closing <= 0.0 or gap > 6.0 * closing:
-            self._alarmed[i] = math.inf
-        elif math.isinf(self._alarmed[i]):
-            self._alarmed[i] = 0.0
-        else:
-            self._alarmed[i] += CYCLE
-        reacts = user.reaction <= self._alarmed[i] < math.inf
-        self.acceleration[i] = -user.deceleration if reacts and self._v[i] > 0.0 else 0.0
+def _is_late(due: float) -> bool:
+    """Wait for a moment of the wall clock; whether it had passed already."""
+    left = due - time.perf_counter()
+    if left > 0.0:
+        time.sleep(left)
+    return left < 0.0

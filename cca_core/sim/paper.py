@@ -1,18 +1,26 @@
-"""The paper's manoeuvring scenario: weave past slow cars, wait for a faster or an oncoming one."""
+"""The paper's fourth scenario, weave past slow cars and wait for others; and all four as a list."""
 
 import math
 from dataclasses import replace
 
 from cca_core.errors import InputError
-from cca_core.evasion import EvasionSettings
-from cca_core.path import Lane, Path, Road
-from cca_core.sim.scenario import RoadUser, Scenario
+from cca_core.evasion_settings import EvasionSettings
+from cca_core.path import Lane, LocalFrame, Path, Road, fit_path
+from cca_core.sim.curbside import CURBSIDE_CASES, curbside
+from cca_core.sim.eebl import eebl
+from cca_core.sim.ima import ima
+from cca_core.sim.road_user import RoadUser
+from cca_core.sim.route import demo_route, longest_stretch
+from cca_core.sim.scenario import EGOS, Scenario
 from cca_core.vehicle import VehicleParams
+
+__all__ = ["CASES", "maneuver", "paper_scenarios"]
 
 CASES = ("1-fast", "1-smooth", "2", "3")
 """Cases of the manoeuvring scenario; the two tunings of case 1 are those of Fig. 15."""
 
 _LANE = 3.5  # width [m]
+_FIGURES = {"1-fast": (13, 14, 15), "1-smooth": (13, 14, 15), "2": (16, 17), "3": (18, 19)}
 
 
 def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) -> Scenario:
@@ -29,7 +37,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
     start : float
         Where the ego starts on it [m].
     v2v : bool
-        Whether messages are exchanged.
+        Whether messages are exchanged; without, a sensor without delay sees what is in front.
 
     Returns
     -------
@@ -72,9 +80,41 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
     return Scenario(
         name="maneuver", case=case, road=Road(path, lanes, speed_limit=36.0),
         vehicle=replace(VehicleParams.bmw_320i(), length=4.5, width=1.8),
-        start=start, v_x=cruise, cruise_speed=cruise, users=users, duration=duration, v2v=v2v,
+        start=start, v_x=cruise, cruise_speed=cruise, users=users, duration=duration,
+        ego="v2v" if v2v else "sensor", sensor_delay=0.0, figures=_FIGURES[case],
         evasion=EvasionSettings(
             lateral_acceleration={"1-fast": 3.5, "1-smooth": 1.8}.get(case, 2.0), known_range=math.inf,
             braking=0.0, acceleration=0.0,  # the paper's others go on as they are
         ),
     )  # fmt: skip
+
+
+def paper_scenarios(path: Path | None = None, *, start: float | None = None) -> list[Scenario]:
+    """All runs that show the paper's four scenarios.
+
+    Parameters
+    ----------
+    path : Path, optional
+        Road of the fourth scenario; the default is a stretch of motorway, `demo_route`.
+    start : float, optional
+        Where the ego starts on it [m]; the default is 220 m behind its beginning.
+
+    Returns
+    -------
+    scenarios : list of Scenario
+        The first three with messages, with a driver and with a sensor, curb-side at both speeds; the fourth
+        with messages in all cases, and without in three.
+    """
+    if path is None:
+        waypoints = demo_route()
+        frame = LocalFrame(waypoints.lat[0], waypoints.lon[0])
+        route = fit_path(frame.to_local(waypoints.lat, waypoints.lon))
+        path = route.cut(*longest_stretch(route))
+    begin = path.start + 220.0 if start is None else start
+    return [
+        *(eebl(case) for case in ("C", "A", "sensor")),
+        *(ima(ego=ego) for ego in EGOS),
+        *(curbside(case, ego=ego) for case in CURBSIDE_CASES for ego in EGOS),
+        *(maneuver(case, path, start=begin) for case in CASES),
+        *(maneuver(case, path, start=begin, v2v=False) for case in ("1-smooth", "2", "3")),
+    ]

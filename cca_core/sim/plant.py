@@ -52,6 +52,13 @@ class SingleTrackPlant:
             state.a_x,
         ]
         self.a_y = 0.0
+        grip = vehicle.mu * _G
+        # the front axle's share of load and drive, loads of both axles, grip and hardest drive, lags
+        self._constants = (
+            vehicle, vehicle.l_r / vehicle.wheelbase, vehicle.m * vehicle.l_r / vehicle.wheelbase,
+            vehicle.m * vehicle.l_f / vehicle.wheelbase, grip, 0.99 * grip,
+            max(vehicle.steering_lag, 1e-3), max(self.drive_lag, 1e-3),
+        )  # fmt: skip
 
     @property
     def state(self) -> VehicleState:
@@ -73,22 +80,46 @@ class SingleTrackPlant:
         """
         limit = self.vehicle.delta_max
         delta = min(max(delta, -limit), limit)
+        if self._x[3] == 0.0 and a_x <= 0.0 and self._x[7] <= 0.0:
+            self._stand(delta, dt)
+            return
         n = max(1, math.ceil(dt / (_STEP if self._x[3] > _SLOW else 0.5 * _STEP) - 1e-9))
         h = dt / n
         for _ in range(n):
-            x = self._x
-            k1 = self._derivative(x, delta, a_x)
-            k2 = self._derivative([a + 0.5 * h * b for a, b in zip(x, k1, strict=True)], delta, a_x)
-            k3 = self._derivative([a + 0.5 * h * b for a, b in zip(x, k2, strict=True)], delta, a_x)
-            k4 = self._derivative([a + h * b for a, b in zip(x, k3, strict=True)], delta, a_x)
+            x, y, psi, v, w, r, angle, force = self._x
+            slope, m = self._derivative, 0.5 * h
+            ax, ay, ap, av, aw, ar, aa, af = slope(psi, v, w, r, angle, force, delta, a_x)
+            bx, by, bp, bv, bw, br, ba, bf = slope(
+                psi + m * ap, v + m * av, w + m * aw, r + m * ar, angle + m * aa, force + m * af, delta, a_x
+            )
+            cx, cy, cp, cv, cw, cr, ca, cf = slope(
+                psi + m * bp, v + m * bv, w + m * bw, r + m * br, angle + m * ba, force + m * bf, delta, a_x
+            )
+            dx, dy, dp, dv, dw, dr, da, df = slope(
+                psi + h * cp, v + h * cv, w + h * cw, r + h * cr, angle + h * ca, force + h * cf, delta, a_x
+            )
+            m = h / 6.0
             self._x = [
-                a + h / 6.0 * (p + 2.0 * q + 2.0 * u + w)
-                for a, p, q, u, w in zip(x, k1, k2, k3, k4, strict=True)
+                x + m * (ax + 2.0 * bx + 2.0 * cx + dx),
+                y + m * (ay + 2.0 * by + 2.0 * cy + dy),
+                psi + m * (ap + 2.0 * bp + 2.0 * cp + dp),
+                v + m * (av + 2.0 * bv + 2.0 * cv + dv),
+                w + m * (aw + 2.0 * bw + 2.0 * cw + dw),
+                r + m * (ar + 2.0 * br + 2.0 * cr + dr),
+                angle + m * (aa + 2.0 * ba + 2.0 * ca + da),
+                force + m * (af + 2.0 * bf + 2.0 * cf + df),
             ]
             if self._x[3] < _KINEMATIC:
                 self._roll()
-        v_dot = self._derivative(self._x, delta, a_x)
-        self.a_y = v_dot[4] + self._x[3] * self._x[5]
+        _, _, psi, v, w, r, angle, force = self._x
+        self.a_y = self._derivative(psi, v, w, r, angle, force, delta, a_x)[4] + v * r
+
+    def _stand(self, delta: float, dt: float) -> None:
+        """Hold the brakes: only the wheels turn."""
+        turn = (delta - self._x[6]) * -math.expm1(-dt / self._constants[6])
+        most = self.vehicle.delta_rate_max * dt
+        self._x[6] += min(max(turn, -most), most)
+        self._x[4] = self._x[5] = self._x[7] = self.a_y = 0.0
 
     def _roll(self) -> None:
         """Below walking speed: no slip, no reversing."""
@@ -98,27 +129,34 @@ class SingleTrackPlant:
         self._x[5] = v * math.tan(self._x[6]) / self.vehicle.wheelbase
         self._x[4] = self.vehicle.l_r * self._x[5]
 
-    def _derivative(self, x: list[float], delta: float, a_x: float) -> list[float]:
-        p = self.vehicle
-        _, _, psi, v_x, v_y, r, angle, force = x
-        rate = (delta - angle) / max(p.steering_lag, 1e-3)
+    def _derivative(
+        self,
+        psi: float,
+        v_x: float,
+        v_y: float,
+        r: float,
+        angle: float,
+        force: float,
+        delta: float,
+        a_x: float,
+    ) -> tuple[float, float, float, float, float, float, float, float]:
+        """Rates of change of the eight states; the first two, the place, do not matter for them."""
+        p, front, load_f, load_r, grip, hardest, steering_lag, drive_lag = self._constants
+        rate = (delta - angle) / steering_lag
         rate = min(max(rate, -p.delta_rate_max), p.delta_rate_max)
-        grip = p.mu * _G
-        drive = (min(max(a_x, -0.99 * grip), 0.99 * grip) - force) / max(self.drive_lag, 1e-3)
+        drive = (min(max(a_x, -hardest), hardest) - force) / drive_lag
         cos, sin = math.cos(psi), math.sin(psi)
         if v_x < _KINEMATIC:
-            return [v_x * cos - v_y * sin, v_x * sin + v_y * cos, r, force, 0.0, 0.0, rate, drive]
+            return v_x * cos - v_y * sin, v_x * sin + v_y * cos, r, force, 0.0, 0.0, rate, drive
         side = math.sqrt(max(grip * grip - force * force, (0.1 * grip) ** 2))
-        load_f, load_r = p.m * p.l_r / p.wheelbase, p.m * p.l_f / p.wheelbase
         cos_d, sin_d = math.cos(angle), math.sin(angle)
         v_f, v_r = v_y + p.l_f * r, v_y - p.l_r * r
         slip_f = (v_f * cos_d - v_x * sin_d) / max(abs(v_x * cos_d + v_f * sin_d), 1e-6)
         f_f = _fiala(p.C_f, slip_f, load_f * side)
         f_r = _fiala(p.C_r, v_r / v_x, load_r * side)
-        front = p.l_r / p.wheelbase  # the front axle's share of load and drive, which acts along its wheels
-        front_x = p.m * front * force * cos_d - f_f * sin_d
-        front_y = p.m * front * force * sin_d + f_f * cos_d
-        return [
+        pull = p.m * front * force  # of the front axle, along its wheels
+        front_x, front_y = pull * cos_d - f_f * sin_d, pull * sin_d + f_f * cos_d
+        return (
             v_x * cos - v_y * sin,
             v_x * sin + v_y * cos,
             r,
@@ -127,7 +165,7 @@ class SingleTrackPlant:
             (p.l_f * front_y - p.l_r * f_r) / p.I_z,
             rate,
             drive,
-        ]
+        )
 
 
 def _fiala(stiffness: float, slip: float, f_max: float) -> float:

@@ -1,130 +1,201 @@
-"""What the ego knows of others: message bytes through a radio channel, or the vehicle in front by sight."""
+"""What is sent and heard: message bytes from everybody through lossy channels."""
 
-from dataclasses import replace
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core.errors import InputError
 from cca_core.path import LocalFrame
-from cca_core.sim.scenario import RoadUser, Scenario
-from cca_core.v2x import Channel, ChannelSettings, Sender, SenderSettings, Tracker
-from cca_core.vehicle import RemoteVehicle, VehicleState
+from cca_core.sim.road_user import Follows, RoadUser
+from cca_core.sim.scenario import Scenario
+from cca_core.sim.traffic import Traffic
+from cca_core.v2x import Channel, ChannelSettings, Sender, SenderSettings, Tracker, decode_bsm
+from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
-__all__ = ["Radio", "Sight"]
+__all__ = ["Radio", "Receiver"]
 
-_ORIGIN = 41.3, -105.6  # of the plane in which all runs take place: latitude and longitude [deg]
+_HARD = 0.4 * 9.81  # deceleration from which on hard braking is announced [m/s^2]
+_BRAKING = frozenset({"hard_braking"})
+_EGO = "ffffffff"
+_SILENT = 0.075  # after a message no other can be due for this time [s]: their interval, less a cycle
 
 
-class Radio:
-    """Each road user sends its state as bytes ten times a second; the ego tracks what arrives.
+class Receiver:
+    """The ego's receiver: bytes in, vehicles under the names of the road users out.
 
     Parameters
     ----------
     scenario : Scenario
-        Road users and channel.
-    rng : numpy.random.Generator
-        Source of chance: phases of the senders, losses and delays of the channel.
+        Road users.
     """
 
-    def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
-        frame = LocalFrame(*_ORIGIN)
-        self._users = scenario.users
-        self._names = {f"{i:08x}": user.id for i, user in enumerate(scenario.users, 1)}
-        self._senders = [Sender(name, frame, SenderSettings(), rng) for name in self._names]
-        self._channel = Channel(scenario.channel or ChannelSettings(latency=scenario.latency), rng)
-        self.tracker = Tracker(frame)
+    def __init__(self, scenario: Scenario) -> None:
+        self._names = {sender_id(i): user.id for i, user in enumerate(scenario.users)}
+        self.tracker = Tracker(LocalFrame(*scenario.origin))
 
-    def receive(self, t: float, poses: Array, acceleration: Array, ego: VehicleState) -> list[RemoteVehicle]:
-        """Let all send, and take in what has arrived.
+    def take(self, t: float, messages: Iterable[bytes], ego: VehicleState) -> list[RemoteVehicle]:
+        """Take messages in and tell where all senders are.
 
         Parameters
         ----------
         t : float
             Now [s].
-        poses : ndarray, shape (n_users, 4)
-            x, y [m], psi [rad] and speed [m/s] of the road users.
-        acceleration : ndarray, shape (n_users,)
-            Their accelerations [m/s^2].
+        messages : iterable of bytes
+            What has arrived.
         ego : VehicleState
             The receiver.
 
         Returns
         -------
         remotes : list of RemoteVehicle
-            All that are tracked, by the names of the road users.
+            All that are tracked; senders that are no road users keep their own ids.
         """
-        for sender, user, pose, a_x in zip(self._senders, self._users, poses, acceleration, strict=True):
-            data = sender.poll(t, record(user, pose, float(a_x), "v2v"))
-            if data is not None:
-                self._channel.send(t, (float(pose[0]), float(pose[1])), data, sender=sender.id)
-        for arrival in self._channel.receive(t, (ego.x, ego.y)):
-            self.tracker.update(arrival.data, t)
-        return [replace(v, id=self._names[v.id]) for v in self.tracker.vehicles(t, ego)]
+        for data in messages:
+            self.tracker.update(data, t)
+        return [
+            RemoteVehicle(
+                id=self._names.get(v.id, v.id), x=v.x, y=v.y, psi=v.psi, v_x=v.v_x, a_x=v.a_x, r=v.r,
+                length=v.length, width=v.width, age=v.age, sigma_along=v.sigma_along,
+                sigma_across=v.sigma_across, events=v.events, source=v.source,
+            )
+            for v in self.tracker.vehicles(t, ego)
+        ]  # fmt: skip
 
 
-class Sight:
-    """The ego sees the vehicle in front of it on its lane, and nothing else.
+class Radio:
+    """Everybody sends its state as bytes ten times a second, the ego too.
+
+    Each road user is its own sender to the channel, or, with one modem, all are one: then a burst of loss
+    goes through the messages of all in the order of sending. A road user that is warned by messages has a
+    channel of its own from its leader. What the ego sends goes through a channel to all others.
 
     Parameters
     ----------
     scenario : Scenario
-        Road users and the range of the sensor.
+        Road users and channel.
+    rng : numpy.random.Generator
+        Source of chance: phases of the senders, losses and delays of the channels.
+
+    Attributes
+    ----------
+    counts : Counter
+        Messages ``"sent"`` and ``"delivered"`` to the ego, ``"ego_sent"`` and ``"ego_delivered"``.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
-        self._scenario = scenario
+    def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
+        frame, settings = LocalFrame(*scenario.origin), SenderSettings()
+        channel = scenario.channel or ChannelSettings(latency=scenario.latency)
+        self._vehicle, self._one_modem = scenario.vehicle, scenario.one_modem
+        self._senders = [
+            Sender(sender_id(i), frame, settings, rng) if user.connected else None
+            for i, user in enumerate(scenario.users)
+        ]
+        self._channel = Channel(channel, rng)
+        back, *others = rng.spawn(1 + len(scenario.users))
+        self._own, self._back = Sender(_EGO, frame, settings, back), Channel(channel, back)
+        self._ears = [
+            (user.id, act.leader, Channel(channel, own))
+            for user, own in zip(scenario.users, others, strict=True)
+            for act in user.acts
+            if isinstance(act, Follows) and math.isfinite(act.warned_after)
+        ]
+        self._asleep = [-math.inf] * (1 + len(scenario.users))  # until when each sends nothing, the ego last
+        self.counts: Counter[str] = Counter(sent=0, delivered=0, ego_sent=0, ego_delivered=0)
 
-    def receive(self, poses: Array, acceleration: Array, places: Array, ego_s: float) -> list[RemoteVehicle]:
-        """Look ahead.
+    @property
+    def needed(self) -> bool:
+        """Whether any road user listens."""
+        return bool(self._ears)
+
+    def exchange(self, t: float, traffic: Traffic, ego: VehicleState, *, ego_sends: bool) -> list[bytes]:
+        """Let all send, and give what has arrived at the ego.
 
         Parameters
         ----------
-        poses : ndarray, shape (n_users, 4)
-            x, y [m], psi [rad] and speed [m/s] of the road users.
-        acceleration : ndarray, shape (n_users,)
-            Their accelerations [m/s^2].
-        places : ndarray, shape (n_users, 2)
-            Their path coordinates s and d [m].
-        ego_s : float
-            Path coordinate of the ego [m].
+        t : float
+            Now [s].
+        traffic : Traffic
+            The road users; those that listen are warned.
+        ego : VehicleState
+            The ego now.
+        ego_sends : bool
+            Whether it has a modem.
 
         Returns
         -------
-        remotes : list of RemoteVehicle
-            The one in front, if it is within range.
+        messages : list of bytes
+            In order of arrival.
         """
-        users = self._scenario.users
-        ahead = [
-            (places[i, 0], i)
-            for i, user in enumerate(users)
-            if 0.0 < places[i, 0] - ego_s < self._scenario.sensor_range and abs(user.d) < 1.0
-        ]
-        if not ahead:
-            return []
-        i = min(ahead)[1]
-        return [record(users[i], poses[i], float(acceleration[i]), "sensor")]
+        for i, (sender, mover) in enumerate(zip(self._senders, traffic.movers, strict=True)):
+            if sender is None or t < self._asleep[i]:
+                continue
+            user, (x, y, psi, r) = mover.user, mover.pose
+            data = sender.poll(t, _said(user.id, (x, y, psi, mover.v, mover.a, r), user, user.events))
+            if data is None:
+                continue
+            self._asleep[i] = t + _SILENT
+            self.counts["sent"] += 1
+            self._channel.send(t, (x, y), data, sender="others" if self._one_modem else sender.id)
+            for _, leader, ear in self._ears:
+                if leader == user.id:
+                    ear.send(t, (x, y), data, sender=leader)
+        for name, _, ear in self._ears:
+            listener = traffic.by_id[name]
+            if not listener.warned:
+                for arrival in ear.receive(t, listener.pose[:2]):
+                    if "hard_braking" in decode_bsm(arrival.data).events:
+                        listener.warn(t)
+        if ego_sends and t >= self._asleep[-1]:
+            self._send_own(t, traffic, ego)
+        arrivals = [arrival.data for arrival in self._channel.receive(t, (ego.x, ego.y))]
+        self.counts["delivered"] += len(arrivals)
+        return arrivals
+
+    def _send_own(self, t: float, traffic: Traffic, ego: VehicleState) -> None:
+        car, ahead = self._vehicle, (math.cos(ego.psi), math.sin(ego.psi))
+        middle = ego.x + car.box_offset * ahead[0], ego.y + car.box_offset * ahead[1]
+        motion = (*middle, ego.psi, max(ego.v_x, 0.0), ego.a_x, ego.r)
+        data = self._own.poll(t, _said("ego", motion, car, frozenset()))
+        if data is None:
+            return
+        self._asleep[-1] = t + _SILENT
+        self.counts["ego_sent"] += 1
+        self._back.send(t, middle, data)
+        if traffic.movers:
+            self.counts["ego_delivered"] += len(self._back.receive(t, traffic.movers[0].pose[:2]))
 
 
-def record(user: RoadUser, pose: Array, a_x: float, source: str) -> RemoteVehicle:
-    """Return a road user as it is now.
+def sender_id(i: int) -> str:
+    """Identity in messages of a road user by its place in the scenario.
 
     Parameters
     ----------
-    user : RoadUser
-        Its name and size.
-    pose : ndarray, shape (4,)
-        x, y [m], psi [rad] and speed [m/s].
-    a_x : float
-        Its acceleration [m/s^2].
-    source : str
-        ``"v2v"`` or ``"sensor"``.
+    i : int
+        Its index [-].
 
     Returns
     -------
-    remote : RemoteVehicle
-        Without error or age.
+    id : str
+        8 hexadecimal digits.
+
+    Raises
+    ------
+    InputError
+        If `i` is negative.
     """
-    x, y, psi, v_x = pose.tolist()
+    if i < 0:
+        raise InputError(f"i must be at least 0, was {i}")
+    return f"{i + 1:08x}"
+
+
+def _said(
+    name: str, motion: Sequence[float], body: RoadUser | VehicleParams, events: frozenset[str]
+) -> RemoteVehicle:
+    """Put in words what a vehicle says of itself: motion, body, and whether it brakes hard."""
+    x, y, psi, v, a, r = motion
     return RemoteVehicle(
-        id=user.id, x=x, y=y, psi=psi, v_x=v_x, a_x=a_x, length=user.length, width=user.width, source=source
-    )
+        id=name, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, length=body.length, width=body.width,
+        events=events | _BRAKING if a <= -_HARD else events,
+    )  # fmt: skip

@@ -1,0 +1,83 @@
+"""What the ego knows of others, from bytes and by sight; a run and its replay share it."""
+
+from collections.abc import Iterable, Sequence
+
+from cca_core.sim.radio import Receiver
+from cca_core.sim.scenario import Scenario
+from cca_core.sim.sensor import Sensor
+from cca_core.vehicle import RemoteVehicle, VehicleState
+
+__all__ = ["Perception"]
+
+
+class Perception:
+    """Receiver and sensor of the ego.
+
+    With V2V it knows what it hears; road users that do not send are seen with the sensor's delay. Without, it
+    knows what it sees.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Road users, and who drives.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._hears = scenario.v2v
+        self._silent = {user.id for user in scenario.users if not (user.connected and self._hears)}
+        self._receiver, self._sensor = Receiver(scenario), Sensor(scenario)
+
+    @property
+    def looks(self) -> bool:
+        """Whether sight matters."""
+        return bool(self._silent)
+
+    def look(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
+        """Tell who is in sight.
+
+        Parameters
+        ----------
+        rows : sequence of sequence of float
+            x, y [m], psi [rad], ... of each road user.
+        ego : VehicleState
+            The ego now.
+
+        Returns
+        -------
+        seen : list of bool
+            One for each road user.
+        """
+        return self._sensor.look(rows, ego)
+
+    def remotes(
+        self,
+        t: float,
+        rows: Sequence[Sequence[float]],
+        seen: Sequence[bool],
+        messages: Iterable[bytes],
+        ego: VehicleState,
+    ) -> list[RemoteVehicle]:
+        """Tell what the ego knows now.
+
+        Parameters
+        ----------
+        t : float
+            Now [s].
+        rows : sequence of sequence of float
+            x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user.
+        seen : sequence of bool
+            Who is in sight.
+        messages : iterable of bytes
+            What has arrived.
+        ego : VehicleState
+            The ego now.
+
+        Returns
+        -------
+        remotes : list of RemoteVehicle
+            For the planner.
+        """
+        known = self._receiver.take(t, messages, ego) if self._hears else []
+        if self._silent:
+            known += [v for v in self._sensor.report(t, rows, seen) if v.id in self._silent]
+        return known

@@ -1,0 +1,96 @@
+"""Logs as files and run again: nothing may change by a bit."""
+
+import dataclasses
+from pathlib import Path as FilePath
+
+import numpy as np
+import pytest
+
+from cca_core.errors import InputError
+from cca_core.path import interpolate_path
+from cca_core.sim import Log, curbside, eebl, ima, load_log, maneuver, replay, save_log, simulate
+
+ARRAYS = [f.name for f in dataclasses.fields(Log) if "ndarray" in str(f.type) or f.type in ("Array", "Mask")]
+
+
+@pytest.fixture(scope="module", params=["eebl-B", "eebl-A", "ima-v2v", "curbside-sensor", "maneuver"])
+def log(request: pytest.FixtureRequest) -> Log:
+    kind, _, case = request.param.partition("-")
+    if kind == "maneuver":
+        path = interpolate_path(np.column_stack((np.arange(0.0, 1501.0, 20.0), np.zeros(76))))
+        return simulate(dataclasses.replace(maneuver("1-fast", path), duration=8.0), seed=3)
+    scenario = {
+        "eebl": lambda: eebl(case), "ima": lambda: ima(ego=case),
+        "curbside": lambda: curbside("fast", ego=case),
+    }[kind]()  # fmt: skip
+    return simulate(scenario, seed=3)
+
+
+def same(one: Log, two: Log) -> bool:
+    for field in dataclasses.fields(Log):
+        a, b = getattr(one, field.name), getattr(two, field.name)
+        if isinstance(a, np.ndarray):
+            if a.dtype != b.dtype or a.shape != b.shape or a.tobytes() != b.tobytes():
+                return False
+        elif field.name != "scenario" and a != b:
+            return False
+    return True
+
+
+def test_round_trip(log: Log, tmp_path: FilePath) -> None:
+    save_log(log, tmp_path / "run.npz")
+    again = load_log(tmp_path / "run.npz")
+    assert same(log, again)
+    assert again.summary() == log.summary()
+    for field in dataclasses.fields(type(log.scenario)):
+        if field.name not in ("road", "scenery", "users"):
+            assert getattr(again.scenario, field.name) == getattr(log.scenario, field.name), field.name
+    s = np.linspace(0.0, 300.0, 50)
+    assert (again.scenario.road.path.position(s) == log.scenario.road.path.position(s)).all()
+    assert again.scenario.road.lanes == log.scenario.road.lanes
+    assert len(again.scenario.scenery) == len(log.scenario.scenery)
+
+
+def test_saved_twice_is_the_same_file(log: Log, tmp_path: FilePath) -> None:
+    save_log(log, tmp_path / "one.npz")
+    save_log(load_log(tmp_path / "one.npz"), tmp_path / "two.npz")
+    assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "two.npz").read_bytes()
+
+
+def test_needs_no_pickle(log: Log, tmp_path: FilePath) -> None:
+    save_log(log, tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz", allow_pickle=False) as file:
+        assert all(file[name].dtype != object for name in file.files)
+
+
+def test_replay_gives_the_same_commands(log: Log, tmp_path: FilePath) -> None:
+    assert replay(log).tobytes() == log.command.tobytes()
+    save_log(log, tmp_path / "run.npz")
+    assert replay(load_log(tmp_path / "run.npz")).tobytes() == log.command.tobytes()
+
+
+def test_a_loaded_scenario_gives_the_same_run(log: Log, tmp_path: FilePath) -> None:
+    save_log(log, tmp_path / "run.npz")
+    again = simulate(load_log(tmp_path / "run.npz").scenario, seed=3)
+    assert again.ego.tobytes() == log.ego.tobytes()
+
+
+def test_replay_notices_other_bytes() -> None:
+    log = simulate(eebl("C"))
+    deaf = dataclasses.replace(log, received=())
+    assert replay(deaf).tobytes() != log.command.tobytes()
+
+
+@pytest.mark.parametrize("content", [b"", b"no log", None])
+def test_what_is_no_log(content: bytes | None, tmp_path: FilePath) -> None:
+    file = tmp_path / "run.npz"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(InputError, match="path"):
+        load_log(file)
+
+
+def test_other_arrays_are_no_log(tmp_path: FilePath) -> None:
+    np.savez(tmp_path / "run.npz", a=np.zeros(3))
+    with pytest.raises(InputError, match="path"):
+        load_log(tmp_path / "run.npz")

@@ -1,0 +1,289 @@
+"""The paper's first three scenarios: what a driver cannot avoid, and what messages make of it."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cca_core.errors import InputError
+from cca_core.sim import (
+    CURBSIDE_CASES,
+    EEBL_CASES,
+    REALISTIC,
+    Log,
+    Scenario,
+    curbside,
+    eebl,
+    ima,
+    maneuver,
+    paper_scenarios,
+    simulate,
+)
+from cca_core.v2x import ChannelSettings
+
+SEEDS = (1, 2, 3, 4, 5)
+IDEAL = ChannelSettings(latency=0.1)
+MB = pytest.param("multi_body", marks=pytest.mark.requires("vehiclemodels"))
+MB_1 = pytest.param("multi_body", 1, marks=pytest.mark.requires("vehiclemodels"))
+MAKERS: dict[str, Callable[..., Scenario]] = {"eebl": eebl, "ima": ima, "curbside": curbside}
+WITHOUT = [
+    ("eebl", "A", "yellow"), ("ima", "left-turn", "red"), ("ima", "crossing", "red"),
+    ("curbside", "fast", "red"), ("curbside", "slow", "red"),
+]  # fmt: skip
+WITH = [
+    ("eebl", "C"), ("ima", "left-turn"), ("ima", "crossing"), ("curbside", "fast"), ("curbside", "slow"),
+]  # fmt: skip
+
+
+@cache
+def drive(name: str, case: str, ego: str = "v2v", seed: int = 1, plant: str = "single_track") -> Log:
+    maker = MAKERS[name]
+    scenario = maker(case) if name == "eebl" else maker(case, ego=ego)
+    assert scenario.ego == ego
+    return simulate(scenario, seed=seed, plant=plant)
+
+
+def gap(log: Log, ahead: int, behind: int | None) -> Any:
+    """Bumper gap along the road between two road users, None being the ego [m]."""
+    rear = log.user_places[:, ahead, 0] - 2.25
+    return rear - (log.place[:, 0] if behind is None else log.user_places[:, behind, 0]) - 2.25
+
+
+def test_channel_is_a_bad_one() -> None:
+    assert REALISTIC.latency == 0.1
+    assert REALISTIC.loss == 0.3
+    assert REALISTIC.burst > 1.0 / (1.0 - REALISTIC.loss)
+
+
+@pytest.mark.parametrize("plant", ["single_track", MB])
+@pytest.mark.parametrize(("name", "case", "hit"), WITHOUT)
+def test_the_driver_collides(name: str, case: str, hit: str, plant: str) -> None:
+    log = drive(name, case, "driver", plant=plant)
+    summary = log.summary()
+    assert summary["collided_with"] == hit
+    assert (summary["ego"], summary["v2v"], summary["plant"]) == ("driver", False, plant)
+    assert not log.heard.any()
+    assert log.received == ()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(("name", "case"), WITH)
+def test_with_messages_nobody_collides(name: str, case: str, seed: int) -> None:
+    log = drive(name, case, seed=seed)
+    assert log.gaps().min() >= 1.0
+    assert log.t[-1] == pytest.approx(log.scenario.duration)
+    assert not any("internal error" in reason for _, _, reason in log.decisions)
+    assert log.scenario.channel is REALISTIC
+    lost = 1.0 - log.messages["delivered"] / log.messages["sent"]
+    assert 0.1 < lost < 0.5
+    assert log.messages["ego_sent"] == pytest.approx(10.0 * log.scenario.duration, abs=1.0)
+
+
+@pytest.mark.requires("vehiclemodels")
+@pytest.mark.parametrize(("name", "case"), WITH)
+def test_with_messages_nobody_collides_in_the_multi_body_car(name: str, case: str) -> None:
+    log = drive(name, case, plant="multi_body")
+    assert log.gaps().min() >= 1.0
+    assert log.t[-1] == pytest.approx(log.scenario.duration)
+    if name == "ima":  # it moves off again
+        assert log.ego[-1, 3] > 5.0
+
+
+class TestEebl:
+    @pytest.mark.parametrize(("plant", "seed"), [*(("single_track", seed) for seed in SEEDS), MB_1])
+    def test_stops_gently_enough_with_room(self, plant: str, seed: int) -> None:
+        if plant == "multi_body" and seed > 1:
+            return
+        log = drive("eebl", "C", seed=seed, plant=plant)
+        assert -log.ego[:, 7].min() <= 6.0
+        assert log.ego[-1, 3] < 0.1
+        assert gap(log, 0, None)[-1] >= 2.0
+
+    @pytest.mark.parametrize("case", EEBL_CASES)
+    def test_second_car_never_hits_the_first(self, case: str) -> None:
+        log = simulate(eebl(case))
+        assert gap(log, 1, 0).min() > 2.0
+
+    @pytest.mark.parametrize("seed", SEEDS)
+    def test_displacement_bands_do_not_meet(self, seed: int) -> None:
+        """Fig. 7: rear to front of each car over time."""
+        log = drive("eebl", "C", seed=seed)
+        assert gap(log, 0, None).min() > 2.0
+        assert gap(log, 1, 0).min() > 2.0
+        assert (log.users[-1, :, 3] == 0.0).all()
+
+    @pytest.mark.parametrize("case", EEBL_CASES)
+    def test_gap_is_the_same_in_all_runs_until_the_event_is_known(self, case: str) -> None:
+        log = simulate(eebl(case))
+        known = int(np.argmin(log.held))
+        assert log.t[known] > 2.0
+        before = log.t < 2.0
+        assert gap(log, 0, None)[before] / log.ego[before, 3] == pytest.approx(0.5, abs=0.005)
+        assert log.held[:known].all()
+        assert not log.held[known:].any()
+
+    def test_order_of_events(self) -> None:
+        log = drive("eebl", "C")
+        assert log.time_of("released") < log.time_of("brakes", "red") + 0.5
+        assert log.time_of("brakes") < log.time_of("brakes", "yellow") + 0.5
+        hears = drive("eebl", "A", "driver")
+        red, yellow = (hears.time_of("brakes", name) for name in ("red", "yellow"))
+        assert yellow - red == pytest.approx(1.25, abs=0.1)
+        assert hears.time_of("brakes") - yellow == pytest.approx(1.25, abs=0.1)
+
+    def test_closing_speed_without_messages(self) -> None:
+        """7 m/s^2 for the reaction time and the lag of the brakes: 7.0 x (1.25 + 0.1)."""
+        log = drive("eebl", "A", "driver")
+        assert log.closing_speed() == pytest.approx(7.0 * 1.35, abs=0.4)
+
+    def test_only_the_second_car_connected_does_not_help(self) -> None:
+        log = simulate(eebl("D"))
+        assert log.summary()["collided_with"] == "yellow"
+        assert log.time_of("brakes", "yellow") < 3.0
+
+    def test_only_the_ego_connected_helps(self) -> None:
+        log = simulate(eebl("B"))
+        assert gap(log, 0, None).min() >= 2.0
+        assert -log.ego[:, 7].min() <= 5.0
+        assert not log.heard[:, 0].any()
+        assert log.heard[:, 1].any()
+        assert log.time_of("brakes") < log.time_of("brakes", "yellow")
+
+    @pytest.mark.parametrize("seed", [1, 2])
+    @pytest.mark.parametrize(("v_x", "headway"), [(20.0, 0.5), (33.0, 0.5), (29.06, 0.7)])
+    def test_other_speeds_and_gaps(self, v_x: float, headway: float, seed: int) -> None:
+        assert simulate(eebl("C", v_x=v_x, time_gap=headway), seed=seed).gaps().min() > 1.0
+        assert simulate(eebl("A", v_x=v_x, time_gap=headway)).summary()["collided"]
+
+
+class TestIma:
+    @pytest.mark.parametrize("seed", SEEDS)
+    def test_turns_only_after_the_other_has_passed(self, seed: int) -> None:
+        log = drive("ima", "left-turn", seed=seed)
+        passed = log.users[:, 0, 0] + 2.25 < 0.0  # its rear has left the ego's way
+        in_its_lane = log.bodies()[0].corners()[:, 0, :, 1].max(axis=1) > 3.5
+        assert not (in_its_lane & ~passed).any()
+        assert log.ego[:, 3].min() < 1.0  # it really waits
+        assert in_its_lane.any()
+        assert log.place[-1, 0] > 90.0
+        assert np.abs(log.a_y).max() <= 3.1
+
+    @pytest.mark.parametrize("seed", SEEDS)
+    def test_waits_at_the_line(self, seed: int) -> None:
+        log = drive("ima", "left-turn", seed=seed)
+        line = log.scenario.stop_line
+        assert line is not None
+        passed = log.users[:, 0, 0] + 2.25 < 0.0
+        assert (log.place[~passed, 0] + 2.25).max() <= line + 0.2
+
+    def test_is_hidden_from_the_driver_until_late(self) -> None:
+        """He sees it 1.08 s before both would be at the conflict point, less than his reaction time."""
+        log = drive("ima", "left-turn", "driver")
+        sees = int(np.searchsorted(log.t, log.time_of("seen", "red") - 1e-9))
+        assert (log.users[sees, 0, 0] - 1.29) / log.users[sees, 0, 3] == pytest.approx(1.08, abs=0.15)
+        log = drive("ima", "crossing", "driver")
+        assert log.t[-1] - log.time_of("seen", "red") < 1.25
+
+    def test_a_van_does_not_hide_it(self) -> None:
+        log = simulate(ima(ego="driver", truck=(5.3, 2.0)))
+        assert not log.summary()["collided"]
+
+    @pytest.mark.parametrize("offset", [-0.6, -0.3, 0.3, 0.6])
+    def test_contrast_does_not_hang_on_the_exact_time(self, offset: float) -> None:
+        assert simulate(ima(ego="driver", offset=offset)).summary()["collided_with"] == "red"
+        assert simulate(ima(offset=offset)).gaps().min() > 1.0
+
+
+class TestCurbside:
+    @pytest.mark.parametrize("seed", SEEDS)
+    def test_fast_evades(self, seed: int) -> None:
+        log = drive("curbside", "fast", seed=seed)
+        assert "EVADE_LEFT" in log.actions
+        assert log.actions[-1] == "KEEP"
+        assert log.ego[:, 3].min() > 20.0
+        assert np.abs(log.a_y).max() <= 2.5
+        assert abs(log.place[-1, 1]) < 0.1
+
+    @pytest.mark.parametrize("seed", SEEDS)
+    def test_slow_brakes(self, seed: int) -> None:
+        log = drive("curbside", "slow", seed=seed)
+        assert not any(action.startswith("EVADE") for action in log.actions)
+        assert log.ego[-1, 3] < 0.3
+        assert 2.0 < log.gaps()[-1, 1] < 5.0
+
+    def test_slow_brakes_gently_when_it_hears_everything(self) -> None:
+        log = simulate(curbside("slow", channel=IDEAL))
+        assert -log.ego[:, 7].min() <= 2.5
+
+    @pytest.mark.parametrize(("case", "left"), [("fast", 1.62), ("slow", 1.77)])
+    def test_driver_sees_it_late(self, case: str, left: float) -> None:
+        log = drive("curbside", case, "driver")
+        v = log.scenario.v_x
+        sees = int(np.searchsorted(log.t, log.time_of("seen", "red")))
+        assert gap(log, 1, None)[sees] / v == pytest.approx(left, abs=0.2)
+
+    def test_yellow_passes_it(self) -> None:
+        for case in CURBSIDE_CASES:
+            log = drive("curbside", case)
+            apart = np.hypot(*(log.users[:, 0, :2] - log.users[:, 1, :2]).T)
+            abeam = np.abs(log.user_places[:, 0, 0] - log.user_places[:, 1, 0]) < 4.5
+            assert (log.user_places[abeam, 0, 1] - log.user_places[abeam, 1, 1]).min() > 1.8
+            assert apart.min() > 1.8
+
+    def test_parked_car_says_so(self) -> None:
+        log = drive("curbside", "fast")
+        assert log.time_of("heard", "red") < 2.0
+        assert log.time_of("swerves") < log.time_of("seen", "red")
+
+
+class TestSensor:
+    """An automated ego without messages is better than the driver, and still late."""
+
+    def test_at_the_curb(self) -> None:
+        fast, slow = (drive("curbside", case, "sensor") for case in CURBSIDE_CASES)
+        assert fast.closing_speed() < drive("curbside", "fast", "driver").closing_speed() - 4.0
+        assert slow.closing_speed() < drive("curbside", "slow", "driver").closing_speed() - 4.0
+        assert fast.summary()["ego"] == "sensor"
+        assert fast.summary()["v2v"] is False
+
+    def test_behind_yellow(self) -> None:
+        sensor, driver = simulate(eebl("sensor")), drive("eebl", "A", "driver")
+        assert sensor.time_of("brakes") < driver.time_of("brakes") - 0.5
+
+
+def test_bad_weather_shortens_sight() -> None:
+    clear, fog = simulate(ima(ego="driver")), simulate(ima(ego="driver", visibility=8.0))
+    assert clear.seen[:, 1].sum() > fog.seen[:, 1].sum()
+
+
+def test_all_runs_of_the_demo() -> None:
+    scenarios = paper_scenarios()
+    names = [(s.name, s.case, s.ego) for s in scenarios]
+    assert len(set(names)) == len(names) == 19
+    assert {name for name, _, _ in names} == {"eebl", "ima", "curbside", "maneuver"}
+    assert all(s.figures for s in scenarios)
+    again = simulate(scenarios[0])
+    assert again.seed == scenarios[0].seed
+
+
+@pytest.mark.parametrize("make", [eebl, ima, curbside])
+def test_unknown_case(make: Callable[..., Scenario]) -> None:
+    with pytest.raises(InputError, match="case"):
+        make("no such case")
+
+
+@pytest.mark.parametrize(
+    ("make", "named"),
+    [
+        (lambda: eebl(v_x=-1.0), "v_x"), (lambda: eebl(time_gap=0.0), "time_gap"),
+        (lambda: ima(ego="cat"), "ego"), (lambda: ima(v_red=0.0), "v_red"),
+        (lambda: ima(offset=9.0), "offset"),
+        (lambda: curbside(intrudes=5.0), "intrudes"), (lambda: curbside(radius=10.0), "radius"),
+        (lambda: maneuver("5", None), "case"),
+    ],
+)  # fmt: skip
+def test_bad_arguments(make: Callable[[], Scenario], named: str) -> None:
+    with pytest.raises(InputError, match=rf"\b{named}\b"):
+        make()
