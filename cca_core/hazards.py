@@ -9,7 +9,7 @@ import numpy as np
 
 from cca_core.decide import Conflict, Leader, crossing
 from cca_core.follow import SpeedSettings, follow_acceleration, required_deceleration
-from cca_core.path import Path
+from cca_core.path import Road
 from cca_core.scene import Ego, Neighbour
 from cca_core.vehicle import VehicleParams
 
@@ -133,7 +133,7 @@ def leader_at(conflict: Conflict, s: float, v_x: float, speed: SpeedSettings) ->
 
 
 def conflict_ahead(
-    ego: Ego, path: Path, others: Sequence[Neighbour], last: Conflict | None = None
+    ego: Ego, road: Road, others: Sequence[Neighbour], last: Conflict | None = None
 ) -> Conflict | None:
     """Find the nearest place at which the ego must wait for a crossing vehicle.
 
@@ -141,8 +141,8 @@ def conflict_ahead(
     ----------
     ego : Ego
         The ego and how it intends to drive.
-    path : Path
-        Its route.
+    road : Road
+        Its route; where a stop line lies before the conflict, the ego waits there.
     others : sequence of Neighbour
         Vehicles around.
     last : Conflict, optional
@@ -159,12 +159,18 @@ def conflict_ahead(
     for n in others:
         if abs(math.sin(n.angle)) < _CROSSING or abs(n.d) > _SIGHT or not -20.0 < n.s - ego.s < _SIGHT:
             continue
-        conflict = crossing(path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
+        conflict = crossing(road.path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
         if conflict is not None and last is not None and conflict.remote == last.remote:
             conflict = replace(conflict, margin=conflict.margin + _HOLD)
         if conflict is not None and conflict.wait:
             waits.append(conflict)
-    return min(waits, key=lambda c: c.s_in, default=None)
+    if not waits:
+        return None
+    first = min(waits, key=lambda c: c.s_in)
+    front = ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    lines = [line - front for line in road.stop_lines if ego.s < line - front < first.s_in]
+    at = max(lines, default=first.s_in)
+    return replace(first, s_in=at, distance=at - ego.s)
 
 
 def _leader(
@@ -189,6 +195,5 @@ def _unsure(leader: Leader, v_x: float, speed: SpeedSettings) -> Leader:
 
 def _stopping(leader: Leader, v_x: float) -> Leader:
     """Say how hard the ego must brake to stand behind a vehicle when it is a horizon away."""
-    room = (_HORIZON - _DELAY) * v_x - _SPARE
-    need = v_x * v_x / (2.0 * room) if room > 0.0 else 0.0
-    return replace(leader, stop_in_comfort=need)
+    v = max(v_x, 2.0 * _SPARE / (_HORIZON - _DELAY))  # where the need is least; slower it asks for no more
+    return replace(leader, stop_in_comfort=v * v / (2.0 * ((_HORIZON - _DELAY) * v - _SPARE)))

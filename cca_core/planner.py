@@ -45,6 +45,7 @@ _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up f
 _GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
 _NARROW = 0.3  # clearance with which it is driven on then [m]
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
+_COMFORTABLE = 2.0  # deceleration up to which a stop behind who stands is preferred to a swerve [m/s^2]
 _HARD = 0.7  # share of the brakes from which on jerk is not spared, as from twice the comfortable share
 _CURVE_ACCELERATION = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
 
@@ -262,7 +263,7 @@ class Planner:
         neighbours: list[Neighbour],
     ) -> None:
         """Renew the manoeuvre that is under way, or choose whether to begin one."""
-        self._conflict = conflict_ahead(ego, self.road.path, neighbours, self._conflict)
+        self._conflict = conflict_ahead(ego, self.road, neighbours, self._conflict)
         if self._maneuver is not None:
             if not self._retreating:
                 self._renew(ego, self._maneuver, leader, neighbours)
@@ -270,7 +271,7 @@ class Planner:
         plans: dict[str, Evasion] = {}
         candidates: list[Candidate] = []
         waiting = self._decision.action in (Action.FOLLOW, Action.BRAKE)
-        looks = leader is not None and leader.kind != "crossing"
+        looks = leader is not None and leader.kind != "crossing" and leader.stop_in_comfort > _COMFORTABLE
         if leader is not None and looks and (waiting or leader.follow_acceleration < _SLOWED):
             ahead = [b for b in blockers if b.s > ego.s]
             kept = kept_behind(ahead, leader, ego)
@@ -290,8 +291,9 @@ class Planner:
                         plan = plan.candidate
                     candidates.append(plan)
         self._decision = choose_action(
-            leader, candidates, previous=self._decision.action, follow_below=_SLOWED
-        )
+            leader, candidates, previous=self._decision.action, follow_below=_SLOWED,
+            comfortable=_COMFORTABLE,
+        )  # fmt: skip
         if leader is not None and leader.stop_in_comfort < math.inf and not self._decision.action.evades:
             self._stopping.add(leader.id)
         if self._decision.action.evades:
@@ -333,10 +335,11 @@ class Planner:
         wanted = profile_acceleration(s, v_x, self._cap, self.speed)
         action = self._decision.action
         if leader is not None:
-            if action is Action.BRAKE:
+            stops = leader.stop_in_comfort <= _COMFORTABLE
+            if action is Action.BRAKE and not (stops and leader.required_deceleration < _FALLBACK_BRAKE):
                 wanted = -min(max(leader.required_deceleration, _FALLBACK_BRAKE), self.speed.b_max)
-            elif action is Action.FOLLOW or action.evades:
-                wanted = min(wanted, leader.follow_acceleration)
+            elif action is not Action.KEEP:
+                wanted = min(wanted, leader.follow_acceleration, 0.0 if action is Action.BRAKE else math.inf)
         last = 0.0 if self._command is None else self._command.a_x
         limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu)
         hard = min(2.0 * self.speed.b_comfort, _HARD * self.speed.b_max)

@@ -1,8 +1,8 @@
-"""Drive the paper's manoeuvring scenario on a real road and show what happened.
+"""Drive the paper's four scenarios, with and without V2V, and show what happened.
 
-Latitudes and longitudes become metres, the metres a smooth path, and on its longest stretch without a tight
-bend each case is driven in closed loop, with and without messages. Writes summary.json, the figures
-and report.html.
+The first three have roads of their own. For the fourth, manoeuvring in traffic, latitudes and longitudes
+become metres, the metres a smooth path, and its longest stretch without a tight bend the road. Writes
+summary.json, the figures and report.html.
 """
 
 import argparse
@@ -15,20 +15,13 @@ from tqdm import tqdm
 
 from cca_core import InputError, LocalFrame, Path, fit_path
 from cca_core.path import Waypoints, read_waypoints
-from cca_core.plot import outcome, plot_time_series, plot_traffic, plot_tunings, write_report
-from cca_core.sim import CASES, Log, Scenario, maneuver, simulate
+from cca_core.plot import grouped, headline, title, verdict, write_report
+from cca_core.sim import Log, Scenario, paper_scenarios, simulate
 from cca_core.sim.loop import CYCLE
 from cca_core.sim.route import demo_route, longest_stretch
 
-RUNS = [(case, True) for case in CASES] + [(case, False) for case in ("1-smooth", "2", "3")]
 RADIUS = 200.0  # tighter bends are no place for these manoeuvres [m]
 MARGIN = 220.0  # road behind the ego's start, from where the fast car of case 2 comes [m]
-FIGURES = {
-    "1-fast": "fig13_14_case1_fast",
-    "1-smooth": "fig13_14_case1_smooth",
-    "2": "fig16_17_case2",
-    "3": "fig18_19_case3",
-}
 
 
 def main() -> int:
@@ -41,7 +34,7 @@ def main() -> int:
     args = parser.parse_args()
     try:
         stretch = lay_road(demo_route() if args.route is None else read_waypoints(args.route), args.km)
-        scenarios = [maneuver(case, stretch, start=stretch.start + MARGIN, v2v=v2v) for case, v2v in RUNS]
+        scenarios = paper_scenarios(stretch, start=stretch.start + MARGIN)
     except InputError as error:
         print(f"This route cannot be used: {error}", file=sys.stderr)
         return 2
@@ -82,24 +75,23 @@ def drive(scenarios: list[Scenario], seed: int) -> list[Log]:
 
 def draw(logs: list[Log], out: FilePath) -> None:
     """Write the figures and the report."""
-    for log in tqdm(logs, unit="run", desc="drawing"):
-        name = FIGURES[log.scenario.case] + ("" if log.scenario.v2v else "_without_messages")
-        plot_traffic(log).savefig(out / f"{name}.png", dpi=150)
-        plot_time_series(log).savefig(out / f"{name}_over_time.png", dpi=150)
-    plot_tunings(logs[0], logs[1]).savefig(out / "fig15_two_tunings.png", dpi=150)
-    write_report(logs, out / "report.html")
+    groups = len(grouped(logs))
+    with tqdm(total=groups, unit="scenario", desc="drawing") as bar:
+        write_report(logs, out / "report.html", figures=out, progress=lambda: bar.update())
 
 
 def tell(logs: list[Log]) -> None:
-    """Print a table of the runs."""
-    print(f"{'case':9} {'messages':9} {'least gap':>10} {'peak a_y':>10} {'speed-up':>9}  outcome")
-    for log in logs:
-        key, messages = log.summary(), "yes" if log.scenario.v2v else "no"
-        gap = "-" if key["min_gap_m"] is None else f"{key['min_gap_m']:.2f} m"
+    """Print a table of the runs, and what V2V changed."""
+    groups = grouped(logs)
+    print(f"{'run':66} {'plant':13} {'least gap':>9} {'peak a_y':>10} {'speed-up':>8}  outcome")
+    for log in (log for group in groups for log in group):
+        key = log.summary()
+        gap = "-" if key["min_gap_m"] is None else f"{max(key['min_gap_m'], 0.0):.2f} m"
         print(
-            f"{key['case']:9} {messages:9} {gap:>10} {abs(log.a_y).max():>5.2f} m/s2 "
-            f"{key['realtime_factor']:>8.0f}x  {outcome(log)}"
+            f"{title(log):66} {log.plant:13} {gap:>9} {abs(log.a_y).max():>5.2f} m/s2 "
+            f"{key['realtime_factor']:>7.0f}x  {verdict(log)}"
         )
+    print(headline(groups))
 
 
 if __name__ == "__main__":

@@ -144,7 +144,7 @@ def choose_action(
     With a usable candidate the ego evades: when following already (it has waited long enough), when the
     swerve is due (the lead-in has shrunk to what it needs), or when only hard braking would do
     instead; before that it keeps its speed. Without one it follows as soon as following asks for a lower
-    speed, and brakes when following in comfort has become impossible.
+    speed, and brakes when following in comfort has become impossible, or to stop behind a standing vehicle.
 
     Examples
     --------
@@ -185,6 +185,9 @@ def choose_action(
         why = f"{leader.stop_in_comfort:.1f} m/s^2 stop behind it in comfort"
     if hard:
         reason = f"{leader.required_deceleration:.1f} m/s^2 needed behind {leader.id}; {why}"
+        return Decision(action=Action.BRAKE, reason=reason, leader=leader.id, zone=zone)
+    if stops:
+        reason = f"stopping behind {leader.id}; {why}"
         return Decision(action=Action.BRAKE, reason=reason, leader=leader.id, zone=zone)
     if leader.follow_acceleration < follow_below or previous in (Action.FOLLOW, Action.BRAKE):
         return Decision(

@@ -3,7 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from cca_core._checks import check_real
+from cca_core._svg import EDGE, EGO, ROUTE, SAMPLES, Mark, drawing
 from cca_core.errors import InputError
 from cca_core.path.path import Path
 
@@ -59,6 +62,8 @@ class Road:
         All lanes; one of them must contain d = 0. Without lanes the road is the own lane, 3.5 m wide.
     speed_limit : float
         Legal speed [m/s].
+    stop_lines : sequence of float
+        Path coordinates at which the ego waits for crossing traffic [m].
 
     Raises
     ------
@@ -71,6 +76,7 @@ class Road:
         path: Path,
         lanes: Sequence[Lane] | None = None,
         speed_limit: float = 36.0,
+        stop_lines: Sequence[float] = (),
     ) -> None:
         if not isinstance(path, Path):
             raise InputError(f"path must be a Path, was {type(path).__name__}")
@@ -80,6 +86,7 @@ class Road:
             raise InputError(f"lanes must be a sequence of Lane, was {lanes!r}")
         self.lanes = tuple(sorted(lanes, key=lambda lane: lane.d))
         self.speed_limit = check_real("speed_limit", speed_limit, above=0.0)
+        self.stop_lines = tuple(check_real("stop_lines", line) for line in stop_lines)
         own = self.lane_at(0.0)
         if own is None or own.direction != 1:
             raise InputError("lanes must have one with direction 1 that contains the route (d = 0)")
@@ -87,6 +94,20 @@ class Road:
 
     def __repr__(self) -> str:
         return f"Road({self.path!r}, {len(self.lanes)} lanes, {self.speed_limit:g} m/s)"
+
+    def _repr_svg_(self) -> str:
+        s = np.linspace(self.path.start, self.path.end, SAMPLES + 1)
+        own = self.path.position(s)
+        marks, borders = [], set()
+        for lane in self.lanes:
+            centre = self.path.to_cartesian(s, np.full_like(s, lane.d))
+            borders |= {lane.right, lane.left}
+            marks.append(Mark(xy=centre, colour=ROUTE, kind="swath", width=lane.width))
+            marks.append(Mark(xy=centre[:: lane.direction], colour=ROUTE, kind="arrow"))
+        lines = (self.path.to_cartesian(s, np.full_like(s, d)) for d in sorted(borders))
+        marks += [Mark(xy=line, colour=EDGE, width=0.8) for line in lines]
+        marks += [Mark(xy=own, colour=EGO, kind=kind) for kind in ("dashes", "arrow")]
+        return drawing(marks, repr(self))
 
     @property
     def right_edge(self) -> float:

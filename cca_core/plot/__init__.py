@@ -1,15 +1,25 @@
-"""Pictures of bands and of runs: traffic, tunings, time series, and a report (matplotlib, extra ``plot``)."""
+"""Pictures of bands and of runs: scenarios, traffic, time, animations, a report (extra ``plot``)."""
 
+from cca_core.plot.animation import animate
 from cca_core.plot.bands import fig_12, fig_15
+from cca_core.plot.braking import plot_braking
+from cca_core.plot.crossing import plot_crossing
 from cca_core.plot.defects import DEFECTS, plot_defect
 from cca_core.plot.figures import lane_change, leader_speed, plot_time_series, plot_tunings
 from cca_core.plot.gains import plot_gain_region, plot_margins
-from cca_core.plot.report import write_report
+from cca_core.plot.gallery import Plate, plates, tunings
+from cca_core.plot.layout import plot_layout
+from cca_core.plot.passing import plot_passing
+from cca_core.plot.report import headline, write_report
 from cca_core.plot.story import Frame, awaited, cast, outcome, story, telling_frames
+from cca_core.plot.style import title
 from cca_core.plot.traffic import plot_traffic
+from cca_core.plot.verdict import Contact, contact, contrast, grouped, line_up, verdict
 
 __all__ = [
-    "DEFECTS", "Frame", "awaited", "cast", "fig_12", "fig_15", "lane_change", "leader_speed", "outcome",
-    "plot_defect", "plot_gain_region", "plot_margins",
-    "plot_time_series", "plot_traffic", "plot_tunings", "story", "telling_frames", "write_report",
+    "DEFECTS", "Contact", "Frame", "Plate", "animate", "awaited", "cast", "contact", "contrast", "fig_12",
+    "fig_15", "grouped", "headline", "lane_change", "leader_speed", "line_up", "outcome", "plates",
+    "plot_braking", "plot_crossing", "plot_defect", "plot_gain_region", "plot_layout", "plot_margins",
+    "plot_passing", "plot_time_series", "plot_traffic", "plot_tunings", "story", "telling_frames",
+    "title", "tunings", "verdict", "write_report",
 ]  # fmt: skip

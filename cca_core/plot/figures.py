@@ -7,7 +7,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
-from cca_core.plot.style import ACTIONS, EGO, colours, draw_lanes, title
+from cca_core.plot.style import ACTIONS, EGO, colours, draw_lanes, spelled_out, title
 from cca_core.sim import Log
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def plot_tunings(fast: Log, smooth: Log) -> "Figure":
         height = road.left_edge + 0.6 + 0.9 * i
         aim, peak = log.scenario.evasion.lateral_acceleration, np.abs(log.a_y).max()
         axis.plot(
-            s, d, color=colour, label=f"{name}: aims at {aim:g} m/s², peak |$a_y$| {peak:.2f} m/s²",
+            s, d, color=colour, label=f"{name}: aims at {aim:g} m/s², peak |a_y| {peak:.2f} m/s²",
             linestyle=("-", "--")[i], linewidth=1.8,
         )  # fmt: skip
         axis.vlines((start, end), np.interp((start, end), s, d), height, color=colour, linewidth=0.8)
@@ -99,7 +99,7 @@ def plot_tunings(fast: Log, smooth: Log) -> "Figure":
     axis.set_ylabel("left of the route [m]")
     axis.set_title("The same traffic, two tunings", loc="left", weight="bold")
     figure.legend(loc="outside lower left", ncols=2, frameon=False)
-    return figure
+    return spelled_out(figure)
 
 
 def plot_time_series(log: Log) -> "Figure":
@@ -136,7 +136,7 @@ def plot_time_series(log: Log) -> "Figure":
     steer.plot(t, np.degrees(log.ego[:, 6]), color=EGO)
     steer.set_ylabel("road-wheel\nangle [°]")
     lateral.plot(t, log.a_y, color=EGO)
-    lateral.set_ylabel("lateral acc.\n$a_y$ [m/s²]")
+    lateral.set_ylabel("lateral acc.\na_y [m/s²]")
     for i, (user, gaps) in enumerate(zip(log.scenario.users, log.gaps().T, strict=True)):
         near = np.where(gaps < _FAR, gaps, np.nan)
         if np.isfinite(near).any():
@@ -159,7 +159,7 @@ def plot_time_series(log: Log) -> "Figure":
     speed.set_xlim(0.0, t[-1])
     figure.suptitle(title(log), x=0.01, ha="left", weight="bold", fontsize=11)
     figure.align_ylabels()
-    return figure
+    return spelled_out(figure)
 
 
 def leader_speed(log: Log, *, reach: float = 100.0) -> Array:

@@ -1,122 +1,239 @@
-"""One self-contained page about a set of runs."""
+"""One self-contained page about a set of runs: what V2V changed, then each scenario moving and in figures."""
 
 import base64
 import io
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Callable, Iterator, Sequence
 from html import escape
 from pathlib import Path as FilePath
-from typing import Any
 
-from cca_core.plot.figures import plot_time_series, plot_tunings
-from cca_core.plot.story import cast, outcome, story
-from cca_core.plot.style import title
-from cca_core.plot.traffic import plot_traffic
+from cca_core.plot.animation import animate
+from cca_core.plot.gallery import Plate, plates, tunings
+from cca_core.plot.player import SCRIPT, STYLE
+from cca_core.plot.story import cast, listed, story
+from cca_core.plot.style import case_name, plain, scenario_name, who_drives
+from cca_core.plot.verdict import contact, contrast, grouped, line_up, verdict
 from cca_core.sim import Log
 
-_DPI = 120
-
+_DPI = 110
 _STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 1080px; margin: auto; padding: 0 16px }
-h1 { font-size: 1.5em; line-height: 1.2 } h2 { margin-top: 2em; border-top: 1px solid #ccc; padding-top: 1em }
-table { border-collapse: collapse; width: 100%; font-size: .9em }
-th, td { text-align: left; vertical-align: top; padding: .35em .8em .35em 0; border-bottom: 1px solid #ddd }
-td:nth-child(3), td:nth-child(4) { white-space: nowrap } .hit { color: #a33000; font-weight: bold }
-figure { margin: 1.2em 0; overflow-x: auto } figure img { width: 100%; min-width: 720px; display: block }
-figcaption { font-size: .9em; color: #555; position: sticky; left: 0 }
-@media (max-width: 700px) {
-  thead { display: none } tr { display: block; padding: .5em 0; border-bottom: 1px solid #ccc }
-  td { display: flex; border: 0; padding: .1em 0 }
-  td::before { content: attr(data-name); flex: 0 0 7.5em; color: #666 }
+:root { color-scheme: light dark; --paper: #fff; --ink: #222; --soft: #5a5a5a; --rule: #d0d0d0;
+  --card: #f6f7f5; --bad: #a33000; --good: #00619c; --fair: #555 }
+@media (prefers-color-scheme: dark) {
+  :root { --paper: #16181a; --ink: #e8e8e8; --soft: #b0b0b0; --rule: #444; --card: #202427; --bad: #ff8a5c;
+    --good: #6cc0f2; --fair: #b0b0b0 }
 }
+* { box-sizing: border-box }
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 1180px;
+  margin: 0 auto; padding: 0 16px 48px; overflow-wrap: break-word }
+h1 { font-size: clamp(1.25rem, 4vw, 1.75rem); line-height: 1.2; margin: .7em 0 .4em }
+h2 { margin: 2em 0 .5em; border-top: 1px solid var(--rule); padding-top: 1em; line-height: 1.25 }
+h3 { font-size: 1em; margin: 0 0 .3em; line-height: 1.3 }
+.lead { font-size: 1.1em; margin: 0 0 .8em; max-width: 60em }
+.cards { display: grid; gap: 10px; grid-template-columns: repeat(auto-fill, minmax(min(100%, 330px), 1fr)) }
+.card { background: var(--card); border: 1px solid var(--rule); border-radius: 6px; padding: .6em .8em;
+  color: inherit; text-decoration: none }
+.card:hover, .card:focus-visible { border-color: var(--good) }
+.card dl { margin: 0; display: grid; gap: .1em .7em; grid-template-columns: auto 1fr; font-size: .9em }
+.card dt { color: var(--soft); white-space: nowrap } .card dd { margin: 0 }
+.hit { color: var(--bad) } dd.hit, dd.good { font-weight: 600 }
+.good { color: var(--good) } .fair { color: var(--fair) }
+.note, figcaption { color: var(--soft); font-size: .9em }
+.cca figcaption { color: inherit }
+figure { margin: 1.2em 0 }
+.scroll { overflow-x: auto }
+figure .scroll img { display: block; width: 100%; min-width: 620px; border-radius: 4px; background: #fff }
+table { border-collapse: collapse; width: 100%; font-size: .9em }
+th, td { text-align: left; vertical-align: top; padding: .35em 1em .35em 0;
+  border-bottom: 1px solid var(--rule) }
+td:nth-child(3) { min-width: 13em } td:first-child { min-width: 9em }
+td { font-variant-numeric: tabular-nums }
+summary { cursor: pointer; padding: .5em 0; font-weight: 600 }
 """
+_UNITS = re.compile(r"(\d) (m/s²|m/s|m|s)\b")
+_EGOS = {"v2v": "With V2V", "driver": "Driver, no V2V", "sensor": "Sensor, no V2V"}
 
 
-def write_report(runs: Sequence[Log], file: str | FilePath) -> None:
-    """Write a page that tells, tabulates and shows what happened in each run.
+def write_report(
+    runs: Sequence[Log],
+    file: str | FilePath,
+    *,
+    figures: str | FilePath | None = None,
+    progress: Callable[[], object] | None = None,
+) -> None:
+    """Write a page that says what V2V changed and shows what happened in each scenario.
 
     Parameters
     ----------
     runs : sequence of Log
-        The runs, in the order in which they are told.
+        The runs, in the order in which their scenarios are told.
     file : str or pathlib.Path
         HTML file to write; it needs no other file and no network.
+    figures : str or pathlib.Path, optional
+        Folder into which all figures are written as PNG too.
+    progress : callable, optional
+        Called after each scenario.
 
     Raises
     ------
     MissingExtraError
         If matplotlib is not installed.
     """
+    folder = None if figures is None else FilePath(figures)
+    groups = grouped(runs)
+    chapters = ""
+    for i, group in enumerate(groups):
+        chapters += "".join(_chapter(i, group, folder))
+        if progress is not None:
+            progress()
+    both = tunings(runs)
+    more = f"<h2>Two tunings</h2>\n{_picture(both, folder)}" if both is not None else ""
     page = f"""<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Cooperative collision avoidance: what happened</title>
-<style>{_STYLE}</style>
+<meta name="color-scheme" content="light dark">
+<title>Cooperative collision avoidance: what V2V changed</title>
+<style>{_STYLE}{STYLE}</style>
 </head>
 <body>
-<h1>Cooperative collision avoidance: what happened</h1>
-{"".join(_summary(runs))}
-{"".join(_tunings(runs))}
-{"".join(part for log in runs for part in _chapter(log))}
+<header data-first="">
+<h1>Cooperative collision avoidance: what V2V changed</h1>
+<p class="lead">{escape(plain(headline(groups)))}</p>
+<div class="cards">
+{"".join(part for i, group in enumerate(groups) for part in _card(i, group))}</div>
+<p class="note">Every number on this page comes from the runs that are shown. Speeds at a contact are
+relative; gaps are between body boxes. The driver and the sensor know what they see, the ego with V2V what
+it hears.</p>
+</header>
+<main>
+{chapters}{more}</main>
+<script>{SCRIPT}</script>
 </body>
 </html>
 """
     FilePath(file).write_text(page, encoding="utf-8")
 
 
-def _summary(runs: Sequence[Log]) -> Iterator[str]:
-    hits = sum(log.summary()["collided"] for log in runs)
-    verdict = f"<span class='hit'>{hits} of {len(runs)} runs collide.</span>" if hits else "No run collides."
-    yield f"<p>{verdict} Gaps are between body boxes; a_y is lateral acceleration.</p>\n<ul>\n"
-    yield from (f"<li><b>{escape(title(log))}.</b> {escape(story(log))}</li>\n" for log in runs)
-    names = ("Case", "Actions", "Least gap", "Peak a_y", "Outcome")
-    head = "".join(f"<th>{name}</th>" for name in names)
-    yield f"</ul>\n<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n"
-    for log in runs:
-        key = log.summary()
-        actions = ", ".join(
-            f"{t:.1f}\N{NO-BREAK SPACE}s\N{NO-BREAK SPACE}{name}" for t, name in key["actions"]
-        )
-        gap = "none near" if key["min_gap_m"] is None else f"{key['min_gap_m']:.2f} m"
-        cells = (title(log), actions, gap, f"{abs(log.a_y).max():.2f} m/s²", outcome(log))
-        row = zip(names, cells, strict=True)
-        yield (
-            "<tr>" + "".join(f'<td data-name="{name}">{escape(cell)}</td>' for name, cell in row) + "</tr>\n"
-        )
-    yield "</tbody>\n</table>\n"
+def headline(groups: Sequence[Sequence[Log]]) -> str:
+    """Say in a sentence or two what V2V changed.
+
+    Parameters
+    ----------
+    groups : sequence of sequence of Log
+        Runs by scenario, as `grouped` sorts them.
+
+    Returns
+    -------
+    text : str
+        In how many scenarios the ego collides without V2V and with it, and what else V2V makes possible.
+    """
+    pairs = [pair for pair in map(contrast, groups) if len({log.scenario.v2v for log in pair}) == 2]
+    if not pairs:
+        return f"{len(groups)} scenarios were driven; none of them both with and without V2V."
+    hits = [[contact(log) is not None for log in pair] for pair in pairs]
+    without, with_v2v = (sum(column) for column in zip(*hits, strict=True))
+    n = len(pairs)
+    text = f"Without V2V the ego collides in {_count(without, n)}; with V2V in {_count(with_v2v, n)}."
+    sensed = [log for group in groups for log in line_up(group) if log.scenario.ego == "sensor"]
+    driven = sum(pair[0].scenario.ego == "driver" for pair in pairs)
+    if driven and sensed:
+        hit = sum(contact(log) is not None for log in sensed)
+        text += f" An automated ego with a sensor alone collides in {_count(hit, len(sensed))}."
+    freed = [
+        (pair[0], pair[1])
+        for pair, hit in zip(pairs, hits, strict=True)
+        if not any(hit) and _overtaken(pair[1]) > _overtaken(pair[0])
+    ]
+    if freed:
+        names = listed([case_name(pair[1].scenario) for pair in freed])
+        text += f" When manoeuvring ({names}) it stays behind slow traffic without V2V"
+        text += " and passes it with V2V."
+    return text
 
 
-def _tunings(runs: Sequence[Log]) -> Iterator[str]:
-    """Show the two tunings of case 1, if both were run."""
-    cases = {log.scenario.case: log for log in runs if log.scenario.v2v}
-    if {"1-fast", "1-smooth"} <= cases.keys():
-        yield "<h2>Two tunings</h2>\n"
-        yield _picture(
-            plot_tunings(cases["1-fast"], cases["1-smooth"]),
-            "Tuned fast, the car leaves its lane later and changes over in less distance, with more lateral "
-            "acceleration; tuned smooth, it takes more road.",
-        )
+def _count(k: int, n: int) -> str:
+    number = "none" if k == 0 else f"all {n}" if k == n else str(k)
+    return number if k in (0, n) else f"{number} of {n} scenarios"
 
 
-def _chapter(log: Log) -> Iterator[str]:
-    yield f"<h2>{escape(title(log))}</h2>\n<p>{escape(cast(log))}</p>\n<ul>\n"
-    yield from (f"<li>{t:.1f} s <b>{name}</b>: {escape(reason)}</li>\n" for t, name, reason in log.decisions)
+def _overtaken(log: Log) -> int:
+    ahead = log.user_places[[0, -1], :, 0] > log.place[[0, -1], None, 0]
+    along = [user.direction > 0 for user in log.scenario.users]
+    return int((ahead[0] & ~ahead[1] & along).sum())
+
+
+def _card(i: int, group: Sequence[Log]) -> Iterator[str]:
+    yield f'<a class="card" href="#scenario-{i}"><h3>{_text(_name(group))}</h3>\n<dl>'
+    for log in line_up(group):
+        kind = "hit" if contact(log) is not None else "good" if log.scenario.v2v else "fair"
+        yield f'<dt>{_EGOS[log.scenario.ego]}</dt><dd class="{kind}">{_text(verdict(log))}</dd>'
+    yield "</dl></a>\n"
+
+
+def _name(group: Sequence[Log]) -> str:
+    scenario = contrast(group)[-1].scenario
+    return scenario_name(scenario, cased=len({log.scenario.case for log in group}) == 1)
+
+
+def _chapter(i: int, group: Sequence[Log], folder: FilePath | None) -> Iterator[str]:
+    pair = contrast(group)
+    yield f'<section id="scenario-{i}"><h2>{_text(_name(group))}</h2>\n'
+    yield f"<p>{_text(cast(pair[-1]))}</p>\n"
+    first, *others = plates(group)
+    yield _picture(first, folder)
+    yield animate(pair, alone=False)
+    yield "<ul>\n"
+    yield from (f"<li><b>{_text(_EGOS[log.scenario.ego])}.</b> {_text(story(log))}</li>\n" for log in pair)
     yield "</ul>\n"
-    yield _picture(
-        plot_traffic(log),
-        "Path and traffic. Boxes have the size of the vehicles; equal numbers belong to one moment. In the "
-        "strips the solid line is where the ego has been, the dotted line where it will go.",
-    )
-    yield _picture(plot_time_series(log), "The same run over time; the background shows the action.")
+    yield from _table(group)
+    yield from (_picture(plate, folder) for plate in others if not plate.detail)
+    yield "<details><summary>More figures and every decision</summary>\n"
+    yield from (_picture(plate, folder) for plate in others if plate.detail)
+    for log in pair:
+        yield f"<p><b>{_EGOS[log.scenario.ego]}</b></p><ul>\n"
+        yield from (f"<li>{t:.1f} s <b>{name}</b>: {_text(why)}</li>\n" for t, name, why in log.decisions)
+        yield "</ul>\n"
+    yield "</details></section>\n"
 
 
-def _picture(figure: Any, caption: str) -> str:
+def _table(group: Sequence[Log]) -> Iterator[str]:
+    names = ("Ego", "Plant", "Outcome", "Least gap", "Least TTC", "Peak deceleration", "Peak a_y", "Messages")
+    yield '<div class="scroll" tabindex="0" role="region" aria-label="Key figures"><table>\n<thead><tr>'
+    yield "".join(f"<th>{name}</th>" for name in names) + "</tr></thead>\n<tbody>\n"
+    several = len({log.scenario.case for log in group}) > 1
+    for log in group:
+        key = log.summary()
+        ego = f"{who_drives(log)}, {case_name(log.scenario)}" if several else who_drives(log)
+        cells = (
+            ego, log.plant.replace("_", "-"), verdict(log), _value(key["min_gap_m"], "m", 2),
+            _value(key["min_ttc_s"], "s", 1), _value(key["max_decel_mps2"], "m/s²", 1),
+            _value(key["max_abs_ay_mps2"], "m/s²", 1), str(len(log.received)),
+        )  # fmt: skip
+        kind = ' class="hit"' if key["collided"] else ""
+        yield f"<tr{kind}>" + "".join(f"<td>{_text(cell)}</td>" for cell in cells) + "</tr>\n"
+    yield "</tbody>\n</table></div>\n"
+
+
+def _value(value: float | None, unit: str, digits: int) -> str:
+    return "none" if value is None else f"{max(value, 0.0):.{digits}f}\N{NO-BREAK SPACE}{unit}"
+
+
+def _picture(plate: Plate, folder: FilePath | None) -> str:
     stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=_DPI)
+    plate.figure.savefig(stream, format="png", dpi=_DPI)
+    if folder is not None:
+        (folder / f"{plate.name}.png").write_bytes(stream.getvalue())
     data = base64.b64encode(stream.getvalue()).decode("ascii")
-    alt = escape(caption, quote=True)
+    caption = _text(plate.caption)
     return (
-        f'<figure><img alt="{alt}" src="data:image/png;base64,{data}">'
-        f"<figcaption>{escape(caption)}</figcaption></figure>\n"
+        '<figure><div class="scroll" tabindex="0" role="region" aria-label="Figure">'
+        f'<img alt="{caption}" src="data:image/png;base64,{data}"></div>'
+        f"<figcaption>{caption}</figcaption></figure>\n"
     )
+
+
+def _text(text: str) -> str:
+    """Text of any origin as HTML, with numbers and units on one line."""
+    return _UNITS.sub("\\1\N{NO-BREAK SPACE}\\2", escape(plain(text)))

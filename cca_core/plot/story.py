@@ -1,5 +1,6 @@
 """What happened in a run: in words, and the moments worth a picture."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,16 +34,20 @@ def story(log: Log) -> str:
         head = head.partition(":")[0]
         if Action(name) in (Action.FOLLOW, Action.BRAKE):
             through = awaited(log, begin, end)
-            until = f" until {_list(through)} is through" if through else ""
+            until = f" until {listed(through)} is through" if through else ""
             if last:
-                told.append(f"{head} from {begin:.1f} s to the end ({why.strip()})")
+                reason = f" ({why.strip()})" if why.strip() else ""
+                told.append(f"{head}, from {begin:.1f} s to the end{reason}")
             else:
                 told.append(f"{head} for {end - begin:.1f} s{until} ({begin:.1f} s)")
         elif Action(name).evades:
             told.append(f"{head} ({begin:.1f} s)")
         elif last and i > 0:
             told.append(f"back on the route ({begin:.1f} s)")
-    told.append(f"{outcome(log)} at {log.ego[-1, 3]:.0f} m/s")
+    if (log.gaps() <= 0.0).any():
+        told.append(f"{outcome(log)} at {log.t[-1]:.1f} s, relative speed {log.closing_speed():.1f} m/s")
+    else:
+        told.append(f"{outcome(log)} at {log.ego[-1, 3]:.0f} m/s")
     text = ", ".join(told)
     return text[0].upper() + text[1:] + "."
 
@@ -63,11 +68,19 @@ def cast(log: Log) -> str:
     own = log.scenario.road.own_lane
     told = [f"The ego wants to drive at {log.scenario.cruise_speed:.0f} m/s"]
     for user, (s, d) in zip(log.scenario.users, log.user_places[0], strict=True):
+        does = f"drives at {user.v_x:.0f} m/s" if user.v_x > 0.0 else "stands"
+        if user.route is not None:
+            away = np.hypot(*(log.users[0, len(told) - 1, :2] - log.ego[0, :2]))
+            told.append(f"{user.id} {does} on another way, {away:.0f} m away")
+            continue
         ahead = s - log.place[0, 0]
         where = f"{abs(ahead):.0f} m {'ahead' if ahead > 0.0 else 'behind'}"
         lane = "its lane" if own.right < d < own.left else f"the lane to the {'left' if d > 0.0 else 'right'}"
         towards = ", oncoming" if user.direction < 0 else ""
-        told.append(f"{user.id} drives at {user.v_x:.0f} m/s on {lane}, {where}{towards}")
+        told.append(f"{user.id} {does} on {lane}, {where}{towards}")
+    pinned = log.scenario.pinned
+    if pinned is not None:
+        told.append(f"the ego keeps {pinned.time_gap:g} s behind {pinned.leader} until it knows of a hazard")
     return "; ".join(told) + "."
 
 
@@ -87,12 +100,12 @@ def outcome(log: Log) -> str:
     gaps, users = log.gaps(), log.scenario.users
     hit = [user.id for user, gap in zip(users, gaps.min(axis=0), strict=True) if gap <= 0.0]
     if hit:
-        return f"collides with {_list(hit)}"
+        return f"collides with {listed(hit)}"
     ahead = log.user_places[..., 0] > log.place[:, None, 0]
     slow = [i for i, user in enumerate(users) if user.direction > 0 and ahead[0, i]]
     passed = [users[i].id for i in slow if not ahead[-1, i]]
     missed = [users[i].id for i in slow if ahead[-1, i]]
-    words = [f"{where} {_list(ids)}" for where, ids in (("ahead of", passed), ("behind", missed)) if ids]
+    words = [f"{where} {listed(ids)}" for where, ids in (("ahead of", passed), ("behind", missed)) if ids]
     return "ends " + (" and ".join(words) or "alone on its lane")
 
 
@@ -148,8 +161,9 @@ def telling_frames(log: Log, *, most: int = 6) -> list[Frame]:
     Returns
     -------
     frames : list of Frame
-        In order of time: where the ego begins to evade, follow or brake and where it is beside each other
-        vehicle; if there is room, where it goes back to its lane, and the end.
+        In order of time: a collision; where the ego begins to evade, follow or brake; where another begins to
+        brake or swerve, and where the ego is beside each; if there is room, where it goes back to its lane,
+        and the end.
     """
     gaps, ends = log.gaps(), float(log.t[-1])
     ranked: list[tuple[int, Frame]] = []
@@ -158,13 +172,17 @@ def telling_frames(log: Log, *, most: int = 6) -> list[Frame]:
     for i, user in enumerate(log.scenario.users):
         apart = np.hypot(*(log.users[:, i, :2] - log.ego[:, :2]).T)
         row = int(np.argmin(apart))
-        if apart[row] < _NEAR and row + 1 < len(log.t):
+        if apart[row] < _NEAR and 0 < row < len(log.t) - 1:
             beside = abs(log.user_places[row, i, 0] - log.place[row, 0]) < user.length
             where = "beside" if beside else "closest to"
             text = f"{where} {user.id}, {gaps[row, i]:.1f} m apart"
             ranked.append((1, Frame(t=float(log.t[row]), text=text)))
+    names = {user.id for user in log.scenario.users}
+    for t, what, who in log.events:
+        if who in names and what in ("brakes", "swerves"):
+            ranked.append((1, Frame(t=t, text=f"{who} {what}")))
     hit = " in a collision" if (gaps <= 0.0).any() else ""
-    ranked.append((0 if hit else 3, Frame(t=ends, text=f"the run ends{hit}")))
+    ranked.append((-1 if hit else 3, Frame(t=ends, text=f"the run ends{hit}")))
     ranked.sort(key=lambda entry: (entry[0], -entry[1].t if entry[0] == 2 else entry[1].t))
     chosen: list[Frame] = []
     for _, frame in ranked:
@@ -173,5 +191,17 @@ def telling_frames(log: Log, *, most: int = 6) -> list[Frame]:
     return sorted(chosen, key=lambda frame: frame.t)
 
 
-def _list(ids: list[str]) -> str:
+def listed(ids: Sequence[str]) -> str:
+    """Enumerate.
+
+    Parameters
+    ----------
+    ids : sequence of str
+        What is enumerated.
+
+    Returns
+    -------
+    text : str
+        With commas and "and".
+    """
     return " and ".join(filter(None, (", ".join(ids[:-1]), ids[-1])))

@@ -7,7 +7,7 @@ import numpy as np
 
 from cca_core._optional import require_extra
 from cca_core.path import Road
-from cca_core.sim import Log
+from cca_core.sim import Log, Scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +30,30 @@ ASPHALT = "#F2F2F2"
 PARKED = "#777777"
 """Colour of a parked car."""
 
-_OTHERS = ("#D55E00", "#009E73", "#CC79A7", "#E69F00", "#000000")
+HIT = "#A33000"
+"""Colour of a contact."""
+
+_OTHERS = ("#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56606B")
+_NAMED = {"red": "#D62F27", "yellow": "#E0A800"}
+_SCENARIOS = {
+    "eebl": "Emergency braking ahead",
+    "ima": "Hidden traffic at an intersection",
+    "curbside": "Stopped vehicle at the roadside",
+    "maneuver": "Manoeuvring in traffic",
+}
+_CASES = {
+    ("eebl", "A"): "nobody connected",
+    ("eebl", "B"): "only the ego connected",
+    ("eebl", "C"): "ego and yellow connected",
+    ("eebl", "C-gentle"): "both connected, braking gently",
+    ("eebl", "D"): "only yellow connected",
+    ("eebl", "sensor"): "nobody connected",
+    ("ima", "left-turn"): "left turn",
+    ("ima", "crossing"): "straight on",
+    ("curbside", "fast"): "fast",
+    ("curbside", "slow"): "slow",
+}
+_EGOS = {"v2v": "with V2V", "driver": "driver without V2V", "sensor": "sensor without V2V"}
 
 
 def colours(ids: Sequence[str]) -> dict[str, str]:
@@ -44,9 +67,80 @@ def colours(ids: Sequence[str]) -> dict[str, str]:
     Returns
     -------
     colours : dict
-        Colour of each id; they repeat after five.
+        Colour of each id; ``"red"`` and ``"yellow"`` have their own, the others' repeat after five.
     """
-    return {id_: _OTHERS[i % len(_OTHERS)] for i, id_ in enumerate(sorted(set(ids)))}
+    others = sorted(set(ids) - _NAMED.keys())
+    palette = {id_: _OTHERS[i % len(_OTHERS)] for i, id_ in enumerate(others)}
+    return {id_: _NAMED.get(id_) or palette[id_] for id_ in ids}
+
+
+def plain(text: str) -> str:
+    """Make text of any origin fit for a page.
+
+    Parameters
+    ----------
+    text : str
+        Such as an id that came as bytes.
+
+    Returns
+    -------
+    plain : str
+        The same with a replacement character for each one that cannot be printed.
+    """
+    return "".join(each if each.isprintable() or each == "\N{NO-BREAK SPACE}" else "\ufffd" for each in text)
+
+
+def case_name(scenario: Scenario) -> str:
+    """Name of a scenario's case in words.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    name : str
+        Such as ``"case 2"``; empty if it has none.
+    """
+    if scenario.case is None:
+        return ""
+    return _CASES.get((scenario.name, scenario.case), f"case {scenario.case}")
+
+
+def scenario_name(scenario: Scenario, *, cased: bool = True) -> str:
+    """Name of a scenario in words.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+    cased : bool
+        Whether its case is named too.
+
+    Returns
+    -------
+    name : str
+        Such as ``"Manoeuvring in traffic, case 2"``.
+    """
+    name = _SCENARIOS.get(scenario.name, scenario.name)
+    return f"{name}, {case_name(scenario)}" if cased and scenario.case is not None else name
+
+
+def who_drives(log: Log) -> str:
+    """Who drives the ego of a run, in words.
+
+    Parameters
+    ----------
+    log : Log
+        The run.
+
+    Returns
+    -------
+    who : str
+        Such as ``"driver without V2V"``.
+    """
+    return _EGOS[log.scenario.ego]
 
 
 def title(log: Log) -> str:
@@ -60,11 +154,9 @@ def title(log: Log) -> str:
     Returns
     -------
     title : str
-        Such as ``"Case 2, without messages"``.
+        Such as ``"Manoeuvring in traffic, case 2: with V2V"``.
     """
-    scenario = log.scenario
-    name = scenario.name if scenario.case is None else f"Case {scenario.case}"
-    return name if scenario.v2v else f"{name}, without messages"
+    return f"{scenario_name(log.scenario)}: {who_drives(log)}"
 
 
 def row_at(log: Log, t: float) -> int:
@@ -102,6 +194,30 @@ def draw_lanes(axis: Any, road: Road) -> None:
         else:
             axis.axhline(border, color="#555555", linewidth=0.8, linestyle=(0, (8, 6)))
     axis.set_yticks([lane.d for lane in road.lanes])
+
+
+def spelled_out(figure: "Figure") -> "Figure":
+    """Make every text of a figure fit to be drawn, whatever ids it holds.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure, finished; it is changed.
+
+    Returns
+    -------
+    figure : Figure
+        The same one, with no character that cannot be printed and no formula in its texts.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    for text in figure.findobj(require_extra("matplotlib.text", "plot").Text):
+        text.set_text("\n".join(map(plain, text.get_text().split("\n"))))
+        text.set_parse_math(False)
+    return figure
 
 
 def new_figure(height: float) -> "Figure":

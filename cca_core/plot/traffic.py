@@ -10,7 +10,7 @@ from cca_core._checks import Array, check_array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.plot.story import Frame, story, telling_frames
-from cca_core.plot.style import ASPHALT, EGO, colours, draw_lanes, row_at, title
+from cca_core.plot.style import ASPHALT, EGO, colours, draw_lanes, row_at, spelled_out, title
 from cca_core.sim import Log
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None) -> "Figure":
         else:
             wider = _exaggeration(axis, _STRIP)
             axis.set_xlabel(f"distance ahead of the ego [m] (width drawn {wider})", fontsize=8.5)
-    return figure
+    return spelled_out(figure)
 
 
 def _action_at(log: Log, t: float) -> str:

@@ -100,7 +100,7 @@ def _pack(value: Any) -> Any:
     if isinstance(value, Path):
         return {"Path": [value.breaks.tolist(), value.coefficients.tolist()]}
     if isinstance(value, Road):
-        return {"Road": [_pack(value.path), _pack(value.lanes), value.speed_limit]}
+        return {"Road": [_pack(value.path), _pack(value.lanes), value.speed_limit, list(value.stop_lines)]}
     if is_dataclass(value) and not isinstance(value, type):
         return {type(value).__name__: {f.name: _pack(getattr(value, f.name)) for f in fields(value)}}
     if isinstance(value, tuple):
@@ -120,8 +120,8 @@ def _unpack(value: Any) -> Any:
     if kind == "Path":
         return Path(*content)
     if kind == "Road":
-        path, lanes, limit = content
-        return Road(_unpack(path), _unpack(lanes), limit)
+        path, lanes, limit, lines = content
+        return Road(_unpack(path), _unpack(lanes), limit, lines)
     if kind == "tuple":
         return tuple(_unpack(v) for v in content)
     if kind == "frozenset":

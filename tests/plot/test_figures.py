@@ -1,8 +1,7 @@
-import re
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path as FilePath
 
 import numpy as np
 import pytest
@@ -10,6 +9,7 @@ import pytest
 from cca_core import InputError, fit_path
 from cca_core.plot import (
     awaited,
+    contact,
     lane_change,
     leader_speed,
     outcome,
@@ -18,7 +18,6 @@ from cca_core.plot import (
     plot_tunings,
     story,
     telling_frames,
-    write_report,
 )
 from cca_core.sim import Log, maneuver, simulate
 
@@ -96,6 +95,20 @@ def test_a_collision_is_always_a_frame(stuck: Log) -> None:
     assert outcome(log) == "collides with R1"
 
 
+def test_a_collision_is_a_frame_even_right_after_a_decision(run: Callable[..., Log]) -> None:
+    log = run("curbside", "fast", "driver")
+    assert contact(log) is not None
+    late = replace(log, decisions=(*log.decisions, (float(log.t[-2]), "BRAKE", "red is in the way")))
+    assert telling_frames(late)[-1].text == "the run ends in a collision"
+
+
+def test_frames_tell_what_others_begin(run: Callable[..., Log]) -> None:
+    braking = {frame.text: frame.t for frame in telling_frames(run("eebl", "A", "driver"))}
+    assert braking["red brakes"] < braking["yellow brakes"]
+    assert "yellow swerves" in {frame.text for frame in telling_frames(run("curbside", "fast", "v2v"))}
+    assert not any(frame.t == 0.0 for frame in telling_frames(run("curbside", "fast", "v2v")))
+
+
 def test_the_story_names_whom_the_ego_waited_for(waiting: Log, stuck: Log) -> None:
     assert awaited(waiting, 10.0, 25.0) == ["A"]
     assert "until A is through" in story(waiting)
@@ -144,18 +157,6 @@ def test_figures_without_other_vehicles(stuck: Log) -> None:
     assert len(boxes_of(plot_traffic(alone).axes[1])) == 1
     assert np.isnan(leader_speed(alone)).all()
     plot_time_series(alone)
-
-
-def test_the_report_needs_no_network(tunings: tuple[Log, Log], stuck: Log, tmp_path: FilePath) -> None:
-    file = tmp_path / "report.html"
-    write_report([*tunings, stuck], file)
-    page = file.read_text(encoding="utf-8")
-    assert not re.search(r"https?:|src=\"(?!data:)|<link|<script|@import|url\(", page)
-    assert page.count("<img ") == 7  # two for each run, and the tunings
-    for log in (*tunings, stuck):
-        assert story(log) in page
-        for _, name, reason in log.decisions:
-            assert f"<b>{name}</b>: {reason}" in page
 
 
 @pytest.mark.parametrize("module", ["cca_core", "cca_core.plot"])

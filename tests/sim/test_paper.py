@@ -210,6 +210,8 @@ class TestCurbside:
     def test_slow_brakes(self, seed: int) -> None:
         log = drive("curbside", "slow", seed=seed)
         assert not any(action.startswith("EVADE") for action in log.actions)
+        assert log.actions[-1] == "BRAKE"
+        assert -log.ego[:, 7].min() <= 4.5  # yellow may be silent for a second
         assert log.ego[-1, 3] < 0.3
         assert 2.0 < log.gaps()[-1, 1] < 5.0
 

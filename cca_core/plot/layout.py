@@ -1,0 +1,157 @@
+"""Sketch of a scenario before it begins: the counterpart of Figs 5, 8 and 10."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.geometry import boxes
+from cca_core.plot.ground import draw_ground
+from cca_core.plot.style import EGO, colours, draw_lanes, new_figure, plain, scenario_name, spelled_out
+from cca_core.sim import Scenario
+from cca_core.sim.road_user import Brakes, Follows, RoadUser, Swerves
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_MARGIN = 15.0  # around what is shown [m]
+_ARROW = 1.0  # way that arrows show [s]
+_LONGEST = 260.0  # road users further from the ego are told at the border [m]
+
+
+def plot_layout(scenario: Scenario) -> "Figure":
+    """Sketch who is where at the start, and what each is going to do.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    figure : Figure
+        From above. A scenario with other roads is drawn to scale in the plane, any other one along the
+        ego's route with the width drawn larger. Arrows are as long as the way in one second.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
+    if scenario.scenery:
+        figure = new_figure(4.6)
+        _draw_plane(figure.subplots(), scenario)
+    else:
+        figure = new_figure(2.3)
+        _draw_strip(figure.subplots(), scenario)
+    figure.suptitle(plain(scenario_name(scenario)), x=0.01, ha="left", weight="bold", fontsize=11)
+    return spelled_out(figure)
+
+
+def deed(user: RoadUser) -> str:
+    """Say what a road user is going to do.
+
+    Parameters
+    ----------
+    user : RoadUser
+        The road user.
+
+    Returns
+    -------
+    deed : str
+        Its speed and acts, such as ``"29 m/s, brakes with 7 m/s²"``.
+    """
+    told = ["stands" if user.v_x == 0.0 else f"{user.v_x:.0f} m/s"]
+    for act in user.acts:
+        if isinstance(act, Brakes):
+            told.append(f"brakes with {act.deceleration:.0f} m/s² at {act.t:.0f} s")
+        elif isinstance(act, Follows):
+            told.append(f"brakes after {act.leader}")
+        elif isinstance(act, Swerves):
+            told.append(f"swerves {abs(act.width):.0f} m {'left' if act.width > 0.0 else 'right'}")
+    return ", ".join(told)
+
+
+def _draw_plane(axis: Any, scenario: Scenario) -> None:
+    draw_ground(axis, scenario)
+    axis.set_aspect("equal")
+    palette = colours([user.id for user in scenario.users])
+    route = scenario.road.path
+    way = route.position(np.linspace(scenario.start, min(scenario.start + 110.0, route.end), 200))
+    axis.plot(*way.T, color=EGO, linewidth=1.4, linestyle=":", zorder=1)
+    shown = [way[0], way[-1] * 0.5 + way[len(way) // 2] * 0.5]
+    car = scenario.vehicle
+    begin = scenario.start + car.box_offset
+    bodies = [("ego", route, begin, 0.0, 1, scenario.v_x, car.length, car.width, EGO)]
+    bodies += [
+        (u.id, u.route or route, u.s, u.d, u.direction, u.v_x, u.length, u.width, palette[u.id])
+        for u in scenario.users
+    ]
+    for name, path, s, d, along, v, long, wide, colour in bodies:
+        ((x, y),) = path.to_cartesian([s], [d])
+        psi = float(path.heading(s)) + (0.0 if along > 0 else np.pi)
+        _draw_body(axis, boxes(x, y, psi, long, wide).corners(), colour)
+        if v > 0.0:
+            tip = (x + v * _ARROW * np.cos(psi), y + v * _ARROW * np.sin(psi))
+            arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.4}
+            axis.annotate("", tip, (x, y), arrowprops=arrow)
+        user = next((u for u in scenario.users if u.id == name), None)
+        told = f"{scenario.v_x:.1f} m/s" if user is None else deed(user)
+        axis.annotate(
+            f"{plain(name)}: {told}", (x, y), (0, 13 if y > -1.0 else -13), textcoords="offset points",
+            ha="center", va="center", fontsize=9, color=colour, weight="bold", zorder=6,
+            bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.8},
+        )  # fmt: skip
+        shown.append((x, y))
+    low, high = np.min(shown, axis=0) - _MARGIN, np.max(shown, axis=0) + _MARGIN
+    wide, tall = high - low
+    axis.figure.set_figheight(min(5.0, 8.2 * tall / wide + 0.95))
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [m]", ylabel="y [m]")
+
+
+def _draw_strip(axis: Any, scenario: Scenario) -> None:
+    road, car = scenario.road, scenario.vehicle
+    draw_lanes(axis, road)
+    axis.axhline(0.0, color="#777777", linewidth=0.9, linestyle=":", zorder=0.4)
+    palette = colours([user.id for user in scenario.users])
+    v = scenario.v_x
+    told = [("ego", car.box_offset, 0.0, 1, v, car.length, car.width, EGO, f"{v:.0f} m/s")]
+    far = []
+    for u in scenario.users:
+        if abs(u.s - scenario.start) < _LONGEST:
+            at = u.s - scenario.start
+            told.append((u.id, at, u.d, u.direction, u.v_x, u.length, u.width, palette[u.id], deed(u)))
+        else:
+            far.append(u)
+    ends = [place for entry in told for place in (entry[1], entry[1] + entry[3] * entry[4] * _ARROW)]
+    view = (min(ends) - _MARGIN, max(ends) + 2.0 * _MARGIN)
+    for i, (name, x, y, along, v, long, wide, colour, text) in enumerate(sorted(told, key=lambda e: e[1])):
+        psi = 0.0 if along > 0 else np.pi
+        _draw_body(axis, boxes(x, y, psi, long, wide).corners(), colour)
+        if v > 0.0:
+            tip = (x + along * (0.5 * long + v * _ARROW), y)
+            axis.annotate(
+                "", tip, (x + along * 0.5 * long, y), arrowprops={"arrowstyle": "-|>", "color": colour}
+            )
+        above = i % 2 == 0
+        edge = road.left_edge if above else road.right_edge
+        axis.annotate(
+            f"{plain(name)}: {text}", (x, y), (x, edge + (1.6 if above else -1.6)), ha="center", va="center",
+            fontsize=9, color=colour, weight="bold", annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.6},
+        )  # fmt: skip
+    for u in far:
+        ahead = u.s > scenario.start
+        where = f"{abs(u.s - scenario.start):.0f} m {'ahead ▸' if ahead else 'behind'}"
+        axis.text(
+            view[1] - 1.0 if ahead else view[0] + 1.0, u.d, f"{plain(u.id)}: {deed(u)}, {where}",
+            ha="right" if ahead else "left", va="center", fontsize=8, color=palette[u.id], weight="bold",
+        )  # fmt: skip
+    axis.set(
+        xlim=view, ylim=(road.right_edge - 3.2, road.left_edge + 3.2), ylabel="left of the\nroute [m]",
+        xlabel="distance ahead of the ego at the start [m] (width drawn larger)",
+    )  # fmt: skip
+
+
+def _draw_body(axis: Any, corners: Array, colour: str) -> None:
+    axis.fill(*corners.T, facecolor=colour, edgecolor="white", linewidth=0.5, zorder=3)

@@ -1,0 +1,187 @@
+"""Script and style of the animations: they move an inline SVG and need nothing from elsewhere."""
+
+__all__ = ["SCRIPT", "STYLE"]
+
+STYLE = """
+.cca { --asphalt: #dcdcdc; --paint: #fff; --verge: #f3f5f1; --edge: #777; --ink: #222; --soft: #555;
+  --ego: #0072b2; --hit: #a33000; --line: #bbb; color: var(--ink); margin: 1em 0; font-size: .95rem }
+@media (prefers-color-scheme: dark) {
+  .cca { --asphalt: #3b3d40; --paint: #8d8f92; --verge: #1e2320; --edge: #999; --ink: #e8e8e8;
+    --soft: #b5b5b5; --ego: #4fb0ea; --hit: #ff8a5c; --line: #555 }
+}
+.cca:focus-visible { outline: 2px solid var(--ego); outline-offset: 3px }
+.cca-pair { display: grid; gap: 12px; grid-template-columns: repeat(auto-fit, minmax(min(100%, 330px), 1fr)) }
+.cca-run { margin: 0; min-width: 0 }
+.cca-run svg { display: block; width: 100%; height: auto; background: var(--verge); border-radius: 4px }
+.cca-run figcaption { font-weight: 600; margin-bottom: .25em }
+.cca-state { margin: .3em 0 0; min-height: 4.3em; font-variant-numeric: tabular-nums; line-height: 1.4 }
+.cca-key { margin: .2em 0 0; font-size: .85em; color: var(--soft) }
+.cca-why { color: var(--soft) }
+.cca-hit { color: var(--hit); font-weight: 600 }
+.cca-controls { display: flex; flex-wrap: wrap; align-items: center; gap: 8px; margin-top: .3em }
+.cca-controls button, .cca-controls select { font: inherit; padding: .3em .5em; min-height: 2.4em }
+.cca-controls button { min-width: 5.2em }
+.cca-controls input { flex: 1 1 6em; min-width: 5em; accent-color: var(--ego); height: 2.4em }
+.cca-clock { font-variant-numeric: tabular-nums; min-width: 6.3em; text-align: right }
+.cca .asphalt { fill: var(--asphalt) } .cca .border { stroke: var(--edge); fill: none; stroke-width: .5 }
+.cca .dashes { stroke: var(--paint); fill: none; stroke-width: .22; stroke-dasharray: 3 6 }
+.cca .route { stroke: var(--edge); fill: none; stroke-width: .12; stroke-dasharray: .6 .8 }
+.cca .stop { stroke: var(--paint); stroke-width: .6 }
+.cca .trail { stroke: var(--ego); fill: none; stroke-width: .35; opacity: .8 }
+.cca .body { stroke: var(--paint); stroke-width: .12 } .cca .ego .body { fill: var(--ego) }
+.cca .glass { fill: #fff; opacity: .55 }
+.cca .unknown .body { fill-opacity: .12; stroke: var(--soft); stroke-dasharray: .7 .5; stroke-width: .2 }
+.cca .unknown .glass { opacity: .1 }
+.cca .pulse { fill: none; stroke: var(--ego); stroke-width: .3; opacity: 0 }
+.cca .contact { stroke: var(--hit); stroke-width: .7; fill: none; visibility: hidden }
+.cca .over .contact { visibility: visible }
+.cca text { font-family: system-ui, sans-serif; font-size: 3.4px; fill: var(--ink); stroke: var(--asphalt);
+  stroke-width: .22em; stroke-linejoin: round; paint-order: stroke }
+"""
+"""CSS of the animations (light and dark, any width)."""
+
+# Neither "<" nor "&" occurs, so that a fragment is well-formed XML as well as HTML.
+SCRIPT = r"""
+(function () {
+  "use strict";
+  var still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+  function sums(column) { var sum = 0; return column.map(function (x) { sum += x; return sum; }); }
+  function decode(run) {
+    run.t = sums(run.t).map(function (x) { return x / 1000; });
+    run.camera = run.camera.map(sums);
+    run.bodies = run.bodies.map(function (body) { return body.map(sums); });
+    return run;
+  }
+  function place(t, times) {
+    var low = 0, high = times.length - 1, middle;
+    if (t >= times[high]) { return [high, high, 0]; }
+    while (high - low > 1) {
+      middle = (low + high) >> 1;
+      if (times[middle] > t) { high = middle; } else { low = middle; }
+    }
+    return [low, high, (t - times[low]) / (times[high] - times[low])];
+  }
+  function at(columns, where) {
+    return columns.map(function (c) { return c[where[0]] + where[2] * (c[where[1]] - c[where[0]]); });
+  }
+  function Run(figure, data) {
+    var svg = figure.querySelector("svg"), box = svg.viewBox.baseVal;
+    this.data = data; this.figure = figure; this.svg = svg; this.box = box;
+    this.world = svg.querySelector(".world"); this.trail = svg.querySelector(".trail");
+    this.cars = Array.from(svg.querySelectorAll(".car"));
+    this.pulses = Array.from(svg.querySelectorAll(".pulse"));
+    this.labels = Array.from(svg.querySelectorAll("text"));
+    this.state = figure.querySelector(".cca-now"); this.why = figure.querySelector(".cca-why");
+    this.points = data.t.map(function (_, k) {
+      return (data.bodies[0][0][k] / 100).toFixed(2) + "," + (data.bodies[0][1][k] / 100).toFixed(2);
+    });
+  }
+  Run.prototype.show = function (time) {
+    var data = this.data, end = data.t[data.t.length - 1], t = Math.min(time, end);
+    var where = place(t, data.t), camera = at(data.camera, where), run = this, stacked = [0, 0];
+    var cx = camera[0] / 100, cy = camera[1] / 100, turn = camera[2] / 1e4;
+    var c = Math.cos(turn), s = Math.sin(turn), box = this.box;
+    var size = 12 * box.width / Math.max(this.svg.clientWidth, 100);
+    this.world.setAttribute("transform", "scale(1 -1) rotate(" + (-turn * 180 / Math.PI).toFixed(3) +
+      ") translate(" + (-cx).toFixed(3) + " " + (-cy).toFixed(3) + ")");
+    var ego = null, y0 = 0;
+    this.cars.forEach(function (car, i) {
+      var pose = at(data.bodies[i], where), x = pose[0] / 100, y = pose[1] / 100, v = pose[3] / 100;
+      var known = i === 0 || data.known[i - 1].charAt(where[0]) === "1";
+      if (i === 0) { ego = [x, y]; y0 = s * (x - cx) - c * (y - cy); }
+      car.setAttribute("transform", "translate(" + x.toFixed(3) + " " + y.toFixed(3) + ") rotate(" +
+        (pose[2] / 1e4 * 180 / Math.PI).toFixed(2) + ")");
+      car.classList.toggle("unknown", !known);
+      if (i > 0) {
+        var sent = data.heard[i - 1].filter(function (m) { return t >= m / 1000; }).pop();
+        var old = sent === undefined ? 9 : t - sent / 1000, pulse = run.pulses[i - 1];
+        pulse.setAttribute("cx", x.toFixed(2)); pulse.setAttribute("cy", y.toFixed(2));
+        pulse.setAttribute("r", (2 + 10 * Math.min(old, 0.5)).toFixed(2));
+        pulse.style.opacity = 0.5 > old ? (0.9 - 1.8 * old).toFixed(2) : 0;
+      }
+      var px = c * (x - cx) + s * (y - cy), py = s * (x - cx) - c * (y - cy), label = run.labels[i];
+      var far = Math.round(Math.hypot(x - ego[0], y - ego[1])), text;
+      text = data.names[i] + (v > 0.1 ? " " + v.toFixed(v > 0.95 ? 0 : 1) + " m/s" : " stands");
+      text = i === 0 ? "" : text;
+      var before = box.x - 2 > px, after = px > box.x + box.width + 2;
+      label.style.fontSize = size + "px";
+      if (i !== 0 ? before || after : false) {
+        px = before ? box.x + 0.5 * size : box.x + box.width - 0.5 * size;
+        text = before ? "\u25c2 " + text + ", " + far + " m" : text + ", " + far + " m \u25b8";
+        py = box.y + (1.2 + 1.2 * stacked[before ? 0 : 1]) * size;
+        stacked[before ? 0 : 1] += 1;
+        label.setAttribute("text-anchor", before ? "start" : "end");
+      } else {
+        label.setAttribute("text-anchor", "middle");
+        px = Math.min(Math.max(px, box.x + 3.4 * size), box.x + box.width - 3.4 * size);
+        py = py > y0 + 0.7 ? py + 1.3 + size : py - 1.5;
+      }
+      label.setAttribute("x", px.toFixed(2)); label.setAttribute("y", py.toFixed(2));
+      label.textContent = text;
+    });
+    this.trail.setAttribute("points",
+      this.points.slice(0, where[0] + 1).concat(ego[0].toFixed(2) + "," + ego[1].toFixed(2)).join(" "));
+    var action = data.actions.filter(function (a) { return t + 1e-6 >= a[0]; }).pop();
+    var speed = at(data.bodies[0], where)[3] / 100, over = time >= end;
+    var hit = over ? data.contact : null;
+    this.svg.classList.toggle("over", Boolean(hit));
+    this.state.textContent = t.toFixed(1) + " s, " + speed.toFixed(1) + " m/s, " + action[1];
+    this.why.textContent = hit || action[2];
+    this.why.classList.toggle("cca-hit", Boolean(hit));
+  };
+  function start(root) {
+    if (root.dataset.ready) { return; }
+    root.dataset.ready = "1";
+    var data = JSON.parse(root.querySelector("script[type='application/json']").textContent);
+    var figures = root.querySelectorAll(".cca-run");
+    var runs = data.map(function (run, i) { return new Run(figures[i], decode(run)); });
+    var end = Math.max.apply(null, runs.map(function (r) { return r.data.t[r.data.t.length - 1]; }));
+    var button = root.querySelector("button"), slider = root.querySelector("input");
+    var speed = root.querySelector("select"), clock = root.querySelector(".cca-clock");
+    var now = 0, last = null, playing = false, touched = still;
+    function show() {
+      runs.forEach(function (run) { run.show(now); });
+      slider.value = now; clock.textContent = now.toFixed(1) + " / " + end.toFixed(1) + " s";
+      slider.setAttribute("aria-valuetext", now.toFixed(1) + " seconds");
+    }
+    function name() { button.textContent = playing ? "Pause" : now >= end ? "Replay" : "Play"; }
+    function frame(stamp) {
+      if (!playing) { return; }
+      if (last !== null) { now = Math.min(now + (stamp - last) / 1000 * Number(speed.value), end); }
+      last = stamp;
+      show();
+      if (now >= end) { playing = false; name(); } else { window.requestAnimationFrame(frame); }
+    }
+    function play(on) {
+      if (on === playing) { return; }
+      if (on) { if (now >= end) { now = 0; } }
+      playing = on; last = null; name();
+      if (on) { window.requestAnimationFrame(frame); }
+    }
+    function seek(t) { now = Math.min(Math.max(t, 0), end); show(); name(); }
+    button.addEventListener("click", function () { touched = true; play(!playing); });
+    slider.addEventListener("input", function () {
+      touched = true; play(false); seek(Number(slider.value));
+    });
+    root.addEventListener("keydown", function (event) {
+      var step = { ArrowLeft: -0.5, ArrowRight: 0.5, ",": -0.1, ".": 0.1, Home: -end, End: end }[event.key];
+      if (event.target !== root) { return; }
+      if (event.key === " ") { touched = true; play(!playing); }
+      else if (step !== undefined) { touched = true; play(false); seek(now + step); }
+      else { return; }
+      event.preventDefault();
+    });
+    slider.max = end;
+    window.addEventListener("resize", show);
+    if (window.IntersectionObserver) {
+      new IntersectionObserver(function (entries) {
+        var seen = entries[entries.length - 1].isIntersecting;
+        if (!seen) { play(false); } else if (!touched) { touched = true; play(true); }
+      }, { threshold: 0.6 }).observe(root);
+    }
+    show(); name();
+  }
+  document.querySelectorAll(".cca").forEach(start);
+}());
+"""
+"""JavaScript of the animations; it starts each one on the page once."""

@@ -1,0 +1,254 @@
+"""Scenarios drawn by chance around the paper's: one seed and one number give one scenario."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from cca_core._checks import Array, check_array
+from cca_core.errors import InputError
+from cca_core.path import Path, interpolate_path
+from cca_core.sim.curbside import curbside
+from cca_core.sim.eebl import eebl
+from cca_core.sim.ima import IMA_CASES, ima
+from cca_core.sim.paper import maneuver
+from cca_core.sim.road_user import Brakes, Follows, RoadUser
+from cca_core.sim.scenario import Scenario
+from cca_core.v2x import ChannelSettings
+from cca_core.vehicle import VehicleParams
+
+__all__ = ["STUDIED", "Variation", "draw_scenario", "nominal", "without_messages"]
+
+_G = 9.81
+_MESSAGES = 10.0  # longest mean burst of loss [-]
+_START = 20.0  # of the ego in the fourth scenario [m]
+_Draw = Callable[[str, float, float], float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variation:
+    """What is drawn, each evenly between two bounds; equal bounds hold a value.
+
+    Parameters
+    ----------
+    scenario : {"eebl", "ima", "curbside", "maneuver"}
+        Which one; `draw_scenario` tells what else of it is drawn.
+    friction : tuple of float
+        Friction of the road under everybody [-]. The planner knows it.
+    mass : tuple of float
+        The ego's mass and yaw inertia, as a share of what the planner takes them to be [-].
+    latency : tuple of float
+        From a message's measurement to its arrival [s], at least.
+    jitter : tuple of float
+        Mean of what is added to that [s], exponentially distributed.
+    loss : tuple of float
+        Share of messages lost [-], in bursts of 1 / (1 - loss) to 10 messages in the mean.
+    reach : tuple of float
+        Distance beyond which nobody is heard [m].
+    reaction : tuple of float
+        Reaction time of each driver [s].
+
+    Raises
+    ------
+    InputError
+        If the scenario is unknown, or bounds are out of range or in the wrong order.
+    """
+
+    scenario: str
+    friction: tuple[float, float] = (0.6, 1.0)
+    mass: tuple[float, float] = (0.95, 1.35)
+    latency: tuple[float, float] = (0.0, 0.5)
+    jitter: tuple[float, float] = (0.0, 0.03)
+    loss: tuple[float, float] = (0.0, 0.8)
+    reach: tuple[float, float] = (120.0, 400.0)
+    reaction: tuple[float, float] = (0.7, 1.5)
+
+    def __post_init__(self) -> None:
+        if self.scenario not in STUDIED:
+            raise InputError(f"scenario must be one of {', '.join(STUDIED)}, was {self.scenario!r}")
+        for field in fields(self)[1:]:
+            least, most = _RANGES[field.name]
+            low, high = check_array(field.name, getattr(self, field.name), (2,)).tolist()
+            if not least <= low <= high <= most:
+                raise InputError(
+                    f"{field.name} must be two numbers from {least:g} to {most:g}, the lesser first, "
+                    f"was ({low:g}, {high:g})"
+                )
+
+
+_RANGES = {
+    "friction": (0.3, 1.2), "mass": (0.5, 2.0), "latency": (0.0, 5.0), "jitter": (0.0, 1.0),
+    "loss": (0.0, 0.9), "reach": (1.0, 1e4), "reaction": (0.0, 1.6),
+}  # fmt: skip
+
+
+def draw_scenario(
+    variation: Variation, seed: int, index: int
+) -> tuple[Scenario, dict[str, float | int | str]]:
+    """Draw one scenario, with messages.
+
+    Parameters
+    ----------
+    variation : Variation
+        What is drawn.
+    seed, index : int
+        The study's seed, and the number of the run in it, from 0. A run depends on nothing else: neither on
+        the other runs nor on where and in which order they are driven.
+
+    Returns
+    -------
+    scenario : Scenario
+        The ego is what it is; its planner takes it to be `nominal`.
+    drawn : dict
+        Every drawn value by name, in SI units.
+
+    Raises
+    ------
+    InputError
+        If `seed` or `index` is negative.
+
+    Notes
+    -----
+    eebl: speed 15 to 33 m/s, gaps 0.4 to 1.2 s and 1.7 to 2.5 s, the first car brakes with 4 to 7 m/s^2 (no
+    more than the road gives), the second is connected or not, by halves. ima: turn or crossing, speeds of
+    4.5 to 7 or 8 to 14 m/s and 10 to 22 m/s, arrival -1 to 1 s apart, truck 7 to 10 m. curbside: speed 10 to
+    34 m/s, 1.2 to 2.2 m of the lane occupied, radius 1000 to 5000 m. maneuver: cases 1-smooth, 1-fast, 2 and
+    3, speed 18 to 26 m/s, the slow cars at 50 to 75 % of it, the others within 60 m of where the paper's
+    timing has them; road straight or bent with 1000 m or more.
+    """
+    if seed < 0 or index < 0:
+        raise InputError(f"seed and index must be at least 0, were {seed} and {index}")
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(index,)))
+    drawn: dict[str, float | int | str] = {"index": index}
+
+    def number(name: str, low: float, high: float) -> float:
+        drawn[name] = value = float(low + (high - low) * rng.random())
+        return value
+
+    drawn["seed"] = int(rng.integers(2**31))
+    friction = number("friction", *variation.friction)
+    mass = number("mass", *variation.mass)
+    latency, jitter = number("latency", *variation.latency), number("jitter", *variation.jitter)
+    loss = number("loss", *variation.loss)
+    burst = number("burst", 1.0 / (1.0 - loss), _MESSAGES)
+    channel = ChannelSettings(
+        latency=latency, jitter=jitter, loss=loss, burst=burst, range=number("reach", *variation.reach)
+    )
+    others, own = number("reaction", *variation.reaction), number("own_reaction", *variation.reaction)
+    case = int(rng.integers(4))
+    scenario = _MAKERS[variation.scenario](case, number, channel, others, friction)
+    drawn["case"] = str(scenario.case)
+    car = scenario.vehicle
+    car = replace(car, m=mass * car.m, I_z=mass * car.I_z, mu=friction)
+    scenario = replace(
+        scenario, vehicle=car, reaction=own, seed=int(drawn["seed"]), channel=channel,
+        users=tuple(_grounded(user, friction) for user in scenario.users),
+    )  # fmt: skip
+    return scenario, drawn
+
+
+def nominal(scenario: Scenario) -> Scenario:
+    """Scenario as the planner takes it to be: the car weighs what is written, the friction is known.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        A drawn one.
+
+    Returns
+    -------
+    scenario : Scenario
+        The same with the nominal mass and yaw inertia.
+    """
+    car = VehicleParams.bmw_320i()
+    return replace(scenario, vehicle=replace(scenario.vehicle, m=car.m, I_z=car.I_z))
+
+
+def without_messages(scenario: Scenario, ego: str) -> Scenario:
+    """Let nobody send.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        One with messages.
+    ego : {"driver", "sensor"}
+        Who drives the ego instead.
+
+    Returns
+    -------
+    scenario : Scenario
+        The same without messages; who was warned by them reacts to what he sees.
+    """
+    users = tuple(
+        replace(
+            user,
+            acts=tuple(
+                replace(act, warned_after=math.inf) if isinstance(act, Follows) else act for act in user.acts
+            ),
+        )
+        for user in scenario.users
+    )
+    return replace(scenario, ego=ego, users=users)
+
+
+def _eebl(case: int, number: _Draw, channel: ChannelSettings, reaction: float, mu: float) -> Scenario:
+    v_x, gap, second = number("v_x", 15.0, 33.0), number("gap", 0.4, 1.2), number("second_gap", 1.7, 2.5)
+    made = eebl("BC"[case % 2], v_x=v_x, time_gap=gap, reaction=reaction, channel=channel)
+    yellow, red = made.users
+    brakes = Brakes(t=2.0, deceleration=number("braking", 4.0, 7.0))
+    red = replace(red, s=red.s + (second - 1.8) * v_x, acts=(brakes,))
+    return replace(made, users=(yellow, red), speed=replace(made.speed, b_max=7.0))
+
+
+def _ima(case: int, number: _Draw, channel: ChannelSettings, reaction: float, mu: float) -> Scenario:
+    name = IMA_CASES[case % 2]
+    speeds = (4.5, 7.0) if name == "left-turn" else (8.0, 14.0)
+    return ima(
+        name, v_x=number("v_x", *speeds), v_red=number("v_red", 10.0, 22.0), reaction=reaction,
+        offset=number("offset", -1.0, 1.0), truck=(number("truck", 7.0, 10.0), 2.5), channel=channel,
+    )  # fmt: skip
+
+
+def _curbside(case: int, number: _Draw, channel: ChannelSettings, reaction: float, mu: float) -> Scenario:
+    return curbside(
+        v_x=number("v_x", 10.0, 34.0), intrudes=number("intrudes", 1.2, 2.2), channel=channel,
+        radius=number("radius", 1000.0, 5000.0), reaction=reaction,
+    )  # fmt: skip
+
+
+def _maneuver(case: int, number: _Draw, channel: ChannelSettings, reaction: float, mu: float) -> Scenario:
+    name = ("1-fast", "1-smooth", "2", "3")[case]
+    v_x, bend = number("v_x", 18.0, 26.0), number("bend", -1e-3, 1e-3)
+    slow = v_x * number("slow", 0.5, 0.75)
+    made = maneuver(name, _bend(bend, 40.0 * max(v_x, 25.0) + 200.0), start=_START)
+    users: list[RoadUser] = []
+    for user in made.users:
+        shift = number(f"shift_{user.id}", -10.0, 60.0 if user.id == "A" else 10.0)
+        fast = user.v_x * v_x / made.v_x
+        moves = replace(user, s=user.s + shift, v_x=fast if user.id == "A" else slow)
+        users.append(replace(moves, reaction=reaction) if user.id == "A" else moves)
+    evasion = replace(made.evasion, known_range=channel.range)
+    return replace(made, v_x=v_x, cruise_speed=v_x, users=tuple(users), evasion=evasion)
+
+
+def _bend(curvature: float, length: float) -> Path:
+    s: Array = np.linspace(0.0, length, math.ceil(length / 20.0) + 1)
+    # x + iy, the integral of exp(i kappa s)
+    z = s * np.exp(0.5j * curvature * s) * np.sinc(0.5 * curvature * s / np.pi)
+    return interpolate_path(np.column_stack((z.real, z.imag)), start_tangent=(1.0, 0.0))
+
+
+def _grounded(user: RoadUser, friction: float) -> RoadUser:
+    """Let nobody mean to brake harder than the road gives."""
+    most = friction * _G
+    acts = tuple(
+        replace(act, deceleration=min(act.deceleration, most)) if isinstance(act, Brakes | Follows) else act
+        for act in user.acts
+    )
+    return replace(user, acts=acts, deceleration=min(user.deceleration, most))
+
+
+_MAKERS = {"eebl": _eebl, "ima": _ima, "curbside": _curbside, "maneuver": _maneuver}
+STUDIED = tuple(_MAKERS)
+"""Scenarios that a study can vary."""
