@@ -1,15 +1,21 @@
 """The planner in closed loop does not care how the world is turned, shifted or mirrored."""
 
 import math
+import re
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from cca_core import RemoteVehicle, VehicleState
 from cca_core.path import Lane, Path, Road, fit_path
-from cca_core.sim import Log, Scenario, maneuver, simulate
+from cca_core.sim import Log, Scenario, SingleTrackPlant, make_planner, maneuver, simulate
+from cca_core.sim.loop import CYCLE
+from cca_core.sim.traffic import Traffic
 
+NUMBER = re.compile(r"(?<![A-Za-z])\d+(?:\.\d+)?")
+ONE_CYCLE = 0.021  # [s]
 GRID = 5e-3  # speeds, headings and places in messages are rounded; both worlds round differently
 
 LONG = 13.0  # the first swerve of case 1-fast and its end [s]
@@ -61,9 +67,49 @@ def test_turned_and_shifted(plain: tuple[str, Log], angle: float, shift: tuple[f
     kind, log = plain
     other = simulate(scenario_on(path_of(moved(waypoints(kind), angle, shift))))
     assert np.abs(other.command - log.command).max() < GRID
-    assert [(t, name) for t, name, _ in other.decisions] == [(t, name) for t, name, _ in log.decisions]
-    assert moved(log.ego[:, :2], angle, shift) == pytest.approx(other.ego[:, :2], abs=0.02)
-    assert other.gaps() == pytest.approx(log.gaps(), abs=0.02)
+    assert other.actions == log.actions
+    assert [t for t, _, _ in other.decisions] == pytest.approx(
+        [t for t, _, _ in log.decisions], abs=ONE_CYCLE
+    )
+    assert moved(log.ego[:, :2], angle, shift) == pytest.approx(other.ego[:, :2], abs=0.05)
+    assert other.gaps() == pytest.approx(log.gaps(), abs=0.05)
+
+
+def exactly(scenario: Scenario) -> tuple[np.ndarray[Any, Any], list[str]]:
+    """Commands and actions with records of the others that nobody has rounded."""
+    planner, traffic = make_planner(scenario), Traffic(scenario)
+    path, start = scenario.road.path, scenario.start
+    x, y = path.position(start).tolist()
+    plant = SingleTrackPlant(
+        scenario.vehicle, VehicleState(x=x, y=y, psi=float(path.heading(start)), v_x=scenario.v_x)
+    )
+    commands, actions = [], []
+    for k in range(round(scenario.duration / CYCLE)):
+        t, state = k * CYCLE, plant.state
+        remotes = [
+            RemoteVehicle(id=u.id, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, length=u.length, width=u.width)
+            for u, (x, y, psi, v, a, r) in zip(scenario.users, traffic.rows(), strict=True)
+        ]
+        command = planner.step(t, state, remotes)
+        commands.append((command.delta, command.a_x))
+        actions.append(command.decision.action.value)
+        plant.step(command.delta, command.a_x, CYCLE)
+        traffic.step(t, state)
+    return np.array(commands), actions
+
+
+@pytest.mark.parametrize("kind", ["straight", "curved"])
+def test_without_rounding_nothing_changes_at_all(kind: str) -> None:
+    commands, actions = exactly(scenario_on(path_of(waypoints(kind))))
+    assert "EVADE_LEFT" in actions
+    assert np.abs(commands[:, 0]).max() > 0.005
+    turned, same = exactly(scenario_on(path_of(moved(waypoints(kind), 2.1, (300.0, -120.0)))))
+    assert np.abs(turned - commands).max() < 1e-6
+    assert same == actions
+    path = path_of(waypoints(kind) * (1.0, -1.0))
+    flipped, other = exactly(mirrored(scenario_on(path), path))
+    assert np.abs(flipped * (-1.0, 1.0) - commands).max() < 1e-6
+    assert [a.replace("RIGHT", "LEFT") for a in other] == actions
 
 
 def test_mirrored(plain: tuple[str, Log]) -> None:
@@ -73,11 +119,16 @@ def test_mirrored(plain: tuple[str, Log]) -> None:
     assert np.abs(other.command[:, 0] + log.command[:, 0]).max() < GRID
     assert np.abs(other.command[:, 1] - log.command[:, 1]).max() < GRID
     swap = {"EVADE_LEFT": "EVADE_RIGHT", "EVADE_RIGHT": "EVADE_LEFT"}
-    assert [(t, swap.get(n, n)) for t, n, _ in other.decisions] == [(t, n) for t, n, _ in log.decisions]
+    assert [swap.get(name, name) for name in other.actions] == log.actions
+    assert [t for t, _, _ in other.decisions] == pytest.approx(
+        [t for t, _, _ in log.decisions], abs=ONE_CYCLE
+    )
     assert other.place[:, 1] == pytest.approx(-log.place[:, 1], abs=0.02)
     words = {"left": "right", "right": "left"}
     for (_, _, said), (_, _, meant) in zip(other.decisions, log.decisions, strict=True):
-        assert " ".join(words.get(w, w) for w in said.split()) == meant
+        assert NUMBER.split(" ".join(words.get(w, w) for w in said.split())) == NUMBER.split(meant)
+        figures = [float(x) for x in NUMBER.findall(meant)]
+        assert [float(x) for x in NUMBER.findall(said)] == pytest.approx(figures, abs=1.01)
 
 
 def test_mirrored_wait_for_an_oncoming_car() -> None:

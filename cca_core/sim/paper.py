@@ -61,7 +61,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
         duration = 32.0
     else:
         others = [("R1", 70.0, 0.0, slow, 1), ("R2", 180.0, 0.0, slow, 1)]
-        others.append(("A", -208.0, _LANE, 35.0, 1) if case == "2" else ("A", 850.0, _LANE, 20.0, -1))
+        others.append(("A", -205.0, _LANE, 35.0, 1) if case == "2" else ("A", 850.0, _LANE, 20.0, -1))
         duration = 38.0
     reach = start + cruise * duration + 100.0
     if path.end < reach:
@@ -83,7 +83,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
         start=start, v_x=cruise, cruise_speed=cruise, users=users, duration=duration,
         ego="v2v" if v2v else "sensor", sensor_delay=0.0, figures=_FIGURES[case],
         evasion=EvasionSettings(
-            lateral_acceleration={"1-fast": 3.5, "1-smooth": 1.8}.get(case, 2.0), known_range=math.inf,
+            lateral_acceleration={"1-fast": 3.5, "1-smooth": 1.6}.get(case, 2.0), known_range=math.inf,
             braking=0.0, acceleration=0.0,  # the paper's others go on as they are
         ),
     )  # fmt: skip
