@@ -9,7 +9,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 export MPLBACKEND ?= Agg
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test lint docs bench validate clean
+.PHONY: help demo test lint docs bench table1 validate package clean
 
 help:
 	@echo "make demo      drive the paper's scenarios; report, figures and summary.json in out/"
@@ -17,7 +17,9 @@ help:
 	@echo "make lint      ruff, mypy and the import contract alone"
 	@echo "make docs      the documentation, in docs/_build/html"
 	@echo "make bench     the table of run times"
+	@echo "make table1    the planning methods of the paper's Table 1 compared, into docs/table1.md (10 minutes)"
 	@echo "make validate  the tests with the full number of random cases, into docs/validation.md (long)"
+	@echo "make package   build wheel and sdist; install and test them in clean environments (needs the network)"
 	@echo "make clean     remove what was built; .venv stays"
 
 demo: .venv/demo.stamp
@@ -38,8 +40,14 @@ docs: .venv/dev.stamp
 bench: .venv/bench.stamp
 	$(ONE_THREAD) $(BIN)/python -m pytest --benchmark-only --benchmark-sort=name tests/bench
 
+table1: .venv/bench.stamp
+	$(ONE_THREAD) $(BIN)/python -m tests.bench.table1
+
 validate: .venv/dev.stamp
 	$(BIN)/python tests/validate.py
+
+package:
+	$(PYTHON) tests/packaging.py
 
 clean:
 	rm -rf out build dist docs/_build docs/generated .benchmarks .hypothesis .import_linter_cache .mypy_cache \
@@ -50,7 +58,7 @@ clean:
 .venv/demo.stamp: pyproject.toml
 	@echo "installing into .venv ..."
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot]"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,plant]"
 	@touch $@
 
 # --group needs pip 25.1

@@ -13,12 +13,12 @@ from cca_core.beside import lane_beside
 from cca_core.decide import Candidate
 from cca_core.errors import Status
 from cca_core.evasion_settings import EvasionSettings
-from cca_core.geometry import Boxes
+from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import Lane, Path, Road, interpolate_path
 from cca_core.predict import boxes_between
 from cca_core.scene import HORIZON, Ego, Neighbour
 
-__all__ = ["Evasion", "EvasionSettings", "plan_evasion"]
+__all__ = ["Evasion", "EvasionSettings", "plan_evasion", "room_on"]
 
 _RUN_UP = 20.0  # the reference begins on the route this far before the window [m]
 _TAIL = 60.0  # the reference goes on along the route behind the window [m]
@@ -189,6 +189,44 @@ def plan_evasion(
         side=side, start=start, end=end, band=band, candidate=candidate,
         reference=reference_along(road.path, s, band.nodes),
     )  # fmt: skip
+
+
+def room_on(
+    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], settings: EvasionSettings
+) -> float:
+    """Least distance to others if a swerve is driven to its end as it is.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego on its way along the swerve.
+    road : Road
+        Route and lanes.
+    maneuver : Evasion
+        The swerve.
+    others : sequence of Neighbour
+        All other vehicles, nearest on the route first.
+    settings : EvasionSettings
+        What others are held capable of.
+
+    Returns
+    -------
+    room : float
+        Distance between the ego's body and the others' bounds [m], negative if they meet.
+    """
+    s = np.linspace(maneuver.start, maneuver.end, len(maneuver.band.nodes))
+    left = s >= ego.s - _BEHIND
+    s, x, y = s[left], *maneuver.band.nodes[left].T
+    if len(s) < 2:
+        return math.inf
+    psi, t, vehicle = np.arctan2(np.gradient(y), np.gradient(x)), ego.times(s), ego.vehicle
+    body = boxes(
+        x + vehicle.box_offset * np.cos(psi), y + vehicle.box_offset * np.sin(psi), psi,
+        vehicle.length, vehicle.width,
+    )  # fmt: skip
+    near = [o for o in others if not _follows(o, ego, road.own_lane)]
+    gaps = [box_gap(body, _boxes(road.path, s, o, t, settings, o is near[0])).min() for o in near]
+    return float(min(gaps, default=math.inf))
 
 
 def _span(other: Neighbour, t: Array, settings: EvasionSettings, passed: bool) -> tuple[Array, Array]:

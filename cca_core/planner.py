@@ -17,7 +17,7 @@ from cca_core.band import Side
 from cca_core.command import Command
 from cca_core.decide import Action, Candidate, Conflict, Decision, Leader, choose_action
 from cca_core.errors import InputError, Status
-from cca_core.evasion import Evasion, plan_evasion
+from cca_core.evasion import Evasion, plan_evasion, room_on
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import (
     PreviewController,
@@ -43,6 +43,7 @@ _BESIDE = 1.5  # beyond the road's edges and the clearance nobody matters who do
 _PERIOD = 0.1  # between two looks at the same vehicles [s]
 _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up for following
 _GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
+_TOUCHES = 0.1  # distance to others' bounds on the old swerve below which a way back is looked for [m]
 _NARROW = 0.3  # clearance with which it is driven on then [m]
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
 _COMFORTABLE = 2.0  # deceleration up to which a stop behind who stands is preferred to a swerve [m/s^2]
@@ -303,7 +304,7 @@ class Planner:
             self._history = [(ego.s - run_up, self._t - 1.0), (ego.s, self._t)]
 
     def _renew(self, ego: Ego, maneuver: Evasion, leader: Leader | None, neighbours: list[Neighbour]) -> None:
-        """Bend the band for what is known now; if that fails, give up, swerve harder or keep the old one."""
+        """Bend the band for what is known now; if that fails swerve harder, give up, keep the old one, go back."""
         neighbours = [n for n in neighbours if n.remote.id not in self._kept]
         passing = [n for n in neighbours if self._blocks(n, 0.0) and n.s + n.half_length > maneuver.start]
         if not passing:
@@ -325,7 +326,7 @@ class Planner:
                 self._decision = Decision(action=Action.FOLLOW, reason=f"swerve given up: {obstruction}")
                 return
         self._status = Status.FALLBACK
-        if not self._inside:
+        if not self._inside and room_on(ego, self.road, maneuver, neighbours, self.evasion) < _TOUCHES:
             retreat = plan_retreat(ego, self.road, maneuver, neighbours, obstruction)
             if retreat is not None:
                 self._maneuver, self._retreating = retreat, True

@@ -2,6 +2,8 @@
 
 from importlib.metadata import version as installed_version
 from importlib.resources import files
+from pathlib import Path
+from shutil import rmtree
 
 project = "cca_core"
 author = "cca_core contributors"
@@ -21,6 +23,14 @@ exclude_patterns = ["_build"]
 mathjax = files("mathjax") / "static" / "mathjax"
 mathjax_path = "tex-svg.js"
 
+# Sphinx takes only what is beside it: the notebooks are copied, and link to the pages of the site.
+notebooks = Path(__file__).parent / "generated" / "notebooks"
+rmtree(notebooks, ignore_errors=True)
+notebooks.mkdir(parents=True)
+for notebook in (Path(__file__).parents[1] / "examples" / "notebooks").glob("*.ipynb"):
+    text = notebook.read_text(encoding="utf-8").replace("](../../docs/", "](../../")
+    (notebooks / notebook.name).write_text(text, encoding="utf-8")
+
 html_theme = "furo"
 html_title = f"{project} {version}"
 html_static_path = [str(mathjax / "es5" / "tex-svg.js"), str(mathjax / "LICENSE")]
@@ -31,6 +41,7 @@ myst_heading_anchors = 3
 
 nb_execution_mode = "auto"
 nb_execution_raise_on_error = True
+nb_execution_timeout = 180
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}
 
 autodoc_member_order = "bysource"

@@ -2,12 +2,13 @@
 
 import math
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_array, check_real
+from cca_core._svg import EGO, SAMPLES, Mark, drawing
 from cca_core.errors import InputError
 from cca_core.path.cubics import Cubics
 
@@ -65,6 +66,13 @@ class Path:
     def __repr__(self) -> str:
         return f"Path({len(self._coefficients)} segments, {self.length:.1f} m)"
 
+    def _repr_svg_(self) -> str:
+        xy = self.position(np.linspace(self.start, self.end, SAMPLES + 1))
+        return drawing([Mark(xy=xy, colour=EGO, kind=kind) for kind in ("line", "arrow")], repr(self))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Path._trusted, (self._breaks, self._coefficients)
+
     @property
     def breaks(self) -> Array:
         """Arc length at the segment borders [m], shape (n_segments + 1,)."""
@@ -102,10 +110,8 @@ class Path:
         -------
         position : ndarray, shape (..., 2)
             Point on the path [m].
-        first : ndarray, shape (..., 2)
-            Tangent [-], of length 1 as far as `s` is arc length.
-        second : ndarray, shape (..., 2)
-            Change of the tangent [1/m].
+        first, second : ndarray, shape (..., 2)
+            Tangent [-], of length 1 as far as `s` is arc length, and its change [1/m].
         """
         return self._cubics.derivatives(np.asarray(s, dtype=np.float64))
 
@@ -225,7 +231,7 @@ class Path:
         return Path(*self._cubics.cut(start, end, self._coefficients))
 
     def project(self, xy: ArrayLike, near: ArrayLike | None = None) -> tuple[Array, Array]:
-        """Foot points: arc length and lateral coordinate of positions.
+        """Foot points by Newton's method: arc length and lateral coordinate of positions.
 
         Parameters
         ----------
@@ -246,10 +252,6 @@ class Path:
         ------
         InputError
             If `xy` or `near` has the wrong shape or is not finite.
-
-        Notes
-        -----
-        Newton on (X - x) X' + (Y - y) Y' = 0, with the second derivative kept positive.
         """
         xy = check_any("xy", xy, (2,))
         shape, points = xy.shape[:-1], xy.reshape(-1, 2)
@@ -274,12 +276,9 @@ class Path:
 
         Returns
         -------
-        s, d : float
-            Arc length and lateral coordinate of the position [m], left positive.
-        psi : float
-            Heading of the path there [rad], counter-clockwise from +x.
-        kappa : float
-            Curvature of the path there [1/m], left turn positive.
+        s, d, psi, kappa : float
+            Arc length and lateral coordinate of the position [m], left positive; heading [rad],
+            counter-clockwise from +x, and curvature [1/m], left turn positive, of the path there.
         """
         return self._cubics.foot_point(x, y, near)
 

@@ -7,7 +7,7 @@ from cca_core.errors import InputError
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.path import Lane, LocalFrame, Path, Road, fit_path
 from cca_core.sim.curbside import CURBSIDE_CASES, curbside
-from cca_core.sim.eebl import eebl
+from cca_core.sim.eebl import REALISTIC, eebl
 from cca_core.sim.ima import ima
 from cca_core.sim.road_user import RoadUser
 from cca_core.sim.route import demo_route, longest_stretch
@@ -103,7 +103,7 @@ def paper_scenarios(path: Path | None = None, *, start: float | None = None) -> 
     -------
     scenarios : list of Scenario
         The first three with messages, with a driver and with a sensor, curb-side at both speeds; the fourth
-        with messages in all cases, and without in three.
+        with messages in all cases, through the same lossy channel as the others, and without in three.
     """
     if path is None:
         waypoints = demo_route()
@@ -115,6 +115,6 @@ def paper_scenarios(path: Path | None = None, *, start: float | None = None) -> 
         *(eebl(case) for case in ("C", "A", "sensor")),
         *(ima(ego=ego) for ego in EGOS),
         *(curbside(case, ego=ego) for case in CURBSIDE_CASES for ego in EGOS),
-        *(maneuver(case, path, start=begin) for case in CASES),
+        *(replace(maneuver(case, path, start=begin), channel=REALISTIC) for case in CASES),
         *(maneuver(case, path, start=begin, v2v=False) for case in ("1-smooth", "2", "3")),
     ]

@@ -1,0 +1,195 @@
+"""Build the distributions, look into them and use them in clean environments. Called by `make package`.
+
+`python tests/packaging.py all` also installs every extra (1.5 GB) and runs an example of them.
+"""
+
+import re
+import subprocess
+import sys
+import tarfile
+import tempfile
+import time
+import tomllib
+import venv
+import zipfile
+from email.parser import Parser
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+NAME = f"cca_core-{PROJECT['version']}"
+TOOLS = ("pytest", "hypothesis", "shapely", "pymap3d", "asn1tools")
+TESTS = (
+    "path", "band", "follow", "decide", "v2x", "test_errors.py", "test_geometry.py", "test_interfaces.py",
+    "test_planner.py", "test_predict.py", "test_serial.py", "test_vehicle.py",
+)  # fmt: skip
+# many bands are one band to the bit only with the BLAS of SciPy 1.13 and newer, before to 1e-12 m
+NOT_OLDEST = "tests/band/test_batch.py::test_obstacles_and_edges_broadcast"
+IMPORT = "from time import perf_counter as now; t = now(); import cca_core; print(now() - t)"
+EXTRA = """
+from cca_core import VehicleParams, relax_band, smooth_band
+
+smooth_band(relax_band([(x, 0.0) for x in range(50)], vehicle=VehicleParams.bmw_320i()))
+"""
+CONSUMER = """
+from collections.abc import Sequence
+
+import numpy as np
+
+from cca_core import Band, Command, Lane, LocalFrame, Path, Planner, RemoteVehicle, Road, Status
+from cca_core import VehicleParams, VehicleState, fit_path, relax_band
+from cca_core.serial import from_dict, to_dict
+
+
+def drive(lat: Sequence[float], lon: Sequence[float], others: Sequence[RemoteVehicle]) -> Command:
+    path: Path = fit_path(LocalFrame(lat[0], lon[0]).to_local(lat, lon), tolerance=0.3)
+    road = Road(path, lanes=[Lane(d=0.0), from_dict(Lane, {"d": 3.5})], speed_limit=25.0)
+    planner = Planner(VehicleParams.bmw_320i(), road, cruise_speed=20.0)
+    command = planner.step(0.0, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0), others)
+    band: Band = relax_band(path.sample(2.0), vehicle=planner.vehicle)
+    total: float = command.delta + command.a_x + float(np.sum(band.nodes))
+    data: dict[str, object] = to_dict(command.decision)
+    assert command.status is Status.OK and data and total
+    return command
+"""
+MISUSE = """
+from cca_core import Lane, Planner
+
+Lane(d="left")
+Planner().step(0.0)
+"""
+
+
+def main() -> None:
+    """Check everything; the first failure ends it."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        builder = environment(folder / "builder", "build")
+        run(builder, "-m", "build", "--outdir", folder, ROOT)
+        wheel, sdist = folder / f"{NAME}-py3-none-any.whl", folder / f"{NAME}.tar.gz"
+        look_into_wheel(wheel)
+        source = look_into_sdist(sdist, folder)
+        use_core(wheel, folder, source)
+        check_types(wheel, folder)
+        if sys.version_info[:2] == (3, 11):  # newer ones need newer versions of the dependencies
+            floor = (requirement.replace(">=", "==") for requirement in PROJECT["dependencies"])
+            run_tests("oldest", wheel, folder, source, *floor)
+        run_tests("newest", wheel, folder, source)
+        if "all" in sys.argv[1:]:
+            use_all(wheel, folder, source)
+
+
+def look_into_wheel(wheel: Path) -> None:
+    """Check that it holds the package, its licence and nothing else."""
+    with zipfile.ZipFile(wheel) as file:
+        names = set(file.namelist())
+        metadata = Parser().parsestr(file.read(f"{NAME}.dist-info/METADATA").decode())
+    own = {name for name in names if not name.startswith(f"{NAME}.dist-info/")}
+    files = {path.relative_to(ROOT).as_posix() for path in (ROOT / "cca_core").rglob("*") if path.is_file()}
+    expect(own == {name for name in files if "__pycache__" not in name}, f"wheel differs: {own ^ files}")
+    expect("cca_core/py.typed" in own, "py.typed is missing")
+    expect(f"{NAME}.dist-info/licenses/LICENSE" in names, "the licence is missing")
+    expect(metadata["License-Expression"] == "Apache-2.0", "no licence expression")
+    expect(metadata["Requires-Python"] == PROJECT["requires-python"], "another Python")
+    expect(len(metadata.get_payload()) > 1000, "no readme")
+    print(f"wheel: {wheel.stat().st_size / 1e3:.0f} kB, {len(own)} files")
+
+
+def look_into_sdist(sdist: Path, folder: Path) -> Path:
+    """Check that it holds what a packager needs; return it unpacked, without the package itself."""
+    with tarfile.open(sdist) as file:
+        names = {name.removeprefix(f"{NAME}/") for name in file.getnames()}
+        file.extractall(folder, filter="data")
+    for name in (
+        "pyproject.toml", "README.md", "LICENSE", "CITATION.cff", "CHANGELOG.md", "CONTRIBUTING.md",
+        "Makefile", "cca_core/py.typed", "tests/conftest.py", "docs/conf.py", "examples/bend_a_band.py",
+    ):  # fmt: skip
+        expect(name in names, f"{name} is not in the sdist")
+    strange = {name for name in names if re.search(r"__pycache__|\.pyc$|_build|^out/|\.hypothesis", name)}
+    expect(not strange, f"the sdist holds {strange}")
+    print(f"sdist: {sdist.stat().st_size / 1e3:.0f} kB, {len(names)} files")
+    source = folder / NAME
+    (source / "cca_core").rename(folder / "not_to_be_imported")
+    return source
+
+
+def use_core(wheel: Path, folder: Path, source: Path) -> None:
+    """Install without extras, run an example, measure."""
+    python = environment(folder / "core", wheel)
+    listed = run(python, "-m", "pip", "list", "--format=freeze").split()
+    names = {line.partition("==")[0].replace("_", "-") for line in listed} - {"pip", "setuptools"}
+    expect(names == {"cca-core", "numpy", "scipy"}, f"the core brings {names}")
+    print(run(python, source / "examples" / "bend_a_band.py", cwd=folder).splitlines()[-1])
+    word = run(python, "-c", EXTRA, fails=True)
+    expect("pip install 'cca-core[qp]'" in word, f"no word about the extra: {word}")
+    times = [float(run(python, "-c", IMPORT)) for _ in range(7)]
+    numpy = [float(run(python, "-c", IMPORT.replace("cca_core", "numpy"))) for _ in range(7)]
+    print(f"import: {min(times):.3f} s, of which NumPy {min(numpy):.3f} s")
+    expect(min(times) < 0.4, "the import is slow")
+    print(f"installed: {size(python, 'cca_core'):.1f} MB, with NumPy and SciPy {size(python):.0f} MB")
+
+
+def use_all(wheel: Path, folder: Path, source: Path) -> None:
+    """Install every extra and run an example of them."""
+    python = environment(folder / "all", f"{wheel}[all]")
+    run(python, source / "examples" / "design_gains.py", cwd=folder)
+    run(python, "-c", "import casadi, control, matplotlib, ompl, osqp, piqp, qpsolvers, tqdm, vehiclemodels")
+    print(f"installed with all extras: {size(python):.0f} MB")
+
+
+def check_types(wheel: Path, folder: Path) -> None:
+    """Let a type checker read a program that uses the library, and one that misuses it."""
+    python = environment(folder / "types", wheel, "mypy")
+    for name, text in (("consumer", CONSUMER), ("misuse", MISUSE)):
+        (folder / f"{name}.py").write_text(text, encoding="utf-8")
+    run(python, "-m", "mypy", "--strict", "consumer.py", cwd=folder)
+    found = run(python, "-m", "mypy", "--strict", "misuse.py", cwd=folder, fails=True)
+    expect(found.count("error:") >= 3, f"misuse is not found: {found}")
+    print("types: a strict consumer passes, misuse is found")
+
+
+def run_tests(name: str, wheel: Path, folder: Path, source: Path, *pinned: str) -> None:
+    """Run the tests of the core against some versions of its dependencies."""
+    python = environment(folder / name, wheel, *pinned, *TOOLS)
+    listed = run(python, "-m", "pip", "list", "--format=freeze").split()
+    versions = ", ".join(line for line in listed if line.startswith(("numpy=", "scipy=")))
+    begun = time.perf_counter()
+    skipped = ["--deselect", NOT_OLDEST] if pinned else []
+    tests = [f"tests/{each}" for each in TESTS]
+    out = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *skipped, *tests, cwd=source)
+    print(f"{name} ({versions}): {out.splitlines()[-1]}, {time.perf_counter() - begun:.0f} s with collection")
+
+
+def environment(folder: Path, *packages: str | Path) -> Path:
+    """Make a virtual environment with packages; return its Python."""
+    venv.create(folder, with_pip=True)
+    python = folder / ("Scripts" if sys.platform == "win32" else "bin") / "python"
+    run(python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages)
+    return python
+
+
+def size(python: Path, package: str = "") -> float:
+    """Size on disk of a package or of all that is installed but pip [MB]."""
+    site = run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip()
+    files = (path for path in Path(site, package).rglob("*") if path.is_file())
+    others = {"pip", "setuptools", "pkg_resources", "_distutils_hack", "__pycache__"}
+    return sum(path.stat().st_size for path in files if not others & set(path.parts)) / 1e6
+
+
+def run(python: Path, *arguments: str | Path, cwd: Path | None = None, fails: bool = False) -> str:
+    """Output of Python with arguments; it must succeed, or fail."""
+    command = [str(python), *map(str, arguments)]
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=1800, check=False)
+    said = f"{' '.join(command)}\n{done.stdout[-6000:]}\n{done.stderr[-4000:]}"
+    expect(bool(done.returncode) == fails, said)
+    return said if fails else done.stdout
+
+
+def expect(fact: bool, otherwise: str) -> None:
+    """Stop with a message unless something is so."""
+    if not fact:
+        sys.exit(f"packaging: {otherwise}")
+
+
+if __name__ == "__main__":
+    main()

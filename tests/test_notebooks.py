@@ -1,0 +1,64 @@
+"""Notebooks are kept as they should be in a repository; `make test` also runs them."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
+
+
+@pytest.fixture(params=NOTEBOOKS, ids=lambda path: path.stem)
+def notebook(request: pytest.FixtureRequest) -> Path:
+    return request.param
+
+
+def cells(notebook: Path) -> list[dict[str, Any]]:
+    return json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+
+
+def text(notebook: Path) -> str:
+    return "\n".join("".join(cell["source"]) for cell in cells(notebook))
+
+
+def test_there_are_notebooks() -> None:
+    assert NOTEBOOKS
+
+
+def test_format_and_kernel(notebook: Path) -> None:
+    content = json.loads(notebook.read_text(encoding="utf-8"))
+    assert (content["nbformat"], content["nbformat_minor"]) == (4, 5)
+    assert content["metadata"]["kernelspec"]["name"] == "python3"
+    ids = [cell["id"] for cell in content["cells"]]
+    assert len(set(ids)) == len(ids)
+
+
+def test_nothing_that_was_executed_is_stored(notebook: Path) -> None:
+    code = [cell for cell in cells(notebook) if cell["cell_type"] == "code"]
+    assert all(not cell["outputs"] and cell["execution_count"] is None for cell in code)
+
+
+def test_has_something_to_turn(notebook: Path) -> None:
+    everything = cells(notebook)
+    heads = [i for i, cell in enumerate(everything) if "".join(cell["source"]).startswith("## Turn this")]
+    assert len(heads) == 1
+    assert everything[heads[0] + 1]["cell_type"] == "code"
+
+
+def test_figures_are_sharp_in_the_documentation(notebook: Path) -> None:
+    assert '%config InlineBackend.figure_formats = ["svg"]' in text(notebook)
+
+
+def test_links_lead_to_files(notebook: Path) -> None:
+    links = re.findall(r"\]\(([^)#\s]+)", text(notebook))
+    missing = [link for link in links if "://" not in link and not (notebook.parent / link).exists()]
+    assert not missing
+
+
+def test_every_example_is_on_the_page_of_examples() -> None:
+    page = (ROOT / "docs" / "notebooks.md").read_text(encoding="utf-8")
+    scripts = {path.name for path in (ROOT / "examples").glob("*.py")}
+    assert set(re.findall(r"^\| `(\w+\.py)`", page, flags=re.M)) == scripts

@@ -1,0 +1,72 @@
+"""What the package says of itself; `tests/packaging.py` builds and installs it."""
+
+import re
+import tomllib
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+
+import pytest
+
+import cca_core
+
+ROOT = Path(__file__).resolve().parents[1]
+WHOLE = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = WHOLE["project"]
+EXTRAS = PROJECT["optional-dependencies"]
+
+
+def test_one_version_everywhere() -> None:
+    cited = re.search(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
+    assert cited is not None
+    assert {PROJECT["version"], cca_core.__version__, version("cca-core"), cited[1]} == {PROJECT["version"]}
+
+
+def test_the_version_is_in_the_changelog() -> None:
+    assert f"## [{PROJECT['version']}]" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+def test_type_checkers_are_told() -> None:
+    assert files(cca_core).joinpath("py.typed").is_file()
+    assert "Typing :: Typed" in PROJECT["classifiers"]
+
+
+def test_the_core_is_numpy_and_scipy_with_a_lowest_version() -> None:
+    assert [re.sub(r">=\d+(\.\d+)+$", "", requirement) for requirement in PROJECT["dependencies"]] == [
+        "numpy",
+        "scipy",
+    ]
+
+
+def test_all_is_all() -> None:
+    (everything,) = EXTRAS["all"]
+    named = re.fullmatch(r"cca-core\[(.+)\]", everything)
+    assert named is not None
+    assert set(named[1].split(",")) == EXTRAS.keys() - {"all"}
+
+
+@pytest.mark.parametrize("extra", sorted(EXTRAS))
+def test_each_extra_is_explained(extra: str) -> None:
+    assert f"| `{extra}` |" in (ROOT / "docs" / "quickstart.md").read_text(encoding="utf-8")
+
+
+def test_missing_extras_name_one_that_exists() -> None:
+    named = set()
+    for file in (ROOT / "cca_core").rglob("*.py"):
+        named |= set(re.findall(r'require_extra\([^()]+, "(\w+)"\)', file.read_text(encoding="utf-8")))
+    assert named
+    assert named <= EXTRAS.keys()
+
+
+def test_the_oldest_python_is_the_first_classifier() -> None:
+    listed = [re.search(r":: (3\.\d+)$", each) for each in PROJECT["classifiers"]]
+    assert PROJECT["requires-python"] == f">={next(found[1] for found in listed if found)}"
+
+
+def test_what_the_source_distribution_names_exists() -> None:
+    for name in WHOLE["tool"]["hatch"]["build"]["targets"]["sdist"]["include"]:
+        assert (ROOT / name.removeprefix("/")).exists(), name
+    assert [(ROOT / name).is_file() for name in (*PROJECT["license-files"], PROJECT["readme"])] == [
+        True,
+        True,
+    ]
