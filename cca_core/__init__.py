@@ -3,6 +3,8 @@
 From GPS waypoints and the Basic Safety Messages of other cars to steering and acceleration.
 """
 
+import logging
+
 from cca_core.band import Band, relax_band, smooth_band
 from cca_core.command import Command
 from cca_core.decide import Action, Decision, choose_action, danger_zone
@@ -13,6 +15,8 @@ from cca_core.planner import Planner
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __version__ = "0.1.0"
+
+logging.getLogger("cca_core").addHandler(logging.NullHandler())
 
 __all__ = [
     "Action", "Band", "CcaError", "Command", "Decision", "InfeasibleError", "InputError", "Lane",

@@ -4,6 +4,7 @@ The state of a manoeuvre, its renewal and the fall-back ladder belong together, 
 than others.
 """
 
+import logging
 import math
 from collections.abc import Iterable
 from dataclasses import replace
@@ -35,6 +36,7 @@ from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, Ve
 
 __all__ = ["Command", "Planner"]
 
+_LOG = logging.getLogger(__name__)
 _FAR_FUTURE = 1e12  # [s]
 _OFF_ROUTE = 15.0  # farther from the route than this the planner does not know where it is [m]
 _SIDES: tuple[Side, Side] = ("left", "right")
@@ -171,6 +173,7 @@ class Planner:
         except (
             Exception
         ) as error:  # no input and no defect of this library may leave the car without a command
+            _LOG.exception("internal error at t = %s s", t)
             return self._give_up(f"internal error: {error!r}")
 
     def _cycle(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
@@ -211,11 +214,10 @@ class Planner:
         a_x = self._acceleration(s, state.v_x, state.r, leader, dt)
         reference = path if self._maneuver is None else self._maneuver.reference
         delta = self._controller.steer(state, reference)
-        self._command = Command(
+        return self._given(Command(
             delta=delta, a_x=float(a_x), decision=self._decision, reference=reference, status=self._status,
             band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,
-        )  # fmt: skip
-        return self._command
+        ))  # fmt: skip
 
     def _defect(self, t: object, state: object) -> str:
         """Why the arguments of a step cannot be used, empty if they can."""
@@ -304,7 +306,7 @@ class Planner:
             self._history = [(ego.s - run_up, self._t - 1.0), (ego.s, self._t)]
 
     def _renew(self, ego: Ego, maneuver: Evasion, leader: Leader | None, neighbours: list[Neighbour]) -> None:
-        """Bend the band for what is known now; if that fails swerve harder, give up, keep the old one, go back."""
+        """Bend the band for what is known now; if that fails swerve harder, give up, keep it, go back."""
         neighbours = [n for n in neighbours if n.remote.id not in self._kept]
         passing = [n for n in neighbours if self._blocks(n, 0.0) and n.s + n.half_length > maneuver.start]
         if not passing:
@@ -349,12 +351,19 @@ class Planner:
     def _give_up(self, reason: str) -> Command:
         """Hold the steering and brake: the lowest rung of the ladder."""
         last = self._command
-        self._command = Command(
+        return self._given(Command(
             delta=0.0 if last is None else last.delta, a_x=-_FALLBACK_BRAKE,
             decision=Decision(action=Action.BRAKE, reason=reason), band=None,
             reference=self.road.path, status=Status.INVALID_INPUT,
-        )  # fmt: skip
-        return self._command
+        ))  # fmt: skip
+
+    def _given(self, command: Command) -> Command:
+        """Remember a command as the last one; log it where the action or the status changes."""
+        last, self._command = self._command, command
+        new = command.decision
+        if last is None or last.decision.action is not new.action or last.status is not command.status:
+            _LOG.debug("t = %.2f s: %s, %s (%s)", self._t, new.action.value, new.reason, command.status.name)
+        return command
 
 
 def _without(neighbours: list[Neighbour], others: list[Neighbour]) -> list[Neighbour]:

@@ -56,6 +56,7 @@ class StabilityRegion:
             pair = getattr(self, name)
             if len(pair) != 2 or not 0.0 < pair[0] <= pair[1]:
                 raise InputError(f"{name} must be a pair of factors (least, most), was {pair!r}")
+            object.__setattr__(self, name, tuple(pair))
 
     def vehicles(self, vehicle: VehicleParams) -> list[VehicleParams]:
         """Corners of the box of cars.

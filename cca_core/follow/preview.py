@@ -72,6 +72,9 @@ class PreviewController:
         self._integral = 0.0
         self._delta: float | None = None
 
+    def __repr__(self) -> str:
+        return f"PreviewController(gains at {len(self.gains.speeds)} speeds, delay={self.delay:g} s)"
+
     def steer(self, state: VehicleState, path: Path, dt: float = 0.02) -> float:
         """Road-wheel angle for this cycle.
 

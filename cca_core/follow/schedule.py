@@ -42,6 +42,7 @@ class PreviewGains:
     def __post_init__(self) -> None:
         for name in ("speeds", "k_p", "k_d", "l_s"):
             column = check_array(name, getattr(self, name), (None,)).tolist()
+            object.__setattr__(self, name, tuple(column))
             if len(column) != len(self.speeds) or not column:
                 raise InputError(
                     f"{name} must have one value per speed ({len(self.speeds)}), had {len(column)}"

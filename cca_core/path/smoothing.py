@@ -188,6 +188,7 @@ class SmoothingSpline:
             from scipy.sparse import coo_array
 
             block = weight[:, None, None] * rows[:, :, None] * rows[:, None, :]
+            columns = columns.astype(np.intc)  # the only indices that every SuperLU takes
             i, j = np.broadcast_arrays(columns[:, :, None], columns[:, None, :])
             return coo_array((block.ravel(), (i.ravel(), j.ravel())), shape=(self._count,) * 2).tocsc()
         banded = np.zeros((5, self._count))

@@ -115,6 +115,6 @@ def paper_scenarios(path: Path | None = None, *, start: float | None = None) -> 
         *(eebl(case) for case in ("C", "A", "sensor")),
         *(ima(ego=ego) for ego in EGOS),
         *(curbside(case, ego=ego) for case in CURBSIDE_CASES for ego in EGOS),
-        *(replace(maneuver(case, path, start=begin), channel=REALISTIC) for case in CASES),
+        *(replace(maneuver(case, path, start=begin), channel=REALISTIC, one_modem=True) for case in CASES),
         *(maneuver(case, path, start=begin, v2v=False) for case in ("1-smooth", "2", "3")),
     ]

@@ -105,7 +105,7 @@ def stations(nodes: Array) -> Array:
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def curve_through(nodes: Array, route: Array | None = None) -> CubicSpline[np.float64]:
+def curve_through(nodes: Array, route: Array | None = None) -> "CubicSpline[np.float64]":
     """C2 curve through the nodes over chord length, with the curvature of a route at both ends if given."""
     if route is None:
         return CubicSpline(stations(nodes), nodes)
