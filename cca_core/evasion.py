@@ -13,12 +13,12 @@ from cca_core.beside import lane_beside
 from cca_core.decide import Candidate
 from cca_core.errors import Status
 from cca_core.evasion_settings import EvasionSettings
-from cca_core.geometry import Boxes, box_gap, boxes
+from cca_core.geometry import Boxes
 from cca_core.path import Lane, Path, Road, interpolate_path
 from cca_core.predict import boxes_between
 from cca_core.scene import HORIZON, Ego, Neighbour
 
-__all__ = ["Evasion", "EvasionSettings", "plan_evasion", "room_on"]
+__all__ = ["Evasion", "EvasionSettings", "boxes_of", "plan_evasion", "reference_along"]
 
 _RUN_UP = 20.0  # the reference begins on the route this far before the window [m]
 _TAIL = 60.0  # the reference goes on along the route behind the window [m]
@@ -147,7 +147,7 @@ def plan_evasion(
             end = until
     if end > road.path.end:
         return Candidate(side=side, obstruction="the route ends before the pass does")
-    beside_or_ahead = [o for o in others if not _follows(o, ego, road.own_lane)]
+    beside_or_ahead = [o for o in others if not o.follows(ego, road.own_lane.right, road.own_lane.left)]
     n = 1 + min(_NODES, max(20, math.ceil(end - start)))
     s = np.linspace(start, end, n)
     t = ego.times(s)
@@ -158,8 +158,8 @@ def plan_evasion(
         corridor=(right, left),
         curvature_limit=settings.lateral_limit / np.maximum(_speeds(ego, s), _MANOEUVRING) ** 2,
     )  # fmt: skip
-    passed = [_boxes(road.path, s, b, t, settings, b is blockers[0]) for b in blockers]
-    around = [_boxes(road.path, s, o, t, settings, False) for o in beside_or_ahead]
+    passed = [boxes_of(road.path, s, b, t, settings, b is blockers[0]) for b in blockers]
+    around = [boxes_of(road.path, s, o, t, settings, False) for o in beside_or_ahead]
     band = draw([*passed, *around], lead=[*leads, *(0.0 for _ in around)])
     found = band.status is Status.OK
     ways = [_outside(band.displacement, road.own_lane, half_width)] if found else []
@@ -191,61 +191,39 @@ def plan_evasion(
     )  # fmt: skip
 
 
-def room_on(
-    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], settings: EvasionSettings
-) -> float:
-    """Least distance to others if a swerve is driven to its end as it is.
-
-    Parameters
-    ----------
-    ego : Ego
-        The ego on its way along the swerve.
-    road : Road
-        Route and lanes.
-    maneuver : Evasion
-        The swerve.
-    others : sequence of Neighbour
-        All other vehicles, nearest on the route first.
-    settings : EvasionSettings
-        What others are held capable of.
-
-    Returns
-    -------
-    room : float
-        Distance between the ego's body and the others' bounds [m], negative if they meet.
-    """
-    s = np.linspace(maneuver.start, maneuver.end, len(maneuver.band.nodes))
-    left = s >= ego.s - _BEHIND
-    s, x, y = s[left], *maneuver.band.nodes[left].T
-    if len(s) < 2:
-        return math.inf
-    psi, t, vehicle = np.arctan2(np.gradient(y), np.gradient(x)), ego.times(s), ego.vehicle
-    body = boxes(
-        x + vehicle.box_offset * np.cos(psi), y + vehicle.box_offset * np.sin(psi), psi,
-        vehicle.length, vehicle.width,
-    )  # fmt: skip
-    near = [o for o in others if not _follows(o, ego, road.own_lane)]
-    gaps = [box_gap(body, _boxes(road.path, s, o, t, settings, o is near[0])).min() for o in near]
-    return float(min(gaps, default=math.inf))
-
-
 def _span(other: Neighbour, t: Array, settings: EvasionSettings, passed: bool) -> tuple[Array, Array]:
     """Stretch of the route that another vehicle may cover, within the bounds that are provided for."""
     acceleration = settings.passed_acceleration if passed else settings.acceleration
     return other.span(t, braking=settings.braking, acceleration=acceleration)
 
 
-def _boxes(
+def boxes_of(
     path: Path, s: Array, other: Neighbour, t: Array, settings: EvasionSettings, passed: bool
 ) -> Boxes:
+    """Bounds of another vehicle at the times at which the ego is at places on the route.
+
+    Parameters
+    ----------
+    path : Path
+        The route.
+    s : ndarray, shape (n,)
+        Places of the ego [m].
+    other : Neighbour
+        The vehicle.
+    t : ndarray, shape (n,)
+        Times from now at which the ego is there [s].
+    settings : EvasionSettings
+        What others are held capable of.
+    passed : bool
+        Whether it is the one that is passed first.
+
+    Returns
+    -------
+    boxes : Boxes
+        One box for each place.
+    """
     rear, front = _span(other, t, settings, passed)
     return boxes_between(path, s, rear, front, other.d, other.half_width)
-
-
-def _follows(other: Neighbour, ego: Ego, own: Lane) -> bool:
-    """Whether a vehicle is behind the ego on its lane: keeping the distance is its own duty."""
-    behind = other.s + other.half_length < ego.s + ego.vehicle.box_offset - 0.5 * ego.vehicle.length
-    return behind and own.right < other.d < own.left and other.v_s >= 0.0
 
 
 def _contact(

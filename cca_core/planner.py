@@ -7,7 +7,6 @@ than others.
 import logging
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from numbers import Real
 from types import NoneType
 
@@ -18,7 +17,7 @@ from cca_core.band import Side
 from cca_core.command import Command
 from cca_core.decide import Action, Candidate, Conflict, Decision, Leader, choose_action
 from cca_core.errors import InputError, Status
-from cca_core.evasion import Evasion, plan_evasion, room_on
+from cca_core.evasion import Evasion, plan_evasion
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import (
     PreviewController,
@@ -30,7 +29,7 @@ from cca_core.follow import (
 )
 from cca_core.hazards import IN_THE_WAY, conflict_ahead, kept_behind, leader_ahead, leader_at
 from cca_core.path import Path, Road, interpolate_path
-from cca_core.retreat import plan_retreat
+from cca_core.renewal import renew, swerves_of
 from cca_core.scene import Ego, Neighbour, locate
 from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
 
@@ -44,9 +43,6 @@ _SLOWED = -0.5  # acceleration asked for by a leader from which on a way around 
 _BESIDE = 1.5  # beyond the road's edges and the clearance nobody matters who does not cross [m]
 _PERIOD = 0.1  # between two looks at the same vehicles [s]
 _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up for following
-_GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
-_TOUCHES = 0.1  # distance to others' bounds on the old swerve below which a way back is looked for [m]
-_NARROW = 0.3  # clearance with which it is driven on then [m]
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
 _COMFORTABLE = 2.0  # deceleration up to which a stop behind who stands is preferred to a swerve [m/s^2]
 _HARD = 0.7  # share of the brakes from which on jerk is not spared, as from twice the comfortable share
@@ -102,9 +98,7 @@ class Planner:
         self.cruise_speed = check_real("cruise_speed", cruise_speed, above=0.0)
         self.evasion = evasion or EvasionSettings()
         self.speed = speed or SpeedSettings()
-        hard = replace(self.evasion, lateral_limit=_GRIP_USED * vehicle.mu * 9.81)
-        narrow = replace(hard, clearance=min(_NARROW, hard.clearance))
-        self._swerves = (self.evasion, Status.OK), (hard, Status.FALLBACK), (narrow, Status.FALLBACK)
+        self._swerves = swerves_of(self.evasion, vehicle)
         self._controller = controller or PreviewController(vehicle)
         self._leader_only = _leader_only
         self._cap = squared_speed_limit(
@@ -306,33 +300,23 @@ class Planner:
             self._history = [(ego.s - run_up, self._t - 1.0), (ego.s, self._t)]
 
     def _renew(self, ego: Ego, maneuver: Evasion, leader: Leader | None, neighbours: list[Neighbour]) -> None:
-        """Bend the band for what is known now; if that fails swerve harder, give up, keep it, go back."""
+        """Go on with the manoeuvre for what is known now, or give it up."""
         neighbours = [n for n in neighbours if n.remote.id not in self._kept]
         passing = [n for n in neighbours if self._blocks(n, 0.0) and n.s + n.half_length > maneuver.start]
         if not passing:
             return
-        passing.sort(key=lambda n: n.s)
-        others = [] if self._leader_only else _without(neighbours, passing)
-        for settings, status in self._swerves:
-            plan = plan_evasion(
-                ego, self.road, passing, others, maneuver.side, settings, maneuver, at_once=self._inside,
-                known_range=self._known_range,
-            )  # fmt: skip
-            obstruction = plan.candidate.obstruction if isinstance(plan, Evasion) else plan.obstruction
-            if isinstance(plan, Evasion) and not obstruction:
-                self._maneuver, self._status = plan, status
-                return
-            need = 0.0 if leader is None else leader.required_deceleration
-            if self._inside and need < _STILL_FOLLOWED * self.speed.b_max:
-                self._maneuver, self._history = None, []
-                self._decision = Decision(action=Action.FOLLOW, reason=f"swerve given up: {obstruction}")
-                return
-        self._status = Status.FALLBACK
-        if not self._inside and room_on(ego, self.road, maneuver, neighbours, self.evasion) < _TOUCHES:
-            retreat = plan_retreat(ego, self.road, maneuver, neighbours, obstruction)
-            if retreat is not None:
-                self._maneuver, self._retreating = retreat, True
-                self._decision = Decision(action=Action.FOLLOW, reason=f"returning: {obstruction}")
+        need = 0.0 if leader is None else leader.required_deceleration
+        now = renew(
+            ego, self.road, maneuver, sorted(passing, key=lambda n: n.s),
+            [] if self._leader_only else _without(neighbours, passing), self._swerves, inside=self._inside,
+            can_follow=need < _STILL_FOLLOWED * self.speed.b_max, known_range=self._known_range,
+        )  # fmt: skip
+        self._maneuver, self._status = now.maneuver, now.status
+        if now.reason:
+            self._decision = Decision(action=Action.FOLLOW, reason=now.reason)
+            self._retreating = now.maneuver is not None
+        if now.maneuver is None:
+            self._history = []
 
     def _acceleration(self, s: float, v_x: float, yaw_rate: float, leader: Leader | None, dt: float) -> float:
         wanted = profile_acceleration(s, v_x, self._cap, self.speed)

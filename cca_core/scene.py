@@ -91,6 +91,24 @@ class Neighbour:
             return self.v_s
         return max(self.v_s - _UNHEARD_BRAKING * late, 0.0)
 
+    def follows(self, ego: "Ego", right: float, left: float) -> bool:
+        """Tell whether it is behind the ego on its lane: keeping the distance is its own duty.
+
+        Parameters
+        ----------
+        ego : Ego
+            The ego.
+        right, left : float
+            Borders of the ego's lane [m].
+
+        Returns
+        -------
+        follows : bool
+            Whether it is.
+        """
+        rear = ego.s + ego.vehicle.box_offset - 0.5 * ego.vehicle.length
+        return self.s + self.half_length < rear and right < self.d < left and self.v_s >= 0.0
+
     def span(self, t: Array, *, braking: float, acceleration: float) -> tuple[Array, Array]:
         """Stretch of the route that its body may cover at times from now.
 

@@ -1,0 +1,144 @@
+"""Go on with a swerve for what is known now: in comfort, harder, narrower, as it was, or not at all."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cca_core.errors import Status
+from cca_core.evasion import Evasion, boxes_of, plan_evasion
+from cca_core.evasion_settings import EvasionSettings
+from cca_core.geometry import box_gap, boxes
+from cca_core.path import Road
+from cca_core.retreat import plan_retreat
+from cca_core.scene import Ego, Neighbour
+from cca_core.vehicle import VehicleParams
+
+__all__ = ["Renewal", "renew", "swerves_of"]
+
+_GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
+_NARROW = 0.3  # clearance with which it is driven on then [m]
+_TOUCHES = 0.1  # distance to others' bounds on the old swerve below which a way back is looked for [m]
+_BEHIND = 2.0  # nodes this far behind the ego still count [m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Renewal:
+    """What has become of a swerve.
+
+    Parameters
+    ----------
+    maneuver : Evasion or None
+        What is driven now, None if it was given up inside the own lane.
+    status : Status
+        `Status.OK` while it is driven in comfort.
+    reason : str
+        Why it is not driven on, empty if it is.
+    """
+
+    maneuver: Evasion | None
+    status: Status = Status.OK
+    reason: str = ""
+
+
+def swerves_of(
+    settings: EvasionSettings, vehicle: VehicleParams
+) -> tuple[tuple[EvasionSettings, Status], ...]:
+    """Ways to drive a swerve, the best first.
+
+    Parameters
+    ----------
+    settings : EvasionSettings
+        As it is meant to be driven.
+    vehicle : VehicleParams
+        The ego.
+
+    Returns
+    -------
+    swerves : tuple of (EvasionSettings, Status)
+        In comfort, with 80 % of the grip, and with 0.3 m clearance too.
+    """
+    hard = replace(settings, lateral_limit=_GRIP_USED * vehicle.mu * 9.81)
+    narrow = replace(hard, clearance=min(_NARROW, hard.clearance))
+    return (settings, Status.OK), (hard, Status.FALLBACK), (narrow, Status.FALLBACK)
+
+
+def renew(
+    ego: Ego,
+    road: Road,
+    maneuver: Evasion,
+    passing: Sequence[Neighbour],
+    others: Sequence[Neighbour],
+    swerves: Sequence[tuple[EvasionSettings, Status]],
+    *,
+    inside: bool,
+    can_follow: bool,
+    known_range: float = math.inf,
+) -> Renewal:
+    """Bend the band of a swerve for what is known now.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego, on its way along the swerve.
+    road : Road
+        Route and lanes.
+    maneuver : Evasion
+        The swerve as it was.
+    passing : sequence of Neighbour
+        Vehicles that block the route from its start on, nearest first; at least one.
+    others : sequence of Neighbour
+        All other vehicles.
+    swerves : sequence of (EvasionSettings, Status)
+        Ways to drive it, as `swerves_of` gives them.
+    inside : bool
+        Whether the ego has not left its lane yet.
+    can_follow : bool
+        Whether it could go on behind what is in front instead.
+    known_range : float
+        Distance up to which all vehicles are known now [m].
+
+    Returns
+    -------
+    renewal : Renewal
+        The swerve in comfort; else, inside the own lane, given up if the ego can follow; else driven harder
+        or narrower; else as it was while that stays clear; else the way back behind what was to be passed;
+        and where there is none, as it was.
+    """
+    obstruction = ""
+    for settings, status in swerves:
+        plan = plan_evasion(
+            ego, road, passing, others, maneuver.side, settings, maneuver, at_once=inside,
+            known_range=known_range,
+        )  # fmt: skip
+        obstruction = plan.candidate.obstruction if isinstance(plan, Evasion) else plan.obstruction
+        if isinstance(plan, Evasion) and not obstruction:
+            return Renewal(maneuver=plan, status=status)
+        if inside and can_follow:
+            return Renewal(maneuver=None, reason=f"swerve given up: {obstruction}")
+    everybody = sorted((*passing, *others), key=lambda n: n.s)
+    if not inside and _room_on(ego, road, maneuver, everybody, swerves[0][0]) < _TOUCHES:
+        back = plan_retreat(ego, road, maneuver, everybody, obstruction)
+        if back is not None:
+            return Renewal(maneuver=back, status=Status.FALLBACK, reason=f"returning: {obstruction}")
+    return Renewal(maneuver=maneuver, status=Status.FALLBACK)
+
+
+def _room_on(
+    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], settings: EvasionSettings
+) -> float:
+    """Least distance between body and bounds [m] if a swerve is driven to its end as it is."""
+    s = np.linspace(maneuver.start, maneuver.end, len(maneuver.band.nodes))
+    left = s >= ego.s - _BEHIND
+    s, x, y = s[left], *maneuver.band.nodes[left].T
+    if len(s) < 2:
+        return math.inf
+    psi, t, vehicle = np.arctan2(np.gradient(y), np.gradient(x)), ego.times(s), ego.vehicle
+    body = boxes(
+        x + vehicle.box_offset * np.cos(psi), y + vehicle.box_offset * np.sin(psi), psi,
+        vehicle.length, vehicle.width,
+    )  # fmt: skip
+    near = [o for o in others if not o.follows(ego, road.own_lane.right, road.own_lane.left)]
+    gaps = [box_gap(body, boxes_of(road.path, s, o, t, settings, o is near[0])).min() for o in near]
+    return float(min(gaps, default=math.inf))

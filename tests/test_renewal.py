@@ -1,0 +1,65 @@
+"""Going on with a swerve: each rung of the ladder."""
+
+import numpy as np
+import pytest
+
+from cca_core import Status
+from cca_core.evasion import Evasion
+from cca_core.follow import SpeedSettings
+from cca_core.renewal import Renewal, renew, swerves_of
+from cca_core.scene import Ego, Neighbour
+from tests.test_planner import CAR, START
+from tests.test_retreat import ROAD, SETTINGS, at, maneuver
+
+__all__ = ["maneuver"]  # the fixture
+
+SWERVES = swerves_of(SETTINGS, CAR)
+SLOW = at(25.0, 0.0, 12.0)
+
+
+def renewed(
+    old: Evasion, *others: Neighbour, s: float = START, inside: bool = False, can_follow: bool = False
+) -> Renewal:
+    speed = SpeedSettings()
+    ego = Ego(vehicle=CAR, s=s, v_x=20.0, v_target=20.0, speed=speed, history=np.empty((0, 2)))
+    return renew(ego, ROAD, old, [SLOW], others, SWERVES, inside=inside, can_follow=can_follow)
+
+
+def test_in_comfort(maneuver: Evasion) -> None:
+    now = renewed(maneuver)
+    assert now.status is Status.OK
+    assert now.maneuver is not None
+    assert now.maneuver.band.clearance > 0.99
+
+
+def test_narrower_between_two(maneuver: Evasion) -> None:
+    """Less than 2 x 1 m is left between the slow car and one beside it."""
+    now = renewed(maneuver, at(25.0, 4.6, 12.0, "L"))
+    assert now.status is Status.FALLBACK
+    assert now.maneuver is not None
+    assert 0.29 < now.maneuver.band.clearance < 1.0
+    assert not now.reason
+
+
+def test_given_up_inside_the_lane_while_following_is_easy(maneuver: Evasion) -> None:
+    now = renewed(maneuver, at(30.0, 3.5, 12.0, "L"), inside=True, can_follow=True)
+    assert now.maneuver is None
+    assert "given up" in now.reason
+
+
+def test_as_it_was_while_that_is_clear(maneuver: Evasion, monkeypatch: pytest.MonkeyPatch) -> None:
+    from cca_core import renewal
+    from cca_core.decide import Candidate
+
+    def fails(*args: object, **kwargs: object) -> Candidate:
+        return Candidate(side="left", obstruction="contact set did not settle")
+
+    monkeypatch.setattr(renewal, "plan_evasion", fails)
+    now = renewed(maneuver)
+    assert now.maneuver is maneuver
+    assert now.status is Status.FALLBACK
+    assert not now.reason
+    blocked = renewed(maneuver, at(30.0, 3.5, 12.0, "L"))
+    assert blocked.maneuver is not None
+    assert blocked.maneuver is not maneuver
+    assert "returning: contact set" in blocked.reason
