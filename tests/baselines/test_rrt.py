@@ -1,0 +1,99 @@
+"""Random trees: limits, clearance, seeds, an end in every case."""
+
+import math
+import time
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+
+from cca_core import InputError, MissingExtraError, Status
+from cca_core.baselines.problem import Problem
+from cca_core.baselines.rrt import Rrt, Variant
+from tests.baselines.problems import BLOCKED, CASES, SLALOM, judge, problem, road
+
+pytestmark = pytest.mark.requires("ompl")
+VARIANTS: tuple[Variant, ...] = ("rrt", "rrt_star")
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("radius", [math.inf, 200.0])
+def test_reaches_the_goal_on_an_empty_road(variant: Variant, radius: float) -> None:
+    task = problem([], on=road(radius), v_x=15.0)
+    plan = Rrt(variant=variant).plan(task)
+    assert plan.status is Status.OK
+    judge(task, plan)
+    assert plan.t[-1] == pytest.approx(task.duration)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("task", CASES.values(), ids=CASES)
+def test_keeps_limits_and_clearance(variant: Variant, task: Problem) -> None:
+    plan = Rrt(variant=variant, time_limit=10.0).plan(task)
+    assert plan.status is Status.OK
+    gap, edge = judge(task, plan)
+    assert gap >= task.clearance - 5e-3
+    assert edge >= -5e-3
+
+
+def test_a_slalom() -> None:
+    plan = Rrt(variant="rrt", time_limit=10.0).plan(SLALOM)
+    assert plan.status is Status.OK
+    assert judge(SLALOM, plan)[0] >= SLALOM.clearance - 5e-3
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_equal_seeds_give_equal_plans(variant: Variant) -> None:
+    task = CASES["stationary"]
+    first, again, other = (Rrt(variant=variant, seed=s, time_limit=10.0).plan(task) for s in (3, 3, 4))
+    assert first.status is again.status is other.status is Status.OK
+    np.testing.assert_array_equal(first.xy, again.xy)
+    assert first.xy.shape != other.xy.shape or not np.array_equal(first.xy, other.xy)
+
+
+def test_rewiring_shortens() -> None:
+    task = CASES["stationary"]
+
+    def length(refine: int) -> float:
+        found = [Rrt(seed=s, refine=refine, time_limit=20.0).plan(task).xy for s in range(1, 6)]
+        return sum(float(np.hypot(*np.diff(xy, axis=0).T).sum()) for xy in found)
+
+    assert length(300) < length(0)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_blocked_road_is_an_outcome(variant: Variant) -> None:
+    plan = Rrt(variant=variant).plan(BLOCKED)
+    assert plan.status is Status.INFEASIBLE
+    assert "ahead" in plan.message
+    assert len(plan.t) == len(plan.xy) == len(plan.v_x) == 0
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_it_gives_up_in_time(variant: Variant) -> None:
+    hopeless = problem([(15.0, 0.0, 0.0)])
+    begun = time.perf_counter()
+    plan = Rrt(variant=variant, time_limit=0.3, iterations=10**9).plan(hopeless)
+    assert time.perf_counter() - begun < 0.6
+    assert plan.status is Status.NOT_CONVERGED
+    few = Rrt(variant=variant, time_limit=60.0, iterations=50).plan(hopeless)
+    assert few.status is Status.NOT_CONVERGED
+    assert "50 samples" in few.message
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("variant", "prm"), ("seed", -1), ("seed", 1.5), ("iterations", 0), ("refine", -1), ("time_limit", 0.0),
+     ("reach", math.nan)],
+)  # fmt: skip
+def test_bad_settings(name: str, value: object) -> None:
+    with pytest.raises(InputError, match=f"^{name} must"):
+        Rrt(**{name: value})  # type: ignore[arg-type]
+
+
+def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "cca_core._optional.find_spec", lambda name: None if name == "ompl" else find_spec(name)
+    )
+    with pytest.raises(MissingExtraError, match=r"pip install .*cca-core\[rrt\]"):
+        Rrt()
