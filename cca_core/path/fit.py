@@ -20,6 +20,9 @@ _LONGEST = 64  # points in the first segments of the adaptive fit
 _ROUNDINGS = 30
 _HEADROOM = 0.95  # of the curvature limit, for what arc length and re-interpolation change
 _FREEDOM = 3.0  # tolerances that the path may swing off the chord of a gap
+_SWING = 0.3  # of the longest chord nearby: by so much a path may swing off its chords beyond the tolerance
+_DIVISIONS = 6  # of chords off which the path swings farther
+_LOOKS = np.arange(1.0, 8.0) / 8.0  # between two points
 
 
 def fit_path(
@@ -120,14 +123,16 @@ class _Fit:
         self._asked = np.where(given, 1.0, 1.0 / _FREEDOM)  # share of the tolerance
         self._chord = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
         self._accepted = max(tolerance, 1e-6)
+        chord = np.hypot(*np.diff(self._points, axis=0).T)
+        nearby = np.max([chord[_shifted(len(chord), by, closed)] for by in (-1, 0, 1)], axis=0)
+        self._room = tolerance / np.minimum(self._asked[1:], self._asked[:-1]) + _SWING * nearby  # off chords
         # what the interpolation at the end may add
         self._tolerance = max(tolerance - min(1e-3 * tolerance, 1e-4), 1e-9)
         self._closed, self._limit = closed, math.inf
 
     def within(self, limit: float, per_segment: int | None) -> Path:
         """Find the path with curvature up to `limit`, in equal segments or (None) adaptive ones."""
-        curve = self._segmented(per_segment)
-        path = over_arc_length(curve, self._closed)
+        path = over_arc_length(self._beside_chords(per_segment), self._closed)
         if _largest_curvature(path) <= limit:
             return path
         if self._closed and limit * self._chord[-1] < 2.0 * math.pi:
@@ -136,21 +141,54 @@ class _Fit:
             )
         self._limit = _HEADROOM * limit
         self._give_up()
-        path = over_arc_length(self._segmented(per_segment), self._closed)
+        path = over_arc_length(self._segmented(per_segment).path(), self._closed)
         for _ in range(_ROUNDINGS):
             if _largest_curvature(path) <= limit:
                 return path
             path = _rounded(path, self._limit, self._closed)
         raise InfeasibleError(f"no path with a curvature of at most {limit:g} 1/m was found")
 
-    def _segmented(self, per_segment: int | None) -> Path:
+    def _beside_chords(self, per_segment: int | None) -> Path:
+        """Fit; where the curve swings off its chords, put points on them and fit again."""
+        for _ in range(_DIVISIONS):
+            spline = self._segmented(per_segment)
+            astray = self._astray(spline)
+            if not astray.any():
+                break
+            self._divide(astray)
+        return spline.path()
+
+    def _astray(self, spline: SmoothingSpline) -> Mask:
+        """Tell between which neighbouring points a fit swings too far off the chords there."""
+        at, start, step = spline.between(_LOOKS), self._points[:-1], np.diff(self._points, axis=0)
+        off = np.full(at.shape[:2], math.inf)
+        for by in (-1, 0, 1):
+            i = _shifted(len(step), by, self._closed)
+            out, along = at - start[i, None], step[i, None]
+            share = np.clip((out * along).sum(-1) / (along * along).sum(-1), 0.0, 1.0)
+            off = np.minimum(off, np.hypot(*np.moveaxis(out - share[..., None] * along, -1, 0)))
+        astray: Mask = off.max(axis=1) > self._room
+        return astray
+
+    def _divide(self, chords: Mask) -> None:
+        """Put a point on the middle of some chords, of which less is asked."""
+        i = np.flatnonzero(chords)
+        middle = 0.5 * (self._points[i] + self._points[i + 1])
+        asked = np.minimum(self._asked[i], self._asked[i + 1])
+        asked = asked * self._tolerance / (self._tolerance + self._room[i])
+        self._points = np.insert(self._points, i + 1, middle, axis=0)
+        self._asked = np.insert(self._asked, i + 1, asked)
+        self._room = np.insert(self._room, i, self._room[i])
+        self._chord = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
+
+    def _segmented(self, per_segment: int | None) -> SmoothingSpline:
         n = len(self._points) - 1
         if per_segment is not None:
             while True:
                 knots = np.linspace(0, n, max(1, n // per_segment) + 1).round().astype(np.intp)
                 spline, knots = self._fit(knots)
                 if per_segment == 1 or (spline.residuals() * self._asked).max() <= self._accepted:
-                    return spline.path()
+                    return spline
                 per_segment //= 2
         knots = np.linspace(0, n, max(1, n // _LONGEST) + 1).round().astype(np.intp)
         while True:
@@ -160,8 +198,12 @@ class _Fit:
             split = np.zeros(len(knots) - 1, dtype=bool)
             split[segments if len(bad) else []] = True
             finer = _split(knots, split)
+            while len(finer) == len(knots) and split.any() and not split.all():
+                split[1:] |= split[:-1]
+                split[:-1] |= split[1:]
+                finer = _split(knots, split)
             if len(finer) == len(knots):
-                return spline.path()
+                return spline
             knots = finer
 
     def _give_up(self) -> None:
@@ -182,7 +224,8 @@ class _Fit:
                 worst = spline.interpolate()
             spline.limit_bends(self._limit)
             lengths = spline.arc_length()
-            if kept and lengths[-1] > _STRETCH * self._chord[-1]:
+            looping = lengths[-1] > _STRETCH * self._chord[-1] or (not limited and self._astray(spline).any())
+            if kept and looping:
                 break  # a curve that loops between its points only gets worse with its own length
             kept = spline, knots
             if not more or (smooth and not limited and worst > 2.0 * self._accepted):
@@ -193,6 +236,12 @@ class _Fit:
             guide = _clothoids(path, s[knots])
             s = lengths
         return kept or (spline, knots)
+
+
+def _shifted(n: int, by: int, closed: bool) -> Index:
+    """Places of the neighbours `by` further on."""
+    i = np.arange(n) + by
+    return i % n if closed else i.clip(0, n - 1)
 
 
 def _split(knots: Index, where: Mask) -> Index:

@@ -134,6 +134,10 @@ class SmoothingSpline:
         speed = np.hypot(first[..., 0], first[..., 1])
         return np.concatenate(([0.0], np.cumsum((half * speed) @ _GAUSS_W)))
 
+    def between(self, shares: Array) -> Array:
+        """Positions at shares of the parameter from each point to the next, shape (points - 1, shares, 2)."""
+        return self.path().derivatives(self._s[:-1, None] + np.diff(self._s)[:, None] * shares)[0]
+
     def path(self) -> Path:
         """Eqs (1) and (2): the cubics of each segment over lambda in [0, 1]."""
         from scipy.interpolate import BSpline

@@ -1,4 +1,4 @@
-"""Could a contact have been avoided? Perfect knowledge from the first hazard message on, without the planner."""
+"""Could a contact have been avoided? Full knowledge from the first hazard message on, and no planner."""
 
 from collections.abc import Iterable, Iterator
 
@@ -22,9 +22,9 @@ __all__ = ["avoided_by", "first_hazard"]
 
 _BRAKES = 7.0  # of everybody [m/s^2]
 _BESIDE = 0.2  # room that the swerve leaves [m]
-_GRIP = 0.95  # share of the road's friction that its steering may ask for
+_STEERING = 30.0  # what it may ask for [m/s^2]: only the tyres set a limit
 _NODE = 2.0  # [m]
-_HAZARDS = {"ima": "red", "curbside": "red"}  # who is the danger; else see `first_hazard`
+_HAZARDS = {"ima": "red", "curbside": "red", "maneuver": "R1"}  # who is the danger; else who brakes hard
 
 
 def first_hazard(log: Log) -> int | None:
@@ -38,17 +38,15 @@ def first_hazard(log: Log) -> int | None:
     Returns
     -------
     cycle : int or None
-        When the first such message was delivered, whether or not the ego made use of it; None if none was. In
-        eebl it is one that announces hard braking, of whomever; in ima and curbside any of the hidden car's;
-        in maneuver any at all.
+        When the first such message was delivered, whether or not the ego made use of it; None if none was. It
+        is one that announces hard braking, of whomever; in ima and curbside any of the hidden car's, in
+        maneuver any of the first slow car's.
     """
     names = {sender_id(i): user.id for i, user in enumerate(log.scenario.users)}
+    danger = _HAZARDS.get(log.scenario.name)
     for cycle, data in log.received:
         message = decode_bsm(data)
-        if log.scenario.name == "eebl":
-            if "hard_braking" in message.events:
-                return cycle
-        elif names.get(message.id) == _HAZARDS.get(log.scenario.name, names.get(message.id)):
+        if names.get(message.id) == danger if danger else "hard_braking" in message.events:
             return cycle
     return None
 
@@ -76,19 +74,20 @@ def avoided_by(log: Log) -> str:
     Notes
     -----
     Both are driven in the same closed loop: the same car with its true mass, friction and lags, the same
-    messages, the same others, who react to the ego as they did. Until the hazard message the commands of the
-    log are repeated. The swerve is a quintic that ends where the ego's front reaches the hazard's rear, and is
-    just wide enough to pass it by 0.2 m; the body stays on the road, and nobody is touched until the end.
+    messages, the same others, who react to the ego as they do in any run. Until the hazard message the
+    commands of the log are repeated. The swerve is a quintic that ends where the ego's front reaches the
+    hazard's rear, just wide enough to pass it by 0.2 m. Until the end of the run nobody may be touched and
+    the road may not be left.
     """
     if not log.scenario.v2v:
         raise InputError(f"log must be of a run with messages, was of ego {log.scenario.ego!r}")
     cycle = first_hazard(log)
     if cycle is None:
         return ""
-    if not _touches(log, _Repeats(log, cycle, log.scenario.road.path, braking=True)):
+    if _avoids(log, _Repeats(log, cycle, log.scenario.road.path, braking=True)):
         return "brake"
     for way in _swerves(log, cycle):
-        if not _touches(log, _Repeats(log, cycle, way, braking=False)):
+        if _avoids(log, _Repeats(log, cycle, way, braking=False)):
             return "swerve"
     return ""
 
@@ -100,7 +99,7 @@ class _Repeats:
         car = log.scenario.vehicle
         self._commands, self._way = log.command[:cycle].tolist(), way
         self._wanted = -_BRAKES if braking else 0.0
-        self._steering = PreviewController(car, a_y_max=_GRIP * car.mu * 9.81)
+        self._steering = PreviewController(car, a_y_max=_STEERING)
         self._decision = Decision(action=Action.BRAKE if braking else Action.EVADE_LEFT, reason="as could be")
         self._cycle, self._a_x = 0, 0.0
 
@@ -118,9 +117,13 @@ class _Repeats:
         )  # fmt: skip
 
 
-def _touches(log: Log, pilot: _Repeats) -> bool:
+def _avoids(log: Log, pilot: _Repeats) -> bool:
+    """Whether nobody is touched, and the road not left."""
     again = simulate(log.scenario, plant=log.plant, seed=log.seed, planner=pilot)  # type: ignore[arg-type]  # it steps like one
-    return any(what == "contact" for _, what, _ in again.events)
+    road, half = log.scenario.road, 0.5 * log.scenario.vehicle.width
+    d = again.place[:, 1]
+    stays = bool((d >= road.right_edge + half).all() and (d <= road.left_edge - half).all())
+    return stays and not any(what == "contact" for _, what, _ in again.events)
 
 
 def _swerves(log: Log, cycle: int) -> Iterator[Path]:

@@ -98,7 +98,7 @@ def curbside(
         name="curbside", case=case, road=Road(_bend(radius, place + 12.0 * v_x + 300.0), lanes),
         vehicle=CAR, start=_START, v_x=v_x, cruise_speed=v_x, users=users,
         speed=SpeedSettings(standstill_gap=_LEAST_GAP, time_gap=_FOLLOWS),
-        duration=_UNTIL + 9.0, ego=ego, reaction=reaction, channel=channel, one_modem=True,
+        duration=_UNTIL + 13.0, ego=ego, reaction=reaction, channel=channel, one_modem=True,
         visibility=visibility, figures=(10, 11, 12),
     )  # fmt: skip
 

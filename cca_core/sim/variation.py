@@ -1,29 +1,23 @@
 """Scenarios drawn by chance around the paper's: one seed and one number give one scenario."""
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from cca_core._checks import Array, check_array
+from cca_core._checks import check_array
 from cca_core.errors import InputError
-from cca_core.path import Path, interpolate_path
-from cca_core.sim.curbside import curbside
-from cca_core.sim.eebl import eebl
-from cca_core.sim.ima import IMA_CASES, ima
-from cca_core.sim.paper import maneuver
+from cca_core.sim.draws import DRAWS, STUDIED
 from cca_core.sim.road_user import Brakes, Follows, RoadUser
 from cca_core.sim.scenario import Scenario
 from cca_core.v2x import ChannelSettings
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["STUDIED", "Variation", "draw_scenario", "nominal", "without_messages"]
+__all__ = ["Variation", "draw_scenario", "nominal", "without_messages"]
 
 _G = 9.81
 _MESSAGES = 10.0  # longest mean burst of loss [-]
-_START = 20.0  # of the ego in the fourth scenario [m]
-_Draw = Callable[[str, float, float], float]
+_REACH, _FAR_REACH = (50.0, 400.0), (300.0, 1000.0)  # among houses and cars; on an open road [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,8 +38,8 @@ class Variation:
         Mean of what is added to that [s], exponentially distributed.
     loss : tuple of float
         Share of messages lost [-], in bursts of 1 / (1 - loss) to 10 messages in the mean.
-    reach : tuple of float
-        Distance beyond which nobody is heard [m].
+    reach : tuple of float, optional
+        Distance beyond which nobody is heard [m]; the default is 50 to 400 m, in maneuver 300 to 1000 m.
     reaction : tuple of float
         Reaction time of each driver [s].
 
@@ -61,7 +55,7 @@ class Variation:
     latency: tuple[float, float] = (0.0, 0.5)
     jitter: tuple[float, float] = (0.0, 0.03)
     loss: tuple[float, float] = (0.0, 0.8)
-    reach: tuple[float, float] = (120.0, 400.0)
+    reach: tuple[float, float] | None = None
     reaction: tuple[float, float] = (0.7, 1.5)
 
     def __post_init__(self) -> None:
@@ -69,12 +63,18 @@ class Variation:
             raise InputError(f"scenario must be one of {', '.join(STUDIED)}, was {self.scenario!r}")
         for field in fields(self)[1:]:
             least, most = _RANGES[field.name]
-            low, high = check_array(field.name, getattr(self, field.name), (2,)).tolist()
+            bounds = self.within if field.name == "reach" else getattr(self, field.name)
+            low, high = check_array(field.name, bounds, (2,)).tolist()
             if not least <= low <= high <= most:
                 raise InputError(
                     f"{field.name} must be two numbers from {least:g} to {most:g}, the lesser first, "
                     f"was ({low:g}, {high:g})"
                 )
+
+    @property
+    def within(self) -> tuple[float, float]:
+        """Bounds of the reach [m], the given or the default ones."""
+        return self.reach or (_FAR_REACH if self.scenario == "maneuver" else _REACH)
 
 
 _RANGES = {
@@ -133,11 +133,11 @@ def draw_scenario(
     loss = number("loss", *variation.loss)
     burst = number("burst", 1.0 / (1.0 - loss), _MESSAGES)
     channel = ChannelSettings(
-        latency=latency, jitter=jitter, loss=loss, burst=burst, range=number("reach", *variation.reach)
+        latency=latency, jitter=jitter, loss=loss, burst=burst, range=number("reach", *variation.within)
     )
     others, own = number("reaction", *variation.reaction), number("own_reaction", *variation.reaction)
     case = int(rng.integers(4))
-    scenario = _MAKERS[variation.scenario](case, number, channel, others, friction)
+    scenario = DRAWS[variation.scenario](case, number, channel, others)
     drawn["case"] = str(scenario.case)
     car = scenario.vehicle
     car = replace(car, m=mass * car.m, I_z=mass * car.I_z, mu=friction)
@@ -192,53 +192,6 @@ def without_messages(scenario: Scenario, ego: str) -> Scenario:
     return replace(scenario, ego=ego, users=users)
 
 
-def _eebl(case: int, number: _Draw, channel: ChannelSettings, reaction: float, mu: float) -> Scenario:
-    v_x, gap, second = number("v_x", 15.0, 33.0), number("gap", 0.4, 1.2), number("second_gap", 1.7, 2.5)
-    made = eebl("BC"[case % 2], v_x=v_x, time_gap=gap, reaction=reaction, channel=channel)
-    yellow, red = made.users
-    brakes = Brakes(t=2.0, deceleration=number("braking", 4.0, 7.0))
-    red = replace(red, s=red.s + (second - 1.8) * v_x, acts=(brakes,))
-    return replace(made, users=(yellow, red), speed=replace(made.speed, b_max=7.0))
-
-
-def _ima(case: int, number: _Draw, channel: ChannelSettings, reaction: float, mu: float) -> Scenario:
-    name = IMA_CASES[case % 2]
-    speeds = (4.5, 7.0) if name == "left-turn" else (8.0, 14.0)
-    return ima(
-        name, v_x=number("v_x", *speeds), v_red=number("v_red", 10.0, 22.0), reaction=reaction,
-        offset=number("offset", -1.0, 1.0), truck=(number("truck", 7.0, 10.0), 2.5), channel=channel,
-    )  # fmt: skip
-
-
-def _curbside(case: int, number: _Draw, channel: ChannelSettings, reaction: float, mu: float) -> Scenario:
-    return curbside(
-        v_x=number("v_x", 10.0, 34.0), intrudes=number("intrudes", 1.2, 2.2), channel=channel,
-        radius=number("radius", 1000.0, 5000.0), reaction=reaction,
-    )  # fmt: skip
-
-
-def _maneuver(case: int, number: _Draw, channel: ChannelSettings, reaction: float, mu: float) -> Scenario:
-    name = ("1-fast", "1-smooth", "2", "3")[case]
-    v_x, bend = number("v_x", 18.0, 26.0), number("bend", -1e-3, 1e-3)
-    slow = v_x * number("slow", 0.5, 0.75)
-    made = maneuver(name, _bend(bend, 40.0 * max(v_x, 25.0) + 200.0), start=_START)
-    users: list[RoadUser] = []
-    for user in made.users:
-        shift = number(f"shift_{user.id}", -10.0, 60.0 if user.id == "A" else 10.0)
-        fast = user.v_x * v_x / made.v_x
-        moves = replace(user, s=user.s + shift, v_x=fast if user.id == "A" else slow)
-        users.append(replace(moves, reaction=reaction) if user.id == "A" else moves)
-    evasion = replace(made.evasion, known_range=channel.range)
-    return replace(made, v_x=v_x, cruise_speed=v_x, users=tuple(users), evasion=evasion)
-
-
-def _bend(curvature: float, length: float) -> Path:
-    s: Array = np.linspace(0.0, length, math.ceil(length / 20.0) + 1)
-    # x + iy, the integral of exp(i kappa s)
-    z = s * np.exp(0.5j * curvature * s) * np.sinc(0.5 * curvature * s / np.pi)
-    return interpolate_path(np.column_stack((z.real, z.imag)), start_tangent=(1.0, 0.0))
-
-
 def _grounded(user: RoadUser, friction: float) -> RoadUser:
     """Let nobody mean to brake harder than the road gives."""
     most = friction * _G
@@ -247,8 +200,3 @@ def _grounded(user: RoadUser, friction: float) -> RoadUser:
         for act in user.acts
     )
     return replace(user, acts=acts, deceleration=min(user.deceleration, most))
-
-
-_MAKERS = {"eebl": _eebl, "ima": _ima, "curbside": _curbside, "maneuver": _maneuver}
-STUDIED = tuple(_MAKERS)
-"""Scenarios that a study can vary."""
