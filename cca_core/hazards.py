@@ -78,6 +78,8 @@ def leader_ahead(
                     leader,
                     follow_acceleration=min(leader.follow_acceleration, -leader.required_deceleration),
                 )
+            if hidden and v > 0.0 and "hard_braking" in n.remote.events:
+                leader = _sooner(leader, blockers, n, front, s, v_x, speed)
             follow = min(follow, leader.follow_acceleration)
             stands = v == 0.0 and (hidden or n.remote.id in stopping)
             if stands:
@@ -181,6 +183,22 @@ def _leader(
         need = min(need, v_x / _SOFTLY)
     follow = follow_acceleration(v_x, gap, v, speed, a_x)
     return Leader(id=name, gap=gap, v_x=v, required_deceleration=need, follow_acceleration=follow, kind=kind)
+
+
+def _sooner(
+    leader: Leader, blockers: Sequence[Neighbour], hidden: Neighbour, front: float, s: float, v_x: float,
+    speed: SpeedSettings,
+) -> Leader:  # fmt: skip
+    """Take the next one in front to brake like a hidden one that says that it brakes hard."""
+    near = next(b for b in blockers if b.s > s)
+    if near.v_least <= 0.0:
+        return leader
+    gap, a_x = near.s - near.half_length - front, min(near.remote.a_x, hidden.remote.a_x)
+    brakes = _leader(near.remote.id, gap, near.v_least, a_x, v_x, speed, "hidden")
+    if brakes.required_deceleration <= leader.required_deceleration:
+        return leader
+    follow = min(leader.follow_acceleration, -brakes.required_deceleration)
+    return replace(brakes, follow_acceleration=follow)
 
 
 def _unsure(leader: Leader, v_x: float, speed: SpeedSettings) -> Leader:

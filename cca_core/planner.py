@@ -7,17 +7,17 @@ than others.
 import logging
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from numbers import Real
 from types import NoneType
 
 import numpy as np
 
 from cca_core._checks import check_real
-from cca_core.band import Side
 from cca_core.command import Command
 from cca_core.decide import Action, Candidate, Conflict, Decision, Leader, choose_action
 from cca_core.errors import InputError, Status
-from cca_core.evasion import Evasion, plan_evasion
+from cca_core.evasion import Evasion
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import (
     PreviewController,
@@ -29,8 +29,8 @@ from cca_core.follow import (
 )
 from cca_core.hazards import IN_THE_WAY, conflict_ahead, kept_behind, leader_ahead, leader_at
 from cca_core.path import Path, Road, interpolate_path
-from cca_core.renewal import renew, swerves_of
 from cca_core.scene import Ego, Neighbour, locate
+from cca_core.swerve import renew, swerves_of, ways_around
 from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
@@ -38,13 +38,13 @@ __all__ = ["Command", "Planner"]
 _LOG = logging.getLogger(__name__)
 _FAR_FUTURE = 1e12  # [s]
 _OFF_ROUTE = 15.0  # farther from the route than this the planner does not know where it is [m]
-_SIDES: tuple[Side, Side] = ("left", "right")
 _SLOWED = -0.5  # acceleration asked for by a leader from which on a way around it is looked for [m/s^2]
 _BESIDE = 1.5  # beyond the road's edges and the clearance nobody matters who does not cross [m]
 _PERIOD = 0.1  # between two looks at the same vehicles [s]
 _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up for following
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
 _COMFORTABLE = 2.0  # deceleration up to which a stop behind who stands is preferred to a swerve [m/s^2]
+_GRIP, _GRIP_IN_NEED = 0.9, 0.98  # shares of the tyres' grip used for braking, and in an emergency
 _HARD = 0.7  # share of the brakes from which on jerk is not spared, as from twice the comfortable share
 _CURVE_ACCELERATION = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
 
@@ -203,7 +203,10 @@ class Planner:
             self._decide(ego, leader, blockers, neighbours)
         if self._maneuver is not None and self._decision.action.evades:
             late, at = self._status is not Status.OK, self._maneuver.offset_at
-            kept = [n for n in neighbours if n.remote.id in self._kept or (late and self._blocks(n, at(n.s)))]
+            kept = [n for n in neighbours if n.remote.id in self._kept]
+            if late:  # whoever is in the way of the swerve is kept behind, as seen from it
+                blocks = [n for n in neighbours if n not in kept and self._blocks(n, at(n.s))]
+                kept += [replace(n, d=n.d - at(n.s)) for n in blocks]
             leader = self._leader(sorted(kept, key=lambda n: n.s), s, state.v_x)
         a_x = self._acceleration(s, state.v_x, state.r, leader, dt)
         reference = path if self._maneuver is None else self._maneuver.reference
@@ -267,6 +270,7 @@ class Planner:
             return
         plans: dict[str, Evasion] = {}
         candidates: list[Candidate] = []
+        status = Status.OK
         waiting = self._decision.action in (Action.FOLLOW, Action.BRAKE)
         looks = leader is not None and leader.kind != "crossing" and leader.stop_in_comfort > _COMFORTABLE
         if leader is not None and looks and (waiting or leader.follow_acceleration < _SLOWED):
@@ -278,15 +282,12 @@ class Planner:
             if leader.v_x > ego.v_target - self.evasion.speed_floor:
                 candidates.append(Candidate(side="left", obstruction=f"{leader.id} is almost as fast"))
             else:
-                for side in _SIDES:
-                    plan = plan_evasion(
-                        ego, self.road, ahead, others, side, self.evasion, at_once=waiting,
-                        known_range=self._known_range,
-                    )  # fmt: skip
-                    if isinstance(plan, Evasion):
-                        plans[side] = plan
-                        plan = plan.candidate
-                    candidates.append(plan)
+                brakes = min(self.speed.b_max, _GRIP_IN_NEED * self.vehicle.mu * 9.81)
+                helpless = leader.required_deceleration > brakes
+                plans, candidates, status = ways_around(
+                    ego, self.road, ahead, others, self._swerves if helpless else self._swerves[:1],
+                    at_once=waiting, known_range=self._known_range,
+                )  # fmt: skip
         self._decision = choose_action(
             leader, candidates, previous=self._decision.action, follow_below=_SLOWED,
             comfortable=_COMFORTABLE,
@@ -295,7 +296,7 @@ class Planner:
             self._stopping.add(leader.id)
         if self._decision.action.evades:
             side = "left" if self._decision.action is Action.EVADE_LEFT else "right"
-            self._maneuver, self._inside = plans[side], True
+            self._maneuver, self._inside, self._status = plans[side], True, status
             run_up = max(ego.v_x, 1.0)
             self._history = [(ego.s - run_up, self._t - 1.0), (ego.s, self._t)]
 
@@ -328,9 +329,10 @@ class Planner:
             elif action is not Action.KEEP:
                 wanted = min(wanted, leader.follow_acceleration, 0.0 if action is Action.BRAKE else math.inf)
         last = 0.0 if self._command is None else self._command.a_x
-        limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu)
-        hard = min(2.0 * self.speed.b_comfort, _HARD * self.speed.b_max)
-        return jerk_limited(limited, last, dt, self.speed, emergency=wanted < -hard)
+        emergency = wanted < -min(2.0 * self.speed.b_comfort, _HARD * self.speed.b_max)
+        share = _GRIP_IN_NEED if emergency else _GRIP
+        limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu, share=share)
+        return jerk_limited(limited, last, dt, self.speed, emergency=emergency)
 
     def _give_up(self, reason: str) -> Command:
         """Hold the steering and brake: the lowest rung of the ladder."""

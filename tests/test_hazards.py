@@ -58,6 +58,23 @@ class TestHiddenBraking:
         assert 2.0 < first * CYCLE < 3.0
         assert min(run.a_x) > -6.0
 
+    def test_hard_braking_told_is_braked_for_at_once(self, v: float) -> None:
+        """Who says that it brakes hard is believed before the second in line shows it."""
+        ahead = 4.5 + 0.6 * v
+        yellow = Mover("Y", ahead, 0.0, v, a=lambda t: -7.0 if t >= 3.0 else 0.0)
+        red = Mover("R", ahead + 4.5 + 1.8 * v, 0.0, v, a=lambda t: -7.0 if t >= 2.0 else 0.0)
+        run = Drive(
+            ego(cruise=v, time_gap=0.5), [yellow, red], 14.0, v=v,
+            heard=lambda t, known: [
+                replace(r, events=frozenset({"hard_braking"})) if r.id == "R" and r.a_x < -4.0 else r
+                for r in known
+            ],
+        )  # fmt: skip
+        assert run.hit is None
+        assert run.gaps["Y"] > 1.0
+        first = next(i for i, a in enumerate(run.a_x) if a < -3.0)
+        assert first * CYCLE < 2.5
+
     def test_without_messages_of_the_hidden_one_it_brakes_after_the_leader(self, v: float) -> None:
         run = self.drive(v, connected=False)
         first = next(i for i, a in enumerate(run.a_x) if a < -2.0)

@@ -15,7 +15,7 @@ from cca_core.path import Lane, Path, Road
 from cca_core.sim.log import Log
 from cca_core.sim.road_user import Brakes, Follows, RoadUser, Swerves
 from cca_core.sim.scenario import PinnedGap, Scenario
-from cca_core.v2x import ChannelSettings
+from cca_core.v2x import ChannelSettings, SenderSettings
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["load_log", "save_log"]
@@ -25,7 +25,7 @@ _KINDS: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
         Scenario, RoadUser, Brakes, Follows, Swerves, PinnedGap, VehicleParams, EvasionSettings,
-        SpeedSettings, ChannelSettings, Lane,
+        SpeedSettings, ChannelSettings, SenderSettings, Lane,
     )
 }  # fmt: skip
 _ARRAYS = tuple(

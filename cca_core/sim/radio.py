@@ -11,7 +11,7 @@ from cca_core.path import LocalFrame
 from cca_core.sim.road_user import Follows, RoadUser
 from cca_core.sim.scenario import Scenario
 from cca_core.sim.traffic import Traffic
-from cca_core.v2x import Channel, ChannelSettings, Sender, SenderSettings, Tracker, decode_bsm
+from cca_core.v2x import Channel, ChannelSettings, Sender, Tracker, decode_bsm
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Radio", "Receiver"]
@@ -85,7 +85,7 @@ class Radio:
     """
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
-        frame, settings = LocalFrame(*scenario.origin), SenderSettings()
+        frame, settings = LocalFrame(*scenario.origin), scenario.sender
         channel = scenario.channel or ChannelSettings(latency=scenario.latency)
         self._vehicle, self._one_modem = scenario.vehicle, scenario.one_modem
         self._senders = [

@@ -11,7 +11,7 @@ from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import SpeedSettings
 from cca_core.path import Road
 from cca_core.sim.road_user import Follows, RoadUser
-from cca_core.v2x import ChannelSettings
+from cca_core.v2x import ChannelSettings, SenderSettings
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["EGOS", "PinnedGap", "RoadUser", "Scenario"]
@@ -89,6 +89,8 @@ class Scenario:
         From a message's measurement to its arrival [s]; used where there is no `channel`.
     channel : ChannelSettings, optional
         The radio channel; the default loses nothing and has that latency.
+    sender : SenderSettings
+        How often everybody sends, and how well he knows his place.
     one_modem : bool
         Whether one modem sends for all others, as in the paper's test rig: all their messages then take part
         in the same bursts of loss. Otherwise each has its own.
@@ -132,6 +134,7 @@ class Scenario:
     visibility: float = math.inf
     latency: float = 0.1
     channel: ChannelSettings | None = None
+    sender: SenderSettings = field(default_factory=SenderSettings)
     one_modem: bool = False
     pinned: PinnedGap | None = None
     stop_line: float | None = None

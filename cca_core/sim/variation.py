@@ -10,13 +10,14 @@ from cca_core.errors import InputError
 from cca_core.sim.draws import DRAWS, STUDIED
 from cca_core.sim.road_user import Brakes, Follows, RoadUser
 from cca_core.sim.scenario import Scenario
-from cca_core.v2x import ChannelSettings
+from cca_core.v2x import ChannelSettings, SenderSettings
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["Variation", "draw_scenario", "nominal", "without_messages"]
 
 _G = 9.81
 _MESSAGES = 10.0  # longest mean burst of loss [-]
+_NOISE_TIME = 30.0  # [s]
 _REACH, _FAR_REACH = (50.0, 400.0), (300.0, 1000.0)  # among houses and cars; on an open road [m]
 
 
@@ -40,6 +41,8 @@ class Variation:
         Share of messages lost [-], in bursts of 1 / (1 - loss) to 10 messages in the mean.
     reach : tuple of float, optional
         Distance beyond which nobody is heard [m]; the default is 50 to 400 m, in maneuver 300 to 1000 m.
+    noise : tuple of float
+        Standard deviation of each sender's position in x and y [m], which forgets itself in 30 s.
     reaction : tuple of float
         Reaction time of each driver [s].
 
@@ -56,6 +59,7 @@ class Variation:
     jitter: tuple[float, float] = (0.0, 0.03)
     loss: tuple[float, float] = (0.0, 0.8)
     reach: tuple[float, float] | None = None
+    noise: tuple[float, float] = (0.0, 0.5)
     reaction: tuple[float, float] = (0.7, 1.5)
 
     def __post_init__(self) -> None:
@@ -79,7 +83,7 @@ class Variation:
 
 _RANGES = {
     "friction": (0.3, 1.2), "mass": (0.5, 2.0), "latency": (0.0, 5.0), "jitter": (0.0, 1.0),
-    "loss": (0.0, 0.9), "reach": (1.0, 1e4), "reaction": (0.0, 1.6),
+    "loss": (0.0, 0.9), "reach": (1.0, 1e4), "reaction": (0.0, 1.6), "noise": (0.0, 10.0),
 }  # fmt: skip
 
 
@@ -136,13 +140,14 @@ def draw_scenario(
         latency=latency, jitter=jitter, loss=loss, burst=burst, range=number("reach", *variation.within)
     )
     others, own = number("reaction", *variation.reaction), number("own_reaction", *variation.reaction)
+    sender = SenderSettings(position_noise=number("noise", *variation.noise), noise_time=_NOISE_TIME)
     case = int(rng.integers(4))
     scenario = DRAWS[variation.scenario](case, number, channel, others)
     drawn["case"] = str(scenario.case)
     car = scenario.vehicle
     car = replace(car, m=mass * car.m, I_z=mass * car.I_z, mu=friction)
     scenario = replace(
-        scenario, vehicle=car, reaction=own, seed=int(drawn["seed"]), channel=channel,
+        scenario, vehicle=car, reaction=own, seed=int(drawn["seed"]), channel=channel, sender=sender,
         users=tuple(_grounded(user, friction) for user in scenario.users),
     )  # fmt: skip
     return scenario, drawn

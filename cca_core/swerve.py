@@ -1,4 +1,4 @@
-"""Go on with a swerve for what is known now: in comfort, harder, narrower, as it was, or not at all."""
+"""Ways around, and going on with one: in comfort, harder, narrower, as it was, or not at all."""
 
 import math
 from collections.abc import Sequence
@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cca_core.band import Side
+from cca_core.decide import Candidate
 from cca_core.errors import Status
 from cca_core.evasion import Evasion, boxes_of, plan_evasion
 from cca_core.evasion_settings import EvasionSettings
@@ -15,10 +17,13 @@ from cca_core.retreat import plan_retreat
 from cca_core.scene import Ego, Neighbour
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["Renewal", "renew", "swerves_of"]
+__all__ = ["Renewal", "renew", "swerves_of", "ways_around"]
 
+_SIDES: tuple[Side, Side] = ("left", "right")
 _GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
 _NARROW = 0.3  # clearance with which it is driven on then [m]
+_LEAD_TIME = 0.1  # time to contact at which it must be beside the other at the latest then [s]
+_SHARP = 3.5  # peak lateral acceleration that it aims at then, within half the grip [m/s^2]
 _TOUCHES = 0.1  # distance to others' bounds on the old swerve below which a way back is looked for [m]
 _BEHIND = 2.0  # nodes this far behind the ego still count [m]
 
@@ -57,11 +62,69 @@ def swerves_of(
     Returns
     -------
     swerves : tuple of (EvasionSettings, Status)
-        In comfort, with 80 % of the grip, and with 0.3 m clearance too.
+        In comfort, with 80 % of the grip, with 0.3 m clearance too, and as late and sharp as it can be.
     """
-    hard = replace(settings, lateral_limit=_GRIP_USED * vehicle.mu * 9.81)
+    grip = vehicle.mu * 9.81
+    hard = replace(settings, lateral_limit=_GRIP_USED * grip)
     narrow = replace(hard, clearance=min(_NARROW, hard.clearance))
-    return (settings, Status.OK), (hard, Status.FALLBACK), (narrow, Status.FALLBACK)
+    late = replace(narrow, lead_time=_LEAD_TIME, lateral_acceleration=min(_SHARP, 0.5 * grip))
+    return (settings, Status.OK), *((way, Status.FALLBACK) for way in (hard, narrow, late))
+
+
+def ways_around(
+    ego: Ego,
+    road: Road,
+    blockers: Sequence[Neighbour],
+    others: Sequence[Neighbour],
+    swerves: Sequence[tuple[EvasionSettings, Status]],
+    *,
+    at_once: bool,
+    known_range: float = math.inf,
+) -> tuple[dict[str, Evasion], list[Candidate], Status]:
+    """Plan swerves to both sides, in the first way of driving in which one is free.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego on its lane.
+    road : Road
+        Route and lanes.
+    blockers : sequence of Neighbour
+        Vehicles in the way, nearest first.
+    others : sequence of Neighbour
+        All other vehicles.
+    swerves : sequence of (EvasionSettings, Status)
+        Ways to drive, the best first; those that are to be tried.
+    at_once : bool
+        Whether a swerve begins now even if there would be time to drive on.
+    known_range : float
+        Distance up to which all vehicles are known now [m].
+
+    Returns
+    -------
+    plans : dict of Evasion
+        Swerves that could be drawn, by side.
+    candidates : list of Candidate
+        The same for the choice of action; of the best way where none is free.
+    status : Status
+        How it would be driven.
+    """
+    found: list[tuple[dict[str, Evasion], list[Candidate], Status]] = []
+    for settings, status in swerves:
+        plans: dict[str, Evasion] = {}
+        candidates = []
+        for side in _SIDES:
+            plan = plan_evasion(
+                ego, road, blockers, others, side, settings, at_once=at_once, known_range=known_range
+            )
+            if isinstance(plan, Evasion):
+                plans[side] = plan
+                plan = plan.candidate
+            candidates.append(plan)
+        found.append((plans, candidates, status))
+        if not all(c.obstruction for c in candidates):
+            return found[-1]
+    return found[0]
 
 
 def renew(

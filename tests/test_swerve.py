@@ -6,8 +6,8 @@ import pytest
 from cca_core import Status
 from cca_core.evasion import Evasion
 from cca_core.follow import SpeedSettings
-from cca_core.renewal import Renewal, renew, swerves_of
 from cca_core.scene import Ego, Neighbour
+from cca_core.swerve import Renewal, renew, swerves_of, ways_around
 from tests.test_planner import CAR, START
 from tests.test_retreat import ROAD, SETTINGS, at, maneuver
 
@@ -48,13 +48,13 @@ def test_given_up_inside_the_lane_while_following_is_easy(maneuver: Evasion) -> 
 
 
 def test_as_it_was_while_that_is_clear(maneuver: Evasion, monkeypatch: pytest.MonkeyPatch) -> None:
-    from cca_core import renewal
+    from cca_core import swerve
     from cca_core.decide import Candidate
 
     def fails(*args: object, **kwargs: object) -> Candidate:
         return Candidate(side="left", obstruction="contact set did not settle")
 
-    monkeypatch.setattr(renewal, "plan_evasion", fails)
+    monkeypatch.setattr(swerve, "plan_evasion", fails)
     now = renewed(maneuver)
     assert now.maneuver is maneuver
     assert now.status is Status.FALLBACK
@@ -63,3 +63,17 @@ def test_as_it_was_while_that_is_clear(maneuver: Evasion, monkeypatch: pytest.Mo
     assert blocked.maneuver is not None
     assert blocked.maneuver is not maneuver
     assert "returning: contact set" in blocked.reason
+
+
+def test_the_first_way_that_is_free_is_taken() -> None:
+    """35 m behind a standing car at 25 m/s: comfort comes too late, more grip does not."""
+    speed = SpeedSettings()
+    ego = Ego(vehicle=CAR, s=START, v_x=25.0, v_target=25.0, speed=speed, history=np.empty((0, 2)))
+    standing = [at(40.0, 0.0, 0.0)]
+    plans, candidates, status = ways_around(ego, ROAD, standing, [], SWERVES[:1], at_once=False)
+    assert all(c.obstruction for c in candidates)
+    plans, candidates, status = ways_around(ego, ROAD, standing, [], SWERVES, at_once=False)
+    assert status is Status.FALLBACK
+    assert not candidates[0].obstruction
+    assert plans["left"].band.status is Status.OK
+    assert candidates[1].obstruction

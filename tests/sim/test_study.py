@@ -1,0 +1,555 @@
+"""Studies: what is drawn, what counts as avoidable, intervals, the file, executors, resuming after a kill."""
+
+import csv
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import fields, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cca_core.errors import InputError
+from cca_core.sim import Brakes, Follows, Log, Scenario, curbside, eebl, ima, make_planner, simulate
+from cca_core.sim import study as study_module
+from cca_core.sim.avoidable import avoided_by, first_hazard
+from cca_core.sim.draws import STUDIED
+from cca_core.sim.rates import StudyTable, rate_of
+from cca_core.sim.scenario import EGOS
+from cca_core.sim.study import Study, run_study
+from cca_core.sim.study_file import StudyFile
+from cca_core.sim.study_run import drive_run
+from cca_core.sim.variation import Variation, draw_scenario, nominal, without_messages
+from cca_core.v2x import ChannelSettings
+
+SHORT = Variation(scenario="eebl", loss=(0.0, 0.3))
+SMALL = {"eebl": 8, "ima": 5, "curbside": 5, "maneuver": 1}
+
+
+def draw(name: str, index: int = 0, seed: int = 1) -> tuple[Scenario, dict[str, Any]]:
+    return draw_scenario(Variation(scenario=name), seed, index)
+
+
+class TestRates:
+    @pytest.mark.parametrize(("hits", "n"), [(0, 5), (1, 7), (3, 30), (29, 30), (30, 30), (12, 400)])
+    @pytest.mark.parametrize("confidence", [0.9, 0.95])
+    def test_interval_has_the_tails_it_is_named_for(self, hits: int, n: int, confidence: float) -> None:
+        """The bounds of Clopper and Pearson by their definition, as sums of binomial probabilities."""
+        rate, rest = rate_of(hits, n, confidence=confidence), 1.0 - confidence
+
+        def at_most(k: int, p: float) -> float:
+            return sum(math.comb(n, i) * p**i * (1.0 - p) ** (n - i) for i in range(k + 1))
+
+        if hits < n:
+            assert at_most(hits, rate.high) == pytest.approx(0.5 * rest, rel=1e-6)
+            assert at_most(hits, rate.bound) == pytest.approx(rest, rel=1e-6)
+        else:
+            assert rate.high == rate.bound == 1.0
+        if hits:
+            assert 1.0 - at_most(hits - 1, rate.low) == pytest.approx(0.5 * rest, rel=1e-6)
+        else:
+            assert rate.low == 0.0
+        assert rate.low <= rate.value <= rate.bound <= rate.high
+
+    def test_nothing_in_two_thousand(self) -> None:
+        assert rate_of(0, 2000).bound == pytest.approx(1.0 - 0.05 ** (1 / 2000))
+        assert rate_of(0, 2000).bound < 0.002 < rate_of(1, 2000).bound
+
+    def test_no_runs_say_nothing(self) -> None:
+        rate = rate_of(0, 0)
+        assert (rate.value, rate.low, rate.high) == (0.0, 0.0, 1.0)
+
+    @pytest.mark.parametrize(("hits", "n", "c"), [(-1, 5, 0.9), (6, 5, 0.9), (1, 5, 1.0), (1, 5, 0.0)])
+    def test_bad_arguments(self, hits: int, n: int, c: float) -> None:
+        with pytest.raises(InputError, match=r"hits|confidence"):
+            rate_of(hits, n, confidence=c)
+
+
+class TestVariation:
+    @pytest.mark.parametrize("name", STUDIED)
+    def test_a_run_depends_on_its_number_alone(self, name: str) -> None:
+        (first, drawn), (again, same) = draw(name, 7), draw(name, 7)
+        assert drawn == same
+        assert [(u.id, u.s, u.v_x) for u in first.users] == [(u.id, u.s, u.v_x) for u in again.users]
+        assert draw(name, 8)[1] != drawn
+        assert draw(name, 7, seed=2)[1] != drawn
+
+    @pytest.mark.parametrize("name", STUDIED)
+    def test_draws_fill_their_ranges(self, name: str) -> None:
+        runs = [draw(name, i) for i in range(60)]
+        variation = Variation(scenario=name)
+        for field in fields(variation)[1:]:
+            low, high = variation.within if field.name == "reach" else getattr(variation, field.name)
+            values = np.array([drawn[field.name] for _, drawn in runs])
+            assert low <= values.min() < low + 0.15 * (high - low)
+            assert high - 0.15 * (high - low) < values.max() <= high
+        for scenario, drawn in runs:
+            channel, most = scenario.channel, drawn["friction"] * 9.81
+            assert channel is not None
+            assert (channel.latency, channel.loss, channel.range) == (
+                drawn["latency"], drawn["loss"], drawn["reach"],
+            )  # fmt: skip
+            assert scenario.vehicle.mu == drawn["friction"]
+            assert scenario.vehicle.m == pytest.approx(1093.3 * drawn["mass"])
+            assert scenario.reaction == drawn["own_reaction"]
+            for user in scenario.users:
+                assert user.deceleration <= most
+                acts = [act for act in user.acts if isinstance(act, Brakes | Follows)]
+                assert all(act.deceleration <= most for act in acts)
+        assert len({scenario.case for scenario, _ in runs}) == {"curbside": 1, "maneuver": 4}.get(name, 2)
+
+    def test_reach_is_that_of_the_scenario(self) -> None:
+        assert Variation(scenario="ima").within == (50.0, 400.0)
+        assert Variation(scenario="maneuver").within == (300.0, 1000.0)
+        assert Variation(scenario="maneuver", reach=(9.0, 10.0)).within == (9.0, 10.0)
+
+    @pytest.mark.parametrize("name", STUDIED)
+    def test_equal_bounds_hold_a_value(self, name: str) -> None:
+        held = Variation(scenario=name, latency=(0.2, 0.2), loss=(0.0, 0.0))
+        assert {draw_scenario(held, 1, i)[1]["latency"] for i in range(5)} == {0.2}
+
+    def test_planner_knows_the_friction_but_not_the_load(self) -> None:
+        scenario, _ = draw("curbside")
+        car = nominal(scenario).vehicle
+        assert car.m == 1093.3
+        assert car.mu == scenario.vehicle.mu
+        assert replace(car, m=scenario.vehicle.m, I_z=scenario.vehicle.I_z) == scenario.vehicle
+
+    def test_without_messages_nobody_is_warned(self) -> None:
+        scenario = next(s for s, _ in (draw("eebl", i) for i in range(9)) if s.case == "C")
+        silent = without_messages(scenario, "driver")
+        follows = next(act for act in silent.users[0].acts if isinstance(act, Follows))
+        assert math.isinf(follows.warned_after)
+        assert not silent.v2v
+        log = simulate(silent)
+        assert log.received == ()
+        assert log.time_of("brakes", "yellow") - log.time_of("brakes", "red") >= follows.reaction - 0.1
+
+    @pytest.mark.parametrize(
+        "change",
+        [
+            {"scenario": "zebra"}, {"loss": (0.5, 0.2)}, {"loss": (0.0, 0.95)}, {"latency": (-0.1, 0.0)},
+            {"mass": (math.nan, 1.0)}, {"reach": (5.0,)},
+        ],
+    )  # fmt: skip
+    def test_bad_arguments(self, change: dict[str, Any]) -> None:
+        with pytest.raises(InputError, match=rf"\b{next(iter(change))}\b"):
+            Variation(**{"scenario": "eebl", **change})
+
+    def test_bad_numbers(self) -> None:
+        with pytest.raises(InputError, match="index"):
+            draw("eebl", -1)
+
+
+@cache
+def curb(reach: float, **change: float) -> Log:
+    return simulate(curbside("fast", channel=ChannelSettings(range=reach), **change))
+
+
+class TestAvoidable:
+    """By closed forms: braking from v with b takes v^2 / 2b and the time of building up."""
+
+    @pytest.mark.parametrize("make", [eebl, ima, curbside])
+    def test_of_the_papers_scenarios_all_are(self, make: Any) -> None:
+        assert avoided_by(simulate(make())) == "brake"
+
+    def test_braking_needs_its_distance(self) -> None:
+        """25^2 / 14 = 44.6 m, and (0.55 / 2 + 0.1) s, half of the ramp and the lag, at 25 m/s: 54 m."""
+        room = 4.5  # from middle to middle of two bodies that touch
+        assert avoided_by(curb(room + 63.0)) == "brake"
+        assert avoided_by(curb(room + 51.0)) == "swerve"
+
+    def test_a_swerve_needs_its_distance_too(self) -> None:
+        """0.95 m in 1 s take 5.8 x 0.95 = 5.5 m/s^2, which mu = 0.9 gives; in half a second 22 m/s^2."""
+        assert avoided_by(curb(4.5 + 27.5)) == "swerve"
+        assert avoided_by(curb(4.5 + 14.0)) == ""
+
+    def test_there_is_no_swerve_without_a_lane_beside(self) -> None:
+        log = curb(4.5 + 40.0)
+        assert avoided_by(log) == "swerve"
+        narrow = curbside("fast", channel=ChannelSettings(range=44.5))
+        road = type(narrow.road)(narrow.road.path, speed_limit=narrow.road.speed_limit)
+        assert avoided_by(simulate(replace(narrow, road=road))) == ""
+
+    def test_a_swerve_into_somebody_does_not_count(self) -> None:
+        scenario = curbside("fast", channel=ChannelSettings(range=44.5))
+        red = scenario.users[1]
+        beside = replace(red, id="beside", d=2.6, connected=False)
+        assert avoided_by(simulate(replace(scenario, users=(*scenario.users, beside)))) == ""
+
+    def test_who_was_never_told_could_not_know(self) -> None:
+        log = curb(1.0)
+        assert first_hazard(log) is None
+        assert avoided_by(log) == ""
+
+    def test_first_hazard_is_the_first_delivered_message(self) -> None:
+        late = ChannelSettings(latency=0.3)
+        log = simulate(eebl(channel=late))
+        hazard = first_hazard(log)
+        assert hazard is not None
+        # red brakes at 2 s and has 0.4 g at 2.31 s; then up to 0.1 s until it sends
+        assert 2.31 + 0.3 - 0.02 <= log.t[hazard] <= 2.31 + 0.1 + 0.3 + 0.04
+        assert hazard == min(k for k, _ in log.received if log.t[k] >= log.time_of("hazard_heard", "red"))
+
+    def test_until_then_the_run_is_repeated_exactly(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        import cca_core.sim.avoidable as module
+
+        log, again = simulate(eebl()), []
+        drive = module.simulate
+        monkeypatch.setattr(module, "simulate", lambda *a, **k: again.append(drive(*a, **k)) or again[-1])
+        assert avoided_by(log) == "brake"
+        hazard = first_hazard(log)
+        assert hazard is not None
+        np.testing.assert_array_equal(again[0].ego[: hazard + 1], log.ego[: hazard + 1])
+        np.testing.assert_array_equal(again[0].users[: hazard + 1], log.users[: hazard + 1])
+        assert again[0].received[: len(log.received) // 4] == log.received[: len(log.received) // 4]
+        assert again[0].ego[:, 7].min() == pytest.approx(-7.0, abs=0.05)
+
+    def test_a_contact_with_messages_can_have_been_avoidable(self) -> None:
+        """An ego that ignores what it hears hits, and the oracle knows that it need not have."""
+        scenario = eebl("C")
+        deaf = make_planner(scenario)
+        step = deaf.step
+        deaf.step = lambda t, state, remotes, **k: step(t, state, [], **k)  # type: ignore[method-assign]
+        log = simulate(scenario, planner=deaf)
+        assert log.summary()["collided"]
+        assert avoided_by(log) == "brake"
+
+    def test_wants_messages(self) -> None:
+        with pytest.raises(InputError, match="messages"):
+            avoided_by(simulate(eebl("A")))
+
+
+class TestStudy:
+    @pytest.mark.parametrize(
+        "change",
+        [{"runs": 0}, {"avoidable": 0}, {"runs": 3, "avoidable": 3}, {}, {"runs": 3, "seed": -1},
+         {"runs": 3, "plant": "toy"}],
+    )  # fmt: skip
+    def test_bad_arguments(self, change: dict[str, Any]) -> None:
+        with pytest.raises(InputError, match=r"runs|seed|plant"):
+            Study(variation=SHORT, **change)
+
+    def test_fingerprint_tells_studies_apart_but_not_their_size(self) -> None:
+        study = Study(variation=SHORT, runs=3)
+        assert study.fingerprint == replace(study, runs=None, avoidable=9).fingerprint
+        others = [replace(study, seed=2), replace(study, variation=Variation(scenario="eebl"))]
+        assert len({study.fingerprint, *(other.fingerprint for other in others)}) == 3
+
+
+def pretend(variation: Variation, seed: int, index: int, plant: str) -> dict[str, Any]:
+    """Stand in for a run: takes a little time, a third of them cannot be avoided."""
+    time.sleep(0.001 * (7 * index % 5))
+    means = "" if index % 3 == 1 else "brake"
+    egos = {f"{ego}_hit": "red" if index % (3 + k) == 1 else "" for k, ego in enumerate(EGOS)}
+    return {"index": index, "avoided_by": means, "value": 0.1 * index, **egos}
+
+
+class Counting(ThreadPoolExecutor):
+    """Threads; counts what is in flight and stops the study after some runs."""
+
+    def __init__(self, stop_after: int | None = None) -> None:
+        super().__init__(3)
+        self.asked: list[int] = []
+        self.flying = self.most = 0
+        self.stop_after = stop_after
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Any:
+        self.asked.append(args[2])
+        if self.stop_after is not None and len(self.asked) > self.stop_after:
+            raise KeyboardInterrupt
+        self.flying += 1
+        self.most = max(self.most, self.flying)
+        future = super().submit(fn, *args, **kwargs)
+        future.add_done_callback(lambda _: setattr(self, "flying", self.flying - 1))
+        return future
+
+
+@pytest.fixture
+def pretended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study_module, "drive_run", pretend)
+
+
+@pytest.mark.usefixtures("pretended")
+class TestRunStudy:
+    def test_rows_are_in_order(self, tmp_path: Path) -> None:
+        with Counting() as threads:
+            study = Study(variation=SHORT, runs=40)
+            table = run_study(study, tmp_path / "a.jsonl", executor=threads, in_flight=7)
+        assert [row["index"] for row in table.rows] == list(range(40))
+        assert sorted(threads.asked) == list(range(40))
+        assert threads.most <= 7
+
+    def test_draws_until_enough_were_avoidable(self, tmp_path: Path) -> None:
+        with Counting() as threads:
+            study = Study(variation=SHORT, avoidable=20)
+            table = run_study(study, tmp_path / "a.jsonl", executor=threads, in_flight=5)
+        assert table.avoidable.sum() == 20
+        assert table.rows[-1]["avoided_by"] == "brake"
+        assert len(table) == 30
+
+    def test_an_interrupted_study_repeats_nothing(self, tmp_path: Path) -> None:
+        study, path = Study(variation=SHORT, runs=30), tmp_path / "a.jsonl"
+        with pytest.raises(KeyboardInterrupt), Counting(stop_after=17) as threads:
+            run_study(study, path, executor=threads, in_flight=4)
+        kept = [json.loads(line)["index"] for line in path.read_text().splitlines()[1:]]
+        assert 8 <= len(kept) <= 17
+        with Counting() as threads:
+            table = run_study(study, path, executor=threads, in_flight=4)
+        assert set(threads.asked) == set(range(30)) - set(kept)
+        assert len(threads.asked) == 30 - len(kept)
+        assert [row["index"] for row in table.rows] == list(range(30))
+
+    def test_a_finished_study_drives_nothing_and_can_grow(self, tmp_path: Path) -> None:
+        path = tmp_path / "a.jsonl"
+        with Counting() as threads:
+            run_study(Study(variation=SHORT, runs=10), path, executor=threads)
+            threads.asked.clear()
+            run_study(Study(variation=SHORT, runs=10), path, executor=threads)
+            assert threads.asked == []
+            run_study(Study(variation=SHORT, runs=12), path, executor=threads)
+            assert threads.asked == [10, 11]
+
+    def test_progress_is_told(self, tmp_path: Path) -> None:
+        told: list[tuple[int, int]] = []
+        with Counting() as threads:
+            study = Study(variation=SHORT, avoidable=9)
+            run_study(
+                study, tmp_path / "a", executor=threads, progress=lambda *done: told.append(done)
+            )  # fmt: skip
+        assert told[0] == (0, 9)
+        assert told[-1] == (9, 9)
+        assert told == sorted(told)
+
+    def test_an_error_in_a_run_is_not_hidden(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:  # fmt: skip
+        def fails(variation: Variation, seed: int, index: int, plant: str) -> dict[str, Any]:
+            if index == 3:
+                raise ZeroDivisionError
+            return pretend(variation, seed, index, plant)
+
+        monkeypatch.setattr(study_module, "drive_run", fails)
+        with pytest.raises(ZeroDivisionError), Counting() as threads:
+            run_study(Study(variation=SHORT, runs=9), tmp_path / "a", executor=threads, in_flight=1)
+        assert len((tmp_path / "a").read_text().splitlines()) == 1 + 3
+
+    def test_bad_in_flight(self, tmp_path: Path) -> None:
+        with pytest.raises(InputError, match="in_flight"):
+            run_study(Study(variation=SHORT, runs=1), tmp_path / "a", in_flight=0)
+
+    def test_table(self, tmp_path: Path) -> None:
+        with Counting() as threads:
+            table = run_study(Study(variation=SHORT, runs=24), tmp_path / "a", executor=threads)
+        among = [row for row in table.rows if row["avoided_by"]]
+        rate = table.rate("driver")
+        assert (rate.hits, rate.n) == (sum(row["driver_hit"] != "" for row in among), len(among))
+        assert table.rate("v2v").hits == 0
+        assert table.rate("v2v", np.ones(24, dtype=bool)).hits == 8
+        table.write_csv(tmp_path / "t.csv")
+        with (tmp_path / "t.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert [float(row["value"]) for row in rows] == table.column("value").tolist()
+        with pytest.raises(InputError, match="name"):
+            table.column("no such")
+        with pytest.raises(InputError, match="ego"):
+            table.hit("cat")
+
+
+class TestStudyFile:
+    ROW = {"index": 0, "value": 0.1 + 0.2}  # noqa: RUF012
+
+    def test_numbers_come_back_exactly(self, tmp_path: Path) -> None:
+        path = tmp_path / "a"
+        with StudyFile(path, "x") as file:
+            file.add({**self.ROW, "none": None, "tiny": 5e-324})
+        with StudyFile(path, "x") as file:
+            assert file.rows == {0: {**self.ROW, "none": None, "tiny": 5e-324}}
+
+    def test_cut_anywhere_it_loses_only_the_line_that_is_cut(self, tmp_path: Path) -> None:
+        path = tmp_path / "a"
+        with StudyFile(path, "x") as file:
+            for i in range(3):
+                file.add({**self.ROW, "index": i})
+        whole = path.read_bytes()
+        for size in range(len(whole) + 1):
+            path.write_bytes(whole[:size])
+            lines = whole[:size].count(b"\n")
+            with StudyFile(path, "x") as file:
+                assert sorted(file.rows) == list(range(max(lines - 1, 0)))
+                for i in range(3):
+                    if i not in file.rows:
+                        file.add({**self.ROW, "index": i})
+            assert path.read_bytes() == whole
+
+    @pytest.mark.parametrize("content", [b"hello", b"hello\n", b'{"a": 1}\n', b"\xff\xfe\n", b"[]\n"])
+    def test_another_file_is_left_alone(self, tmp_path: Path, content: bytes) -> None:
+        path = tmp_path / "a"
+        path.write_bytes(content)
+        with pytest.raises(InputError, match="path"):
+            StudyFile(path, "x")
+        assert path.read_bytes() == content
+
+    def test_another_study_is_refused(self, tmp_path: Path) -> None:
+        with StudyFile(tmp_path / "a", "x") as file:
+            file.add(self.ROW)
+        with pytest.raises(InputError, match="same study"):
+            StudyFile(tmp_path / "a", "y")
+
+
+RUNS = 4
+SCRIPT = f"""
+import sys
+from cca_core.sim.study import Study, run_study
+from cca_core.sim.variation import Variation
+
+if __name__ == "__main__":
+    study = Study(variation=Variation(scenario="eebl", loss=(0.0, 0.3)), runs={RUNS})
+    run_study(study, sys.argv[1], in_flight=2)
+"""
+
+
+@pytest.fixture(scope="module")
+def straight(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Table of a small study driven in order, in this process, without interruption."""
+    folder = tmp_path_factory.mktemp("straight")
+    table = run_study(Study(variation=SHORT, runs=RUNS), folder / "a.jsonl", executor=InPlace(), in_flight=1)
+    assert isinstance(table, StudyTable)
+    return written(table, folder)
+
+
+class InPlace(Executor):
+    """Runs what it is given at once."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Any:
+        from concurrent.futures import Future
+
+        future: Future[Any] = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def written(table: StudyTable, folder: Path) -> bytes:
+    table.write_csv(folder / "table.csv")
+    return (folder / "table.csv").read_bytes()
+
+
+class TestExecutors:
+    def test_processes_give_the_same_table(self, straight: bytes, tmp_path: Path) -> None:
+        study = Study(variation=SHORT, runs=RUNS)
+        threads = os.environ.get("OMP_NUM_THREADS")
+        assert written(run_study(study, tmp_path / "a"), tmp_path) == straight
+        assert os.environ.get("OMP_NUM_THREADS") == threads
+
+    @pytest.mark.requires("distributed")
+    @pytest.mark.filterwarnings("ignore")  # of the cluster's own sockets and loops
+    def test_a_cluster_gives_the_same_table(self, straight: bytes, tmp_path: Path) -> None:
+        from distributed import Client, LocalCluster
+
+        cluster = LocalCluster(
+            n_workers=2, threads_per_worker=1, dashboard_address=None, processes=True,
+            local_directory=str(tmp_path),
+        )  # fmt: skip
+        with cluster, Client(cluster) as client, client.get_executor() as executor:
+            table = run_study(Study(variation=SHORT, runs=RUNS), tmp_path / "a", executor=executor)
+        assert written(table, tmp_path) == straight
+
+    @pytest.mark.parametrize("seed", [1, 2])
+    def test_killed_and_resumed(self, straight: bytes, tmp_path: Path, seed: int) -> None:
+        script, path = tmp_path / "script.py", tmp_path / "a.jsonl"
+        script.write_text(SCRIPT)
+        process = subprocess.Popen([sys.executable, str(script), str(path)], start_new_session=True)
+        while not path.exists() or path.read_bytes().count(b"\n") < 2:
+            time.sleep(0.01)
+            assert process.poll() is None
+        time.sleep(float(np.random.default_rng(seed).uniform(0.0, 1.0)))
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        kept = path.read_bytes().count(b"\n") - 1
+        assert 1 <= kept <= RUNS
+        deadline = time.monotonic() + 20.0
+        while any(members(process.pid)):
+            assert time.monotonic() < deadline, "the workers outlive the study"
+            time.sleep(0.05)
+        with ProcessPoolExecutor(1) as pool:
+            table = run_study(Study(variation=SHORT, runs=RUNS), path, executor=pool)
+        assert written(table, tmp_path) == straight
+        indices = [json.loads(line)["index"] for line in path.read_text().splitlines()[1:]]
+        assert sorted(indices) == list(range(RUNS))
+
+
+def members(session: int) -> Iterator[int]:
+    """Processes of a session that still run."""
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            after_name = (folder / "stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(after_name[3]) == session and after_name[0] != "Z":
+            yield int(folder.name)
+
+
+class TestSmallStudy:
+    """With messages nothing happens that could have been avoided; a driver is not so lucky."""
+
+    @pytest.mark.parametrize("name", STUDIED)
+    def test_of_each_scenario(self, name: str) -> None:
+        rows = (drive_run(Variation(scenario=name), 1, i) for i in range(SMALL[name]))
+        table = StudyTable(scenario=name, rows=tuple(rows))
+        assert table.rate("v2v").n >= 1
+        assert [row for row in table.rows if row["avoided_by"] and row["v2v_hit"]] == []
+        assert not any("internal error" in row["v2v_last"] for row in table.rows)
+        if name == "eebl":
+            assert table.rate("driver").hits >= 4
+
+
+@pytest.mark.requires("matplotlib")
+class TestFigure:
+    def table(self) -> StudyTable:
+        rng = np.random.default_rng(0)
+        rows = []
+        for i in range(400):
+            latency, loss = rng.uniform(0.0, 0.5), rng.uniform(0.0, 0.8)
+            hits = {"v2v": loss > 0.7, "driver": i % 2 == 0, "sensor": False}
+            told = {f"{ego}_hit": "red" if hit else "" for ego, hit in hits.items()}
+            rows.append({"index": i, "latency": latency, "loss": loss, "avoided_by": "", **told})
+        return StudyTable(scenario="ima", rows=tuple(rows))
+
+    def test_lines_are_the_rates_of_their_classes(self) -> None:
+        from cca_core.plot.study import plot_study
+
+        table = self.table()
+        latency, loss = plot_study([table], bins=4).axes
+        assert (latency.get_xlabel(), loss.get_ylabel()) == ("latency [s]", "")
+        lines = {c.get_label(): c.lines[0].get_ydata() for c in loss.containers}
+        x = table.column("loss")
+        edges = np.linspace(x.min(), x.max(), 5)
+        last = x >= edges[3]
+        assert lines["with V2V"][3] == pytest.approx(table.rate("v2v", last).value)
+        assert lines["with V2V"][:3].tolist() == [0.0, 0.0, 0.0]
+        assert 0.3 < lines["driver without V2V"].min() < lines["driver without V2V"].max() < 0.7
+        assert lines["sensor without V2V"].tolist() == [0.0] * 4
+
+    def test_one_value_and_small_rates(self) -> None:
+        from cca_core.plot.study import plot_study
+
+        held = tuple({**row, "latency": 0.1} for row in self.table().rows)
+        figure = plot_study([StudyTable(scenario="ima", rows=held)] * 2, egos=("v2v",), log=True)
+        figure.canvas.draw()
+        assert len(figure.axes) == 4
+
+    @pytest.mark.parametrize("change", [{"tables": []}, {"bins": 0}, {"egos": ("cat",)}])
+    def test_bad_arguments(self, change: dict[str, Any]) -> None:
+        from cca_core.plot.study import plot_study
+
+        with pytest.raises(InputError, match=next(iter(change))):
+            plot_study(**{"tables": [self.table()], **change})
