@@ -1,6 +1,7 @@
 """Ways around what stands in the way: where to swerve, the band to drive, whether the lane beside is free."""
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -180,7 +181,7 @@ def plan_evasion(
             stale_after=settings.stale_after, braking=settings.braking, acceleration=settings.acceleration,
         )  # fmt: skip
     if not found:
-        obstruction = obstruction or band.message
+        obstruction = obstruction or _named(band.message, [*blockers, *beside_or_ahead], s - ego.s)
     candidate = Candidate(
         side=side, obstruction=obstruction, lead_in=first, needed=needed,
         duration=until, zone=zone, cost=float(np.abs(band.displacement).max()),
@@ -260,6 +261,12 @@ def _speeds(ego: Ego, s: Array) -> Array:
         np.minimum(np.sqrt(ego.v_x**2 + 2.0 * ego.speed.a_max * ahead), ego.v_target), ego.v_x
     )
     return speeds
+
+
+def _named(message: str, others: Sequence[Neighbour], ahead: Array) -> str:
+    """Message of a band, with the vehicles' names and the distance ahead of the ego instead of its counts."""
+    message = re.sub(r"obstacle (\d+)", lambda found: others[int(found[1])].remote.id, message)
+    return re.sub(r"at node (\d+)", lambda found: f"{ahead[int(found[1])]:.0f} m ahead", message)
 
 
 def _between(x: Array, first: float, last: float) -> Mask:

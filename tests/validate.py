@@ -30,6 +30,7 @@ STATE = ROOT / ".validate"
 PAGE = ROOT / "docs" / "validation.md"
 FIGURE = ROOT / "docs" / "study.png"
 AVOIDABLE = 2000
+SEED = 2  # ranges and definitions were chosen while looking at seed 1
 BOUND = 0.002  # on the rate of avoidable collisions with V2V, one-sided at 95 %
 
 
@@ -83,7 +84,7 @@ def run(name: str) -> dict[str, float]:
 
 def study(name: str) -> StudyTable:
     """Drive what is left of the study of one scenario."""
-    plan = Study(variation=Variation(scenario=name), avoidable=AVOIDABLE)
+    plan = Study(variation=Variation(scenario=name), seed=SEED, avoidable=AVOIDABLE)
     digest = hashlib.sha256(plan.fingerprint.encode()).hexdigest()[:12]
     with tqdm(total=AVOIDABLE, desc=name, unit="avoidable run") as bar:
 
@@ -101,7 +102,7 @@ def told(tables: list[StudyTable]) -> list[str]:
         "",
         "## Study",
         "",
-        f"Drawn by chance, seed 1, until {AVOIDABLE} runs of a scenario were avoidable; how is said in",
+        f"Drawn by chance, seed {SEED}, until {AVOIDABLE} runs of a scenario were avoidable; how is said in",
         "[Studies](study.md). Collisions among the avoidable runs, rate and its interval at 95 %; for V2V",
         "also the one-sided bound.",
         "",

@@ -162,7 +162,7 @@ def smoothest(
         warnings.simplefilter("ignore")  # infeasibility is an outcome
         solution = qpsolvers.solve_problem(problem, solver, initvals=near, **_SETTINGS[solver])
     info = solution.extras["info"]
-    message = f"{solver}: {getattr(info.status, 'name', info.status)}"
+    message = _words(solver, str(getattr(info.status, "name", info.status)))
     missed = solution.primal_residual()
     solved = bool(missed <= _SLACK * min(unit**2, 1.0))
     if solved:
@@ -170,6 +170,12 @@ def smoothest(
     elif solution.found:
         message += f", but misses a bound by {missed:.1e}"
     return Smoothest(u=u, solved=solved, message=message, iterations=int(info.iter), solution=solution)
+
+
+def _words(solver: QPSolver, status: str) -> str:
+    """Outcome of a solver in words."""
+    words = status.lower().removeprefix("piqp_").replace("_", " ")
+    return "no band within these bounds" if "primal infeasible" in words else f"{solver}: {words}"
 
 
 @lru_cache(maxsize=32)

@@ -51,6 +51,13 @@ class PoseEstimator:
         self._along = self._across = self._fix_variance
         self._cross, self._heading = 0.0, 1e-4
 
+    def __repr__(self) -> str:
+        s = self._state
+        return (
+            f"PoseEstimator(x={s.x:.2f} m, y={s.y:.2f} m, psi={s.psi:.3f} rad, known within "
+            f"{math.sqrt(max(self._along, self._across)):.2f} m and {math.sqrt(self._heading):.4f} rad)"
+        )
+
     @property
     def state(self) -> VehicleState:
         """Best knowledge of the motion now."""

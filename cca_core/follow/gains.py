@@ -26,7 +26,8 @@ class StabilityRegion:
     Parameters
     ----------
     decay : float
-        Every pole is at least this far left of the imaginary axis [1/s].
+        Every pole is at least this far left of the imaginary axis [1/s]. A demand, not an aim: among the
+        gains that keep it the fastest are chosen, so a smaller value does not make the steering calmer.
     damping : float
         Least damping ratio of every pole [-].
     mass : tuple of float
@@ -145,6 +146,12 @@ def design_gains(
         If an argument is out of range.
     InfeasibleError
         If at some speed no gains satisfy the demands.
+
+    Notes
+    -----
+    Always the fastest decay is taken. Calmer steering comes from a longer `preview_time`, which lowers the
+    gains and the decay that can be reached, or from more damping, delay or a wider box of cars in `region`. A
+    steering without lag is designed for as if its lag were 1 ms.
     """
     region = region or StabilityRegion()
     preview_time = check_real("preview_time", preview_time, above=0.0)

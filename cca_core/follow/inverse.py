@@ -44,6 +44,11 @@ class InverseSteering:
         self._s: float | None = None
         self._trace: deque[tuple[float, float, float]] = deque()
 
+    def __repr__(self) -> str:
+        if self._s is None:
+            return "InverseSteering(not started)"
+        return f"InverseSteering(s={self._s:.1f} m, kappa={self._kappa:.4f} 1/m, r={self._r:.3f} rad/s)"
+
     def advance(self, s: float, kappa: float, v_x: float, dt: float) -> float:
         """Move on along the path.
 

@@ -12,6 +12,7 @@ from cca_core.vehicle import VehicleParams
 
 __all__ = ["Margins", "stability_margins"]
 
+_LEAST_LAG = 1e-3  # a steering that obeys at once is taken to be as fast as this [s]
 _FREQUENCIES = np.geomspace(1e-2, 1e2, 4000)  # [rad/s]
 
 
@@ -109,12 +110,13 @@ def steering_loop(
     n = 7 if delay > 0.0 else 5
     A, B = np.zeros((n, n)), np.zeros(n)
     A[:4, :4], A[:4, 4] = model.A, model.B
-    A[4, 4] = -1.0 / vehicle.steering_lag
-    B[4] = 1.0 / vehicle.steering_lag
+    lag = max(vehicle.steering_lag, _LEAST_LAG)
+    A[4, 4] = -1.0 / lag
+    B[4] = 1.0 / lag
     if delay > 0.0:  # (s^2 - 6 s/T + 12/T^2) / (s^2 + 6 s/T + 12/T^2)
         A[5, 6] = 1.0
         A[6, 5], A[6, 6] = -12.0 / delay**2, -6.0 / delay
-        A[4, 6] = -12.0 / delay / vehicle.steering_lag
+        A[4, 6] = -12.0 / delay / lag
         B[6] = 1.0
     C_p, C_d = np.zeros(n), np.zeros(n)
     C_p[3], C_p[0] = 1.0, SLIP_SHARE * l_s

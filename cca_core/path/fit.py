@@ -7,12 +7,12 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, Index, Mask, check_points, check_real
 from cca_core.errors import InfeasibleError, InputError
+from cca_core.path.chords import bridge_gaps, longest_nearby, off_chords
 from cca_core.path.interpolate import over_arc_length
 from cca_core.path.path import Path
 from cca_core.path.smoothing import SmoothingSpline
 
 _REPARAMETRISATIONS = 4
-_GAP_RATIO, _GAP_LEAST = 4.0, 20.0  # a chord over 4 medians (and 20 m) is a gap
 _STRETCH = 1.2  # a fit this much longer than its chords is not taken as a parameter
 _BENT = 0.5  # turn from border to border of the sharpest clothoid [rad]
 _TURN = 0.1  # a segment turns by no more [rad], while it has points to be divided at
@@ -22,6 +22,7 @@ _HEADROOM = 0.95  # of the curvature limit, for what arc length and re-interpola
 _FREEDOM = 3.0  # tolerances that the path may swing off the chord of a gap
 _SWING = 0.3  # of the longest chord nearby: by so much a path may swing off its chords beyond the tolerance
 _DIVISIONS = 6  # of chords off which the path swings farther
+_MISSED = 0.01  # of a waypoint beyond the tolerance, that is let pass [m]
 _LOOKS = np.arange(1.0, 8.0) / 8.0  # between two points
 
 
@@ -64,7 +65,8 @@ def fit_path(
     InputError
         If there are fewer than two waypoints, neighbours coincide, or an argument is out of range.
     InfeasibleError
-        If no path within the curvature limit is found.
+        If no path within the curvature limit, or within the tolerance of every waypoint, is found; of the
+        latter its `result` is the path that comes nearest.
 
     See Also
     --------
@@ -80,6 +82,11 @@ def fit_path(
     then the arc length of the curve fitted before. The result is interpolated anew over its arc length,
     so that the length of dX/ds is 1 within 1e-3. Segments that turn by more than 0.1 rad are divided
     further. Cost is linear in n.
+
+    Between waypoints the path stays within `tolerance` and 0.3 times the longest of three neighbouring
+    chords of them (three times `tolerance` in gaps): where a curve would swing farther it gets points on
+    its chords. One smoothing length holds for the whole path, so a single waypoint far off its neighbours
+    makes all of it follow the noise: the tolerance should be three or four standard deviations of it.
 
     With a curvature limit the tolerance holds for those waypoints that a curve within the limit can
     reach. How far the path leaves the others shows ``path.project(xy)[1]``.
@@ -119,22 +126,22 @@ class _Fit:
     """One fit: the waypoints, made dense over gaps, and what is asked of the path."""
 
     def __init__(self, points: Array, chords: Array, tolerance: float, closed: bool) -> None:
-        self._points, given = _bridge_gaps(points, chords)
+        self._points, given = bridge_gaps(points, chords)
         self._asked = np.where(given, 1.0, 1.0 / _FREEDOM)  # share of the tolerance
         self._chord = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
         self._accepted = max(tolerance, 1e-6)
-        chord = np.hypot(*np.diff(self._points, axis=0).T)
-        nearby = np.max([chord[_shifted(len(chord), by, closed)] for by in (-1, 0, 1)], axis=0)
-        self._room = tolerance / np.minimum(self._asked[1:], self._asked[:-1]) + _SWING * nearby  # off chords
+        loose = 1.0 / np.minimum(self._asked[1:], self._asked[:-1])
+        self._room = tolerance * loose + _SWING * longest_nearby(self._points, closed)  # off each chord
         # what the interpolation at the end may add
         self._tolerance = max(tolerance - min(1e-3 * tolerance, 1e-4), 1e-9)
         self._closed, self._limit = closed, math.inf
 
     def within(self, limit: float, per_segment: int | None) -> Path:
         """Find the path with curvature up to `limit`, in equal segments or (None) adaptive ones."""
-        path = over_arc_length(self._beside_chords(per_segment), self._closed)
+        spline = self._beside_chords(per_segment)
+        path = over_arc_length(spline.path(), self._closed)
         if _largest_curvature(path) <= limit:
-            return path
+            return self._checked(path, spline)
         if self._closed and limit * self._chord[-1] < 2.0 * math.pi:
             raise InfeasibleError(
                 f"no path of {self._chord[-1]:.0f} m closes with a curvature of at most {limit:g} 1/m"
@@ -148,7 +155,7 @@ class _Fit:
             path = _rounded(path, self._limit, self._closed)
         raise InfeasibleError(f"no path with a curvature of at most {limit:g} 1/m was found")
 
-    def _beside_chords(self, per_segment: int | None) -> Path:
+    def _beside_chords(self, per_segment: int | None) -> SmoothingSpline:
         """Fit; where the curve swings off its chords, put points on them and fit again."""
         for _ in range(_DIVISIONS):
             spline = self._segmented(per_segment)
@@ -156,17 +163,23 @@ class _Fit:
             if not astray.any():
                 break
             self._divide(astray)
-        return spline.path()
+        return spline
+
+    def _checked(self, path: Path, spline: SmoothingSpline) -> Path:
+        """Refuse a path that misses a waypoint; residuals bound its distance and are known already."""
+        missed = self._points[spline.residuals() * self._asked > self._accepted + _MISSED]
+        if len(missed):
+            off = float(np.abs(path.project(missed)[1]).max())
+            if off > self._accepted + _MISSED:
+                raise InfeasibleError(
+                    f"no smooth path within {self._accepted:g} m of every waypoint was found, one is "
+                    f"{off:.2f} m off it; raise the tolerance or drop what zig-zags with clean_route", path
+                )  # fmt: skip
+        return path
 
     def _astray(self, spline: SmoothingSpline) -> Mask:
         """Tell between which neighbouring points a fit swings too far off the chords there."""
-        at, start, step = spline.between(_LOOKS), self._points[:-1], np.diff(self._points, axis=0)
-        off = np.full(at.shape[:2], math.inf)
-        for by in (-1, 0, 1):
-            i = _shifted(len(step), by, self._closed)
-            out, along = at - start[i, None], step[i, None]
-            share = np.clip((out * along).sum(-1) / (along * along).sum(-1), 0.0, 1.0)
-            off = np.minimum(off, np.hypot(*np.moveaxis(out - share[..., None] * along, -1, 0)))
+        off = off_chords(spline.between(_LOOKS), self._points, self._closed)
         astray: Mask = off.max(axis=1) > self._room
         return astray
 
@@ -192,17 +205,19 @@ class _Fit:
                 per_segment //= 2
         knots = np.linspace(0, n, max(1, n // _LONGEST) + 1).round().astype(np.intp)
         while True:
-            spline, knots = self._fit(knots)
+            asked = knots
+            spline, knots = self._fit(asked)
             bad = np.flatnonzero(spline.residuals() * self._asked > self._accepted)
-            segments = np.unique(np.searchsorted(knots[1:-1], np.concatenate((bad, bad - 1))))
+            if not len(bad):
+                return spline
             split = np.zeros(len(knots) - 1, dtype=bool)
-            split[segments if len(bad) else []] = True
+            split[np.searchsorted(knots[1:-1], np.concatenate((bad, bad - 1)))] = True
             finer = _split(knots, split)
-            while len(finer) == len(knots) and split.any() and not split.all():
+            while len(finer) == len(asked) and not split.all():
                 split[1:] |= split[:-1]
                 split[:-1] |= split[1:]
                 finer = _split(knots, split)
-            if len(finer) == len(knots):
+            if len(finer) == len(asked):
                 return spline
             knots = finer
 
@@ -236,12 +251,6 @@ class _Fit:
             guide = _clothoids(path, s[knots])
             s = lengths
         return kept or (spline, knots)
-
-
-def _shifted(n: int, by: int, closed: bool) -> Index:
-    """Places of the neighbours `by` further on."""
-    i = np.arange(n) + by
-    return i % n if closed else i.clip(0, n - 1)
 
 
 def _split(knots: Index, where: Mask) -> Index:
@@ -279,12 +288,3 @@ def _largest_curvature(path: Path) -> float:
     share = np.linspace(0.0, 1.0, 8, endpoint=False)
     s = path.breaks[:-1, None] + share * np.diff(path.breaks)[:, None]
     return float(np.abs(path.curvature(s)).max())
-
-
-def _bridge_gaps(points: Array, chords: Array) -> tuple[Array, Mask]:
-    """Put points on chords far longer than the others, so that the fit is straight where nothing is known."""
-    parts = np.ceil(chords / max(_GAP_RATIO * float(np.median(chords)), _GAP_LEAST)).astype(int)
-    index = np.repeat(np.arange(len(chords)), parts)
-    share = (np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[index]
-    dense = points[index] + share[:, None] * np.diff(points, axis=0)[index]
-    return np.vstack((dense, points[-1:])), np.append(share == 0.0, True)

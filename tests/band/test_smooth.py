@@ -213,3 +213,10 @@ def test_many_bands_are_refused() -> None:
     many = relax_band(np.array([straight(), bend()]), vehicle=CAR)
     with pytest.raises(InputError, match=r"^band must be a single band"):
         smooth_band(many)
+
+
+def test_says_in_words_that_no_band_is_smooth_enough() -> None:
+    band = relax(scene(straight(), [standing()]))
+    stands = smooth_band(band, curvature_rate_limit=1e-9)
+    assert stands.status is Status.FALLBACK
+    assert stands.message.startswith("not smoothed (no band within these bounds); ")

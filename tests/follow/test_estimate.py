@@ -109,3 +109,10 @@ def test_what_is_not_estimated_is_handed_through() -> None:
 def test_bad_estimator_input(name: str) -> None:
     with pytest.raises(InputError, match=f"^{name} must be greater than 0"):
         PoseEstimator(circle(0.0), **{name: 0.0})
+
+
+def test_repr_says_where_and_how_well_it_is_known() -> None:
+    estimator = PoseEstimator(VehicleState(x=1.0, y=2.0, psi=0.5, v_x=10.0), fix_sigma=0.2)
+    assert repr(estimator) == (
+        "PoseEstimator(x=1.00 m, y=2.00 m, psi=0.500 rad, known within 0.20 m and 0.0100 rad)"
+    )

@@ -231,3 +231,18 @@ def test_bad_margin_input() -> None:
     for arguments, word in (({"v_x": 0.0}, "v_x"), ({"v_x": 9.0, "delay": -1.0}, "delay")):
         with pytest.raises(InputError, match=f"^{word} must"):
             stability_margins(BMW, shipped_gains(BMW), **arguments)
+
+
+def test_a_steering_without_lag_can_be_designed_for() -> None:
+    quick = replace(BMW, steering_lag=0.0)
+    gains, nearly = (design_gains(replace(BMW, steering_lag=lag), [10.0, 30.0]) for lag in (0.0, 2e-3))
+    np.testing.assert_allclose(gains.k_p, nearly.k_p, rtol=0.3)
+    for car in (quick, replace(BMW, steering_lag=1e-12)):
+        found = stability_margins(car, gains, 30.0)
+        assert 0.5 < found.phase < 1.6
+        assert found.gain > stability_margins(BMW, gains, 30.0).gain  # what lags has less of it
+
+
+def test_a_longer_preview_steers_more_calmly() -> None:
+    brisk, calm = (design_gains(BMW, [10.0, 30.0], preview_time=time) for time in (0.9, 1.6))
+    assert (np.array(calm.k_p) < 0.8 * np.array(brisk.k_p)).all()

@@ -92,3 +92,10 @@ def test_a_jump_along_the_path_starts_afresh() -> None:
         inverse.advance(0.4 * k, -0.01, 20.0, 0.02)
     assert inverse.advance(500.0, 0.005, 20.0, 0.02) == fresh.advance(500.0, 0.005, 20.0, 0.02)
     assert inverse.motion_at(500.0) == fresh.motion_at(500.0)
+
+
+def test_repr_says_where_it_is() -> None:
+    inverse = InverseSteering(VehicleParams.bmw_320i())
+    assert repr(inverse) == "InverseSteering(not started)"
+    inverse.advance(12.0, 0.01, 10.0, 0.02)
+    assert repr(inverse) == "InverseSteering(s=12.0 m, kappa=0.0100 1/m, r=0.100 rad/s)"

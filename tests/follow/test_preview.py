@@ -302,3 +302,12 @@ def test_bad_controller_input() -> None:
     for changes in ({"error": "nose"}, {"delay": -0.1}, {"a_y_max": 0.0}):
         with pytest.raises(InputError, match=f"^{next(iter(changes))} must"):
             PreviewController(CAR, **changes)  # type: ignore[arg-type]
+
+
+def test_a_steering_without_lag_is_steered() -> None:
+    quick = dataclasses.replace(CAR, steering_lag=0.0)
+    state = VehicleState(x=0.0, y=1.0, psi=0.0, v_x=20.0)
+    path = interpolate_path([[-10.0, 0.0], [200.0, 0.0]])
+    delta = PreviewController(quick).steer(state, path)
+    assert math.isfinite(delta)
+    assert delta < 0.0

@@ -4,10 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.special import fresnel
 
 from cca_core.errors import InfeasibleError, InputError
-from cca_core.path import Path, fit_path
+from cca_core.path import LocalFrame, Path, clean_route, fit_path
+from cca_core.sim.route import demo_route
 
 
 def speed_error(path: Path) -> float:
@@ -110,3 +113,63 @@ def test_infeasible_is_an_error_of_its_own(radius: float) -> None:
     xy = 10.0 * np.column_stack((np.cos(phi), np.sin(phi)))
     with pytest.raises(InfeasibleError, match=r"^no path"):
         fit_path(xy, closed=True, curvature_limit=1.0 / radius)
+
+
+def swing(path: Path, xy: np.ndarray, tolerance: float) -> float:
+    """How far the path leaves the polyline of waypoints beyond the tolerance, in chords nearby."""
+    s = np.linspace(path.start, path.end, int(path.length / 0.1) + 2)
+    start, step = xy[:-1], np.diff(xy, axis=0)
+    chord = np.hypot(*step.T)
+    before, after = np.append(chord[:1], chord[:-1]), np.append(chord[1:], chord[-1:])
+    out = path.position(s)[:, None] - start
+    share = np.clip((out * step).sum(-1) / chord**2, 0.0, 1.0)
+    off = np.hypot(*np.moveaxis(out - share[..., None] * step, -1, 0))
+    return float(((off - tolerance) / np.max((before, chord, after), axis=0)).min(axis=1).max())
+
+
+def noisy_road(seed: int, spacing: float, noise: float, n: int = 60) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    heading = 0.4 * np.sin(np.arange(n) * spacing / 150.0)
+    steps = spacing * np.column_stack((np.cos(heading), np.sin(heading)))
+    return np.cumsum(steps, axis=0) + noise * rng.standard_normal((n, 2))
+
+
+@pytest.mark.parametrize("tolerance", [4.5, 6.0])
+def test_noise_grows_no_spike_at_the_end(tolerance: float) -> None:
+    """Noise of 3 m on the demonstration road: between the last two points a fit once ran 46 m off."""
+    route = demo_route()
+    frame = LocalFrame(route.lat[0], route.lon[0])
+    road = fit_path(frame.to_local(route.lat, route.lon), tolerance=0.5)
+    seen = road.sample(15.0)
+    xy = clean_route(seen + np.random.default_rng(1).normal(0.0, 3.0, seen.shape)).parts[0]
+    path = fit_path(xy, tolerance=tolerance)
+    assert np.abs(road.project(path.sample(2.0))[1]).max() <= 12.0  # noise of 3 sigma, and some swing
+    assert swing(path, xy, tolerance) <= 0.3
+    assert np.abs(path.project(xy)[1]).max() <= tolerance + 1e-3
+    assert len(path.coefficients) <= 6 * len(xy)
+
+
+@settings(max_examples=40)
+@given(
+    st.integers(0, 10_000),
+    st.sampled_from([2.0, 5.0, 15.0, 40.0]),
+    st.floats(0.0, 0.25),
+    st.floats(0.0, 0.5),
+    st.sampled_from(["equal", "adaptive"]),
+)
+def test_the_path_stays_by_its_waypoints(
+    seed: int, spacing: float, noise: float, tolerance: float, segmentation: str
+) -> None:
+    """Never far off the polyline, whatever the noise; and not in countless segments."""
+    xy = noisy_road(seed, spacing, noise * spacing)
+    path = fit_path(xy, tolerance=tolerance * spacing, segmentation=segmentation)
+    assert swing(path, xy, tolerance * spacing) <= 0.3 + 0.02  # it is looked at in seven places a chord
+    assert len(path.coefficients) <= 20 * len(xy)
+
+
+def test_a_tolerance_that_cannot_be_kept_is_an_error_with_the_nearest_path() -> None:
+    xy = [[-0.5, 0.7], [0.2, -0.1], [6.8, -1.0], [5.4, -0.8], [11.4, -1.5], [12.1, -1.7], [12.9, -1.9],
+          [12.4, -1.6], [18.5, -2.3]]  # fmt: skip
+    with pytest.raises(InfeasibleError, match=r"^no smooth path within 0\.3 m of every waypoint") as error:
+        fit_path(xy, tolerance=0.3)
+    assert isinstance(error.value.result, Path)
