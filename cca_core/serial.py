@@ -1,6 +1,7 @@
 """Settings and results as plain dictionaries, ready for JSON, and back."""
 
 import dataclasses
+import inspect
 import math
 from collections.abc import Callable, Mapping
 from enum import Enum
@@ -23,7 +24,7 @@ T = TypeVar("T")
 
 _MADE_OF: dict[type, dict[str, Any]] = {
     Path: {"breaks": Array, "coefficients": Array},
-    Road: {"path": Path, "lanes": tuple[Lane, ...], "speed_limit": float},
+    Road: {"path": Path, "lanes": tuple[Lane, ...], "speed_limit": float, "stop_lines": tuple[float, ...]},
     LocalFrame: {"lat0": float, "lon0": float},
 }
 _LONGEST = 1_000_000_000  # axis of an array without elements
@@ -177,7 +178,8 @@ def _object(kind: type, data: Any, where: str) -> Any:
 def _required(kind: type) -> frozenset[str]:
     """Names of the fields without a default."""
     if not dataclasses.is_dataclass(kind):
-        return frozenset(_MADE_OF[kind])
+        arguments = inspect.signature(kind).parameters
+        return frozenset(name for name in _MADE_OF[kind] if arguments[name].default is inspect.Parameter.empty)
     lacks = dataclasses.MISSING
     fields = dataclasses.fields(kind)
     return frozenset(f.name for f in fields if f.default is lacks and f.default_factory is lacks)

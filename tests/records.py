@@ -50,6 +50,7 @@ from cca_core.follow import (
 from cca_core.geometry import boxes
 from cca_core.path import Waypoints, clean_route
 from cca_core.scene import Ego, Neighbour
+from cca_core.swerve import Renewal
 from cca_core.v2x import (
     Accuracy,
     Brakes,
@@ -121,6 +122,7 @@ def examples() -> dict[str, Any]:
             conflict=conflict,
         ),
         EvasionSettings(known_range=math.inf),
+        Renewal(maneuver=None, reason="swerve given up"),
         Evasion(
             side="left", start=1.0, end=99.0, band=relax_band(ROUTE.sample(5.0), vehicle=CAR),
             reference=ROUTE, candidate=candidate,

@@ -113,7 +113,7 @@ def ima(
     return Scenario(
         name="ima", case=case, road=Road(path, speed_limit=v_x, stop_lines=(line,)),
         vehicle=CAR, start=start, v_x=v_x, cruise_speed=v_x, users=tuple(users),
-        speed=speed, duration=math.ceil(at + 14.0), ego=ego,
+        speed=speed, duration=float(math.ceil(at + 14.0)), ego=ego,
         reaction=reaction, channel=channel, one_modem=True, sensor_range=sensor_range, visibility=visibility,
         stop_line=line, occluders=() if turns else (_BUILDING,), figures=(8, 9),
         scenery=(
