@@ -12,6 +12,8 @@ from cca_core.geometry import gap_between
 from cca_core.vehicle import VehicleParams
 
 _ROUNDING = 2e-3  # by which cubics and headings between nodes may differ from those assumed [m]
+_LOOSE = 4e-3  # what a bound may lie below the least gap at nodes [m]
+_DECISIVE = 1e-2  # beyond the distance asked: gaps above that are not what holds a band [m]
 _PARTS = 16  # of an interval that is looked into
 
 
@@ -78,8 +80,8 @@ def certify(task: Task, u: Array) -> Certificate:
     The band is the C2 cubic through its nodes, and between them obstacles move in straight lines. The
     gap of convex bodies in straight relative motion without turning is a convex function of time: it lies
     above its secants drawn on from the intervals on both sides. What the curve bulges from its chord and what
-    turning may take away is taken off that bound, and where it falls below the distance asked, the interval
-    is sampled closely.
+    turning may take away is taken off that bound. Where it falls below the distance asked, or is loose and
+    within 1 cm of it beside what stands, the interval is sampled closely.
     """
     nodes = task.base + 1j * task.tangents * u
     along, curvature, sixth = spline_along(nodes, task.ends)
@@ -126,7 +128,15 @@ def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array
     if i.min() == 0 or i.max() == last:
         ends = inner[(i[inner] == 0) | (i[inner] == last - 1)]
         least[ends] -= 0.5 * moves[pairs[0][ends], pairs[1][ends]]
-    look = inner[(least[inner] < clearance) & (np.minimum(sampled[inner], sampled[inner + 1]) >= clearance)]
+    look = inner[least[inner] < clearance + _DECISIVE]
+    if len(look):
+        floor = np.full(len(nodes), math.inf)
+        np.minimum.at(floor, pairs[1], sampled)
+        low = np.minimum(sampled[look], sampled[look + 1])
+        loose = (least[look] < floor[pairs[1][look]] - _LOOSE) & (
+            o.moves[pairs[0][look], pairs[1][look]] == 0.0
+        )
+        look = look[(low >= clearance) & ((least[look] < clearance) | loose)]
     if len(look):
         least[look] = _between(nodes, along, o, vehicle, tuple(p[look] for p in pairs))
     gaps[pairs] = least
@@ -171,8 +181,11 @@ def _between(
     falls, rises = change[:-2] < 0.0, change[2:] > 0.0
     slope = np.where(falls & rises, change[2:] - change[:-2], math.inf)
     dips = gaps[1:-2] + change[:-2] * (change[1:-1] - change[2:]) / slope
-    at_ends = 0.5 * np.abs(change[[0, -1]]).max(axis=0)
-    least: Array = np.minimum(np.where(falls & rises, dips, math.inf).min(axis=0), gaps.min(axis=0) - at_ends)
+    at_ends = gaps.min(axis=0) - 0.5 * np.abs(change[[0, -1]]).max(axis=0)
+    # past what stands the gap lies, in the first and the last part, above the secant of the part beside
+    beside = np.minimum(gaps[1] - np.maximum(change[1], 0.0), gaps[-2] + np.minimum(change[-2], 0.0))
+    at_ends = np.where(corridor.moves[o, band] > 0.0, at_ends, np.minimum(beside, gaps.min(axis=0)))
+    least: Array = np.minimum(np.where(falls & rises, dips, math.inf).min(axis=0), at_ends)
     return least
 
 

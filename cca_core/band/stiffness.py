@@ -1,6 +1,7 @@
 """Internal forces of a band with pinned ends: eqs 3-5, 7, 9 and 10, and a band that bends like a beam."""
 
 from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -166,7 +167,9 @@ class BandStiffness:
     k_c : float
         Curvature-rate stiffness [N m^4]: resists change of curvature, makes curvature continuous.
     k_e : float
-        Contact stiffness of obstacles and edges [N/m^2], per metre of band.
+        Contact stiffness of obstacles and edges [N/m^2], per metre of band. By default the largest of
+        0.05 k_s, 0.01 k_b and 3e-4 k_c (in metres): much softer contact may give way by more than is made
+        up for.
 
     Raises
     ------
@@ -184,11 +187,14 @@ class BandStiffness:
     k_s: float = 5e-5
     k_b: float = 0.0
     k_c: float = 1.0
-    k_e: float = 3e-4
+    k_e: Annotated[Any, float] = None
 
     def __post_init__(self) -> None:
         for name in ("k_s", "k_b", "k_c"):
             check_real(name, getattr(self, name), least=0.0)
+        if self.k_e is None:
+            scaled = (share * k for share, k in zip(_CONTACT, (self.k_s, self.k_b, self.k_c), strict=True))
+            object.__setattr__(self, "k_e", max(*scaled, _LEAST_CONTACT))
         check_real("k_e", self.k_e, above=0.0)
         if self.k_s + self.k_b + self.k_c <= 0.0:
             raise InputError("k_s, k_b or k_c must be positive, all were 0")
@@ -218,5 +224,7 @@ class BandStiffness:
         return stencil
 
 
+_CONTACT = 0.05, 0.01, 3e-4  # contact stiffness per k_s [1/m^2], per k_b [1/m^4] and per k_c [1/m^6]
+_LEAST_CONTACT = 1e-300
 _TENSION, _BENDING = np.array([2, -1, 0, 0]), np.array([6, -4, 1, 0])
 _CURVATURE_RATE = np.array([20, -15, 6, -1])

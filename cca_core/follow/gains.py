@@ -96,6 +96,8 @@ class GainRegion:
         Gains tried [rad/m], [rad s/m].
     decay, damping : ndarray, shape (n, n)
         Worst over the box of cars [1/s], [-].
+    asked : tuple of float
+        Least decay [1/s] and damping [-] asked for at this speed.
     admissible : ndarray of bool, shape (n, n)
         Where both are as asked.
     chosen : tuple of float or None
@@ -108,6 +110,7 @@ class GainRegion:
     k_d: Array
     decay: Array
     damping: Array
+    asked: tuple[float, float]
     admissible: Mask
     chosen: tuple[float, float] | None
 
@@ -219,5 +222,6 @@ def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: Stabilit
     best = np.unravel_index(int(np.argmax(np.where(admissible, decay, -np.inf))), decay.shape)
     chosen = (float(k_p[best]), float(k_d[best])) if admissible.any() else None
     return GainRegion(
-        v_x=v_x, l_s=l_s, k_p=k_p, k_d=k_d, decay=decay, damping=damping, admissible=admissible, chosen=chosen
-    )
+        v_x=v_x, l_s=l_s, k_p=k_p, k_d=k_d, decay=decay, damping=damping,
+        asked=(asked, region.damping), admissible=admissible, chosen=chosen,
+    )  # fmt: skip

@@ -45,7 +45,9 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     )
     axis = figure.subplots()
     k_p, k_d = region.k_p, region.k_d
-    axis.contourf(k_p, k_d, region.admissible.astype(float), levels=[0.5, 1.5], colors=[_REGION])
+    # by how much the demands are kept changes evenly over the grid, so that its zero is a smooth edge
+    kept = np.minimum(region.decay - region.asked[0], region.damping - region.asked[1])
+    axis.contourf(k_p, k_d, kept, levels=[0.0, math.inf], colors=[_REGION])
     curves = axis.contour(k_p, k_d, region.decay, levels=_DECAYS, colors=EGO, linewidths=0.9)
     axis.clabel(curves, fmt=lambda value: f"{value:g} 1/s", fontsize=8)
     curves = axis.contour(

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cca_core.band import Band
@@ -15,7 +15,8 @@ from tests.band.cases import Case
 from tests.band.measure import remeasure
 from tests.band.scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
 
-EXACT = 1e-2  # what the certificate may miss, beside the bulge of the band between nodes [m]
+NEAR = 1e-2  # of what was asked: above that a clearance is not what holds the band [m]
+EXACT = 5e-3  # what the certificate may miss, beside the bulge of the band between nodes [m]
 
 box = st.tuples(
     st.floats(45.0, 105.0),
@@ -30,13 +31,14 @@ meshes = st.sampled_from([0.5, 1.0, 2.0])
 
 def assert_tight(band: Band, case: Case) -> None:
     """Where the clearance is what keeps the band away it is not much below the measured one."""
-    if band.clearance > case.clearance + EXACT:
+    if band.clearance > case.clearance + NEAR:
         return
     bulge = 0.125 * band.spacing**2 * band.curvature * (1.0 + 0.5 * case.vehicle.length * band.curvature)
     assert band.clearance >= remeasure(band.nodes, case) - EXACT - bulge
 
 
 @given(box, sides, st.floats(0.0, 1.5), st.sampled_from([0.0, 1.2, -0.5]), meshes)
+@example((76.0, 0.0, 0.0, 3.0, 1.0), None, 1.0, CAR.box_offset, 2.0)  # one end of an interval rises steeply
 def test_one_obstacle_on_an_open_plane(
     obstacle: tuple, side: str | None, clearance: float, offset: float, h: float
 ) -> None:

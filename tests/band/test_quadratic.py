@@ -146,7 +146,7 @@ def test_solver_s_word_is_checked_by_the_kkt_conditions(solver: Any) -> None:
 def test_infeasible_is_an_outcome(problem: dict[str, Any], solver: Any) -> None:
     band = smoothest(**problem, solver=solver)
     assert not band.solved
-    assert "room" in band.message or "infeasible" in band.message.lower()
+    assert "room" in band.message or "no band within" in band.message
     assert band.gap == band.dual_residual == band.primal_residual == math.inf
     np.testing.assert_array_equal(band.u, 0.0)
 
@@ -210,7 +210,7 @@ def test_every_outcome_is_finite_and_keeps_what_it_says(
         assert np.abs(curvature).max() <= limit + 1e-6
         assert np.abs(np.diff(np.pad(curvature, 1, constant_values=kappa))).max() <= rate * h + 1e-6
     else:
-        assert "INFEASIBLE" in band.message or "room" in band.message, band.message
+        assert "no band within" in band.message or "room" in band.message, band.message
 
 
 def test_misuse_and_absence_raise(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,18 +4,21 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cca_core import VehicleParams
 from cca_core.band import (
     BandStiffness,
     balancing_force,
     deformed,
     displacement,
     internal_force,
+    relax_band,
     stiffness_matrix,
 )
 from cca_core.errors import InputError
+from cca_core.geometry import boxes
 
 sizes = st.integers(3, 60)
 
@@ -177,7 +180,7 @@ def test_stencils_vanish_on_what_they_do_not_resist(order: int) -> None:
 
 
 @pytest.mark.parametrize("name", ["k_s", "k_b", "k_c", "k_e"])
-@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf, None])
+@pytest.mark.parametrize("value", [-1.0, math.nan, math.inf, "a"])
 def test_bad_stiffness(name: str, value: object) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be"):
         BandStiffness(**{name: value})
@@ -188,3 +191,17 @@ def test_stiffness_needs_something_stiff() -> None:
         BandStiffness(k_s=0.0, k_b=0.0, k_c=0.0)
     with pytest.raises(InputError, match=r"^k_e must be greater than 0"):
         BandStiffness(k_e=0.0)
+
+
+@settings(max_examples=40)
+@given(st.floats(-8.0, 4.0), st.floats(-8.0, 4.0), st.sampled_from([0.0, 1.0]), st.sampled_from([0.5, 1.0]))
+def test_the_default_contact_holds_whatever_bends(
+    log_k_c: float, log_k_s: float, k_b: float, h: float
+) -> None:
+    x = np.arange(0.0, 121.0, h)
+    stiffness = BandStiffness(k_s=10.0**log_k_s, k_b=k_b * 10.0**log_k_c, k_c=10.0**log_k_c)
+    band = relax_band(
+        np.column_stack((x, 0.0 * x)), [boxes(60.0, 0.0, 0.0, 4.5, 1.8)], vehicle=VehicleParams.bmw_320i(),
+        stiffness=stiffness,
+    )  # fmt: skip
+    assert band.ok, (stiffness, band.message)

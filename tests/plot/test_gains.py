@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 from cca_core import VehicleParams
 from cca_core.follow import StabilityRegion, gain_region, shipped_gains, stability_margins
@@ -40,3 +41,12 @@ def test_margins_over_speed() -> None:
     np.testing.assert_array_equal(gain.lines[0].get_xdata(), GAINS.speeds)
     np.testing.assert_array_equal(disk.lines[0].get_ydata(), [m.disk for m in margins])
     np.testing.assert_allclose(phase.lines[0].get_ydata(), [math.degrees(m.phase) for m in margins])
+
+
+def test_the_edge_of_the_admissible_gains_is_not_sawtoothed() -> None:
+    region = gain_region(VehicleParams.bmw_320i(), 20.0, 22.0, StabilityRegion())
+    area = plot_gain_region(region).axes[0].collections[0].get_paths()[0]
+    edge = area.to_polygons()[0] / [region.k_p.max(), region.k_d.max()]
+    hull = edge[ConvexHull(edge).vertices]
+    around, least = (np.hypot(*np.diff(np.vstack((p, p[:1])), axis=0).T).sum() for p in (edge, hull))
+    assert around < 1.05 * least
