@@ -16,7 +16,7 @@ help:
 	@echo "make test      all that CI runs: lint, types, docs, tests, examples, notebooks"
 	@echo "make lint      ruff, mypy and the import contract alone"
 	@echo "make docs      the documentation, in docs/_build/html"
-	@echo "make bench     the table of run times"
+	@echo "make bench     run times and budgets, into docs/performance.md (10 minutes)"
 	@echo "make table1    the planning methods of the paper's Table 1 compared, into docs/table1.md (10 minutes)"
 	@echo "make validate  the tests with the full number of random cases, into docs/validation.md (long)"
 	@echo "make package   build wheel and sdist; install and test them in clean environments (needs the network)"
@@ -38,7 +38,11 @@ docs: .venv/dev.stamp
 	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --fresh-env docs docs/_build/html
 
 bench: .venv/bench.stamp
-	$(ONE_THREAD) $(BIN)/python -m pytest --benchmark-only --benchmark-sort=name tests/bench
+	@mkdir -p out
+	@status=0; \
+	$(ONE_THREAD) $(BIN)/python -m pytest --benchmark-sort=name --benchmark-columns=median,min,rounds \
+	    --benchmark-json=out/bench.json --junitxml=out/bench.xml tests/bench || status=$$?; \
+	$(BIN)/python -m tests.bench.speed_page out/bench.json out/bench.xml && exit $$status
 
 table1: .venv/bench.stamp
 	$(ONE_THREAD) $(BIN)/python -m tests.bench.table1

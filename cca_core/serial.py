@@ -178,8 +178,8 @@ def _object(kind: type, data: Any, where: str) -> Any:
 def _required(kind: type) -> frozenset[str]:
     """Names of the fields without a default."""
     if not dataclasses.is_dataclass(kind):
-        arguments = inspect.signature(kind).parameters
-        return frozenset(name for name in _MADE_OF[kind] if arguments[name].default is inspect.Parameter.empty)
+        empty, arguments = inspect.Parameter.empty, inspect.signature(kind).parameters
+        return frozenset(name for name in _MADE_OF[kind] if arguments[name].default is empty)
     lacks = dataclasses.MISSING
     fields = dataclasses.fields(kind)
     return frozenset(f.name for f in fields if f.default is lacks and f.default_factory is lacks)
