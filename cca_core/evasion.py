@@ -15,14 +15,12 @@ from cca_core.decide import Candidate
 from cca_core.errors import Status
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.geometry import Boxes
-from cca_core.path import Lane, Path, Road, interpolate_path
+from cca_core.path import Lane, Path, Road, detour_path
 from cca_core.predict import boxes_between
 from cca_core.scene import HORIZON, Ego, Neighbour
 
-__all__ = ["Evasion", "EvasionSettings", "boxes_of", "plan_evasion", "reference_along"]
+__all__ = ["Evasion", "EvasionSettings", "boxes_of", "plan_evasion"]
 
-_RUN_UP = 20.0  # the reference begins on the route this far before the window [m]
-_TAIL = 60.0  # the reference goes on along the route behind the window [m]
 _BEHIND = 2.0  # a window starts this far behind the car [m]
 _GROWTH = 2.0  # an end that would move on by less stays: it is an effect of rounding [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
@@ -188,7 +186,7 @@ def plan_evasion(
     )  # fmt: skip
     return Evasion(
         side=side, start=start, end=end, band=band, candidate=candidate,
-        reference=reference_along(road.path, s, band.nodes),
+        reference=detour_path(road.path, s, band.nodes),
     )  # fmt: skip
 
 
@@ -278,30 +276,3 @@ def _outside(u: Array, own: Lane, half_width: float) -> Mask:
     """Where the ego's body is not wholly inside its own lane."""
     outside: Mask = (u + half_width > own.left) | (u - half_width < own.right)
     return outside
-
-
-def reference_along(path: Path, s: Array, nodes: Array) -> Path:
-    """Lay what the steering follows: the route, the bent stretch, the route.
-
-    Parameters
-    ----------
-    path : Path
-        The route.
-    s : ndarray, shape (n,)
-        Path coordinates of the bent nodes [m].
-    nodes : ndarray, shape (n, 2)
-        The bent nodes [m].
-
-    Returns
-    -------
-    reference : Path
-        The C2 curve through all.
-    """
-    before = np.arange(s[0] - _RUN_UP, s[0] - 1.0, 2.0)
-    ahead = np.arange(s[-1] + 2.0, s[-1] + _TAIL, 2.0)
-    position, tangent, _ = path.derivatives(np.append(before, ahead))
-    n = len(before)
-    return interpolate_path(
-        np.vstack((position[:n], nodes, position[n:])),
-        start=float(before[0]), start_tangent=tangent[0], end_tangent=tangent[-1],
-    )  # fmt: skip

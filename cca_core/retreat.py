@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from cca_core.errors import Status
-from cca_core.evasion import Evasion, reference_along
-from cca_core.path import Lane, Road
+from cca_core.evasion import Evasion
+from cca_core.path import Lane, Road, detour_path
 from cca_core.scene import Ego, Neighbour
 
 __all__ = ["plan_retreat"]
@@ -80,7 +80,7 @@ def plan_retreat(
         maneuver.band, nodes=nodes, sixth=np.zeros_like(nodes), displacement=u, status=Status.FALLBACK,
         message=f"given up: {obstruction}",
     )  # fmt: skip
-    return replace(maneuver, end=last, band=band, reference=reference_along(road.path, s, nodes))
+    return replace(maneuver, end=last, band=band, reference=detour_path(road.path, s, nodes))
 
 
 def _on(other: Neighbour, lane: Lane) -> bool:

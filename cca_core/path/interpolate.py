@@ -11,6 +11,8 @@ from cca_core.path.path import Path
 
 _SPEED_ERROR = 5e-4
 _HALVINGS = 14
+_RUN_UP = 20.0  # a detour begins on the route this far before the bent stretch [m]
+_TAIL = 60.0  # and goes on along the route behind it [m]
 
 
 def interpolate_path(
@@ -61,6 +63,33 @@ def interpolate_path(
             raise InputError(f"{name} must not be zero")
         tangents.append((x / norm, y / norm))
     return spline_through(points, check_real("start", start), *tangents)
+
+
+def detour_path(path: Path, s: Array, nodes: Array) -> Path:
+    """Lay what the steering follows on a detour: the route, the bent stretch, the route.
+
+    Parameters
+    ----------
+    path : Path
+        The route.
+    s : ndarray, shape (n,)
+        Path coordinates of the bent nodes [m].
+    nodes : ndarray, shape (n, 2)
+        The bent nodes [m].
+
+    Returns
+    -------
+    reference : Path
+        The C2 curve through all.
+    """
+    before = np.arange(s[0] - _RUN_UP, s[0] - 1.0, 2.0)
+    ahead = np.arange(s[-1] + 2.0, s[-1] + _TAIL, 2.0)
+    position, tangent, _ = path.derivatives(np.append(before, ahead))
+    n = len(before)
+    return interpolate_path(
+        np.vstack((position[:n], nodes, position[n:])),
+        start=float(before[0]), start_tangent=tangent[0], end_tangent=tangent[-1],
+    )  # fmt: skip
 
 
 def spline_through(

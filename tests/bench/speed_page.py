@@ -1,0 +1,141 @@
+"""Write docs/performance.md from what pytest-benchmark and pytest have measured. Called by `make bench`.
+
+`python -m tests.bench.speed_page BENCH.json JUNIT.xml`: run times from the first, what became of each budget, and
+what has no run time of its own, from the second.
+"""
+
+import ast
+import json
+import re
+import sys
+import xml.etree.ElementTree as ElementTree
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "performance.md"
+REFERENCE = "test_reference_solve_banded"
+# their result is not a run time: the tables of docs/steering.md
+OTHERWISE = (
+    "test_errors", "test_what_the_high_gains_of_the_others_cost", "test_robust", "test_recorded_drive",
+    "test_table",
+)  # fmt: skip
+INTERNAL = ("us", "slowness", "budget_us")
+TITLES = {
+    "test_speed": "Cycle",
+    "test_band_speed": "Band",
+    "test_baselines_speed": "Methods of Table 1",
+    "test_decide_speed": "Decision",
+    "test_iso3888": "Double lane changes of ISO 3888",
+    "test_path_speed": "Path",
+    "test_steering": "Steering",
+    "test_tracker_speed": "Tracks",
+    "test_v2x_speed": "Messages",
+}
+HEAD = """# Performance
+
+Made by `make bench`, which times everything with pytest-benchmark on one thread, beside references in the same
+run, and asserts a budget for most of it. Budgets are meant for a machine that solves a banded system of 100 rows
+(`scipy.linalg.solve_banded`, two right-hand sides) in 16.6 µs, and grow in proportion on a slower one. A missed budget
+is told here and fails the command. Ratios travel between machines, times do not.
+
+Of [Table 1's methods](table1.md) and of [steering laws](steering.md) those pages tell more.
+"""
+
+
+def main() -> int:
+    """Write the page."""
+    bench = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    outcomes = read_outcomes(Path(sys.argv[2]))
+    PAGE.write_text(page(bench, outcomes), encoding="utf-8")
+    return 0
+
+
+def read_outcomes(report: Path) -> dict[tuple[str, str], tuple[str, dict[str, str]]]:
+    """For each test by module and name: ``""``, ``"skipped"`` or why it failed; and its properties."""
+    found = {}
+    for case in ElementTree.parse(report).getroot().iter("testcase"):
+        failed = case.find("failure") if case.find("failure") is not None else case.find("error")
+        state = "skipped" if case.find("skipped") is not None else ""
+        if failed is not None:
+            state = (failed.get("message") or "failed").splitlines()[0]
+        properties = {p.get("name", ""): p.get("value", "") for p in case.iter("property")}
+        found[case.get("classname", "").rpartition(".")[2], case.get("name", "")] = state, properties
+    return found
+
+
+def page(bench: dict[str, Any], outcomes: dict[tuple[str, str], tuple[str, dict[str, str]]]) -> str:
+    """Text of the page."""
+    timed = {key_of(entry): entry for entry in bench["benchmarks"]}
+    missed = sum(state not in ("", "skipped") for state, _ in outcomes.values())
+    reference = next((e for (_, name), e in timed.items() if name == REFERENCE), None)
+    cpu, made = bench["machine_info"]["cpu"], datetime.fromisoformat(bench["datetime"]).date()
+    commit = bench["commit_info"].get("id", "")[:7] or "unknown"
+    lines = [
+        HEAD,
+        f"Measured on {made}: {cpu.get('brand_raw', 'unknown processor')}, {cpu.get('count', '?')} cores, "
+        f"Python {bench['machine_info']['python_version']}, commit {commit}"
+        f"{' with local changes' if bench['commit_info'].get('dirty') else ''}. "
+        + (f"The reference takes {told(reference['stats']['median'])}. " if reference else "")
+        + (f"{missed} of {len(outcomes)} budgets missed." if missed else "All budgets kept."),
+    ]
+    for module in sorted({module for module, _ in outcomes}):
+        rows = [
+            row(module, name, timed.get((module, name)), *outcomes[module, name])
+            for at, name in outcomes
+            if at == module and name.partition("[")[0] not in OTHERWISE
+        ]
+        if rows:
+            head = ["| what | median | least | beside it | budget |", "|---|---|---|---|---|"]
+            lines += [
+                "",
+                f"## {TITLES.get(module, module)}",
+                "",
+                f"`tests/bench/{module}.py`",
+                "",
+                *head,
+                *rows,
+            ]
+    return "\n".join(lines) + "\n"
+
+
+def key_of(entry: dict[str, Any]) -> tuple[str, str]:
+    """Module and name of a benchmark."""
+    file, _, name = entry["fullname"].partition("::")
+    return Path(file).stem, name
+
+
+def row(module: str, name: str, entry: dict[str, Any] | None, state: str, properties: dict[str, str]) -> str:
+    """One line of a table."""
+    extra = (entry["extra_info"] if entry else {}) | properties
+    beside = ", ".join(f"{key} {value}" for key, value in extra.items() if key not in INTERNAL)
+    times = [told(entry["stats"][key]) for key in ("median", "min")] if entry else ["", ""]
+    if "us" in extra and not times[0]:
+        times[0] = told(1e-6 * float(extra["us"]))
+    kept = {"": "kept", "skipped": "not run"}.get(state, f"**missed**: {state}")
+    cells = (what(module, name), *times, beside, kept)
+    return f"| {' | '.join(cell.replace('|', '/').replace('<', '&lt;') for cell in cells)} |"
+
+
+def what(module: str, name: str) -> str:
+    """A test's name in words, and its docstring."""
+    function, _, values = name.partition("[")
+    tree = ast.parse((ROOT / "tests" / "bench" / f"{module}.py").read_text(encoding="utf-8"))
+    found = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == function)
+    text = (ast.get_docstring(next(found)) or "").split("\n")[0]
+    words = function.removeprefix("test_").replace("_", " ")
+    return f"{words}{f' ({values[:-1]})' if values else ''}{f': {text[0].lower()}{text[1:]}' if text else ''}"
+
+
+def told(seconds: float) -> str:
+    """A time with a unit that suits it."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            break
+    digits = f"{seconds / size:.3g}"
+    return f"{float(digits):.0f} {unit}" if re.search(r"e", digits) else f"{digits} {unit}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,256 @@
+"""The documentation: complete, linked, runnable, and without anything from the network."""
+
+import ast
+import importlib
+import inspect
+import pkgutil
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+import cca_core
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
+PAGES = sorted(page for page in DOCS.rglob("*.md") if not {"generated", "_build"} & set(page.parts))
+LINKED = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
+NOTEBOOKS = sorted((ROOT / "examples" / "notebooks").glob("*.ipynb"))
+FENCE = re.compile(r"^(`{3,}|~{3,})[^\n]*\n.*?^\1\s*$", re.MULTILINE | re.DOTALL)
+DIRECTIVE = re.compile(r"^\.\. automodule:: (\S+)\n   :members:(.*)$", re.MULTILINE)
+ROLE = re.compile(r"\{py:(\w+)\}`~?([\w.]+)`")
+
+
+def named(pages: list[Path]) -> list[Any]:
+    return [pytest.param(page, id=page.relative_to(ROOT).as_posix()) for page in pages]
+
+
+# --- the API reference --------------------------------------------------------------------------------
+
+
+def public_modules() -> Iterator[ModuleType]:
+    yield cca_core
+    for module in pkgutil.walk_packages(cca_core.__path__, "cca_core."):
+        if not any(part.startswith("_") for part in module.name.split(".")):
+            yield importlib.import_module(module.name)
+
+
+def documented() -> set[tuple[str, str]]:
+    """Module and name of everything in the API reference."""
+    found = set()
+    for page in PAGES:
+        for module, members in DIRECTIVE.findall(page.read_text(encoding="utf-8")):
+            chosen = [name.strip() for name in members.split(",") if name.strip()]
+            for name in chosen or importlib.import_module(module).__all__:
+                found.add((module, name))
+    return found
+
+
+DOCUMENTED = documented()
+
+
+def test_the_api_reference_names_what_exists() -> None:
+    missing = [pair for pair in DOCUMENTED if not hasattr(importlib.import_module(pair[0]), pair[1])]
+    assert missing == []
+
+
+def test_nothing_is_documented_twice() -> None:
+    seen: dict[tuple[str, int], str] = {}
+    for module, name in sorted(DOCUMENTED):
+        value = getattr(importlib.import_module(module), name)
+        other = seen.setdefault((name, id(value)), module)
+        assert other == module, f"{name} is documented under {other} and {module}"
+
+
+@pytest.mark.parametrize(
+    "module", sorted(public_modules(), key=lambda m: m.__name__), ids=lambda m: m.__name__
+)
+def test_every_public_name_is_in_the_api_reference(module: ModuleType) -> None:
+    there = {(name, id(getattr(importlib.import_module(home), name))) for home, name in DOCUMENTED}
+    names = getattr(module, "__all__", [])
+    assert [name for name in names if (name, id(getattr(module, name))) not in there] == []
+
+
+@pytest.mark.parametrize("page", named(PAGES))
+def test_references_to_python_lead_into_the_api_reference(page: Path) -> None:
+    wrong = []
+    for _, target in ROLE.findall(page.read_text(encoding="utf-8")):
+        parts = target.split(".")
+        homes = [(".".join(parts[:i]), parts[i]) for i in range(1, len(parts))]
+        if not any(home in DOCUMENTED for home in homes):
+            wrong.append(target)
+    assert wrong == []
+
+
+# --- links --------------------------------------------------------------------------------------------
+
+
+def slug(heading: str) -> str:
+    """Anchor of a heading, as MyST and GitHub make it."""
+    text = re.sub(r"`|\*|\$|\[([^\]]*)\]\([^)]*\)", r"\1", heading.strip().lower())
+    return re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+
+
+def anchors(page: Path) -> set[str]:
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    labels = re.findall(r"^\(([\w-]+)\)=$", text, re.MULTILINE)
+    return {slug(h) for h in re.findall(r"^#{1,3} +(.+)$", text, re.MULTILINE)} | set(labels)
+
+
+def links(text: str) -> list[str]:
+    return re.findall(r"\]\(<?([^)\s>]+)>?\)", re.sub(r"`[^`\n]*`", "", FENCE.sub("", text)))
+
+
+@pytest.mark.parametrize("page", named(LINKED))
+def test_internal_links_resolve(page: Path) -> None:
+    broken = []
+    for link in links(page.read_text(encoding="utf-8")):
+        if re.match(r"[a-z]+:", link):
+            continue
+        file, _, anchor = link.partition("#")
+        target = (page.parent / file).resolve() if file else page
+        if not target.exists() or (anchor and target.suffix == ".md" and anchor not in anchors(target)):
+            broken.append(link)
+    assert broken == []
+
+
+def test_broken_links_would_be_found(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("# One thing\n[a](page.md#one-thing) [b](gone.md) [c](#two)\n", encoding="utf-8")
+    assert links(page.read_text(encoding="utf-8")) == ["page.md#one-thing", "gone.md", "#two"]
+    assert anchors(page) == {"one-thing"}
+
+
+def test_every_page_is_in_a_table_of_contents() -> None:
+    listed = {DOCS / "index.md"}
+    for page in PAGES:
+        for body in re.findall(r"```\{toctree\}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
+            entries = [line for line in body.split("\n") if line and not line.startswith(":")]
+            listed |= {page.parent / f"{entry}.md" for entry in entries}
+    assert set(PAGES) - listed == set()
+
+
+# --- offline ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("page", named([*PAGES, *NOTEBOOKS]))
+def test_nothing_is_loaded_from_the_network(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert not re.search(r"<(script|link|img|iframe)[^>]+https?:", text, re.IGNORECASE)
+    assert not re.search(r"!\[[^\]]*\]\(https?:|```\{(image|figure)\} https?:|@import", text)
+
+
+def test_the_site_loads_nothing_from_the_network() -> None:
+    """Options of Sphinx that would: extensions without files of their own, MathJax, widgets."""
+    tree = ast.parse((DOCS / "conf.py").read_text(encoding="utf-8"))
+    texts = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    assert not [
+        text for text in texts if isinstance(text, str) and text.startswith(("http:", "https:", "//"))
+    ]
+    given = {
+        target.id: value
+        for node in tree.body
+        if isinstance(node, ast.Assign | ast.AnnAssign)
+        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+        if isinstance(target, ast.Name) and (value := node.value) is not None
+    }
+    assert ast.literal_eval(given["mathjax_path"]) == "tex-svg.js"
+    assert ast.literal_eval(given["nb_ipywidgets_js"]) == {}
+
+
+# --- what the pages say can be done -------------------------------------------------------------------
+
+
+def blocks(page: Path) -> str:
+    return "\n".join(re.findall(r"^```python\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S))
+
+
+@pytest.mark.requires("matplotlib")
+def test_the_quickstart_runs_from_top_to_bottom(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = DOCS / "quickstart.md"
+    (table,) = re.findall(r":caption: route\.csv\n\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "route.csv").write_text(table, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    done: dict[str, Any] = {}
+    exec(compile(blocks(page), "quickstart.md", "exec"), done)
+    assert done["band"].status.name == "OK"
+    assert (tmp_path / "band.svg").read_text(encoding="utf-8").startswith("<svg")
+    assert (tmp_path / "driven.png").stat().st_size > 1000
+    assert done["d"].max() > 1.5  # the ego went around the van, and came back
+    assert abs(done["d"][-1]) < 0.2
+    assert done["command"].decision.action.name == "KEEP"
+    assert "EVADE_LEFT" in capsys.readouterr().out
+    gains = done["gains"]
+    assert len(gains.speeds) == 3
+    assert (gains.k_p > 0.0).all()
+
+
+def test_the_first_picture_of_the_readme(tmp_path: Path) -> None:
+    """It takes five lines, and is the one that is shown."""
+    (first, *_) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "README.md").read_text("utf-8"), re.M | re.S)
+    lines = [line for line in first.splitlines() if line and not line.startswith("#")]
+    done: dict[str, Any] = {}
+    exec(compile(first, "README.md", "exec"), done)
+    assert len(lines) <= 5
+    assert done["band"].status.name == "OK"
+    shown = (DOCS / "pictures" / "band.svg").read_text(encoding="utf-8")
+    assert f"<title>{done['band']}</title>" in shown
+
+
+def test_commands_of_make_exist() -> None:
+    targets = set(re.findall(r"^([a-z0-9]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    told = set()
+    for page in LINKED:
+        told |= set(
+            re.findall(r"`make ([a-z0-9]+)`|^\$ make ([a-z0-9]+)", page.read_text("utf-8"), re.MULTILINE)
+        )
+    assert {name for pair in told for name in pair if name} <= targets
+
+
+def test_commands_of_tests_and_examples_exist() -> None:
+    missing = set()
+    for page in PAGES:
+        for file in re.findall(
+            r"\b((?:tests|examples|cca_core)/[\w/]+\.(?:py|ipynb))", page.read_text("utf-8")
+        ):
+            if not (ROOT / file).exists():
+                missing.add(f"{page.name}: {file}")
+    assert missing == set()
+
+
+def test_the_map_of_the_paper_is_complete() -> None:
+    page = (DOCS / "paper.md").read_text(encoding="utf-8")
+    equations, _, figures = page.partition("## Text")
+    numbers = re.findall(r"^\| ([\d, -]+) \|", equations, re.MULTILINE)
+    assert spread(numbers) == set(range(1, 12))
+    assert spread(re.findall(r"^\| ([\d, -]+) \|", figures.partition("## Figures")[2], re.MULTILINE)) == set(
+        range(1, 20)
+    )
+    assert "not yet" not in page.lower()
+
+
+def spread(entries: list[str]) -> set[int]:
+    found: set[int] = set()
+    for part in ",".join(entries).split(","):
+        first, _, last = part.strip().partition("-")
+        found |= set(range(int(first), int(last or first) + 1))
+    return found
+
+
+def test_every_test_file_is_on_the_page_of_properties() -> None:
+    page = (DOCS / "properties.md").read_text(encoding="utf-8")
+    files = [f for f in (ROOT / "tests").rglob("test_*.py") if "bench" not in f.parts]
+    assert [f.relative_to(ROOT).as_posix() for f in files if f.relative_to(ROOT).as_posix() not in page] == []
+
+
+def test_documented_functions_of_the_rooms_have_their_own_docstring() -> None:
+    for module, name in DOCUMENTED:
+        value = getattr(importlib.import_module(module), name)
+        if inspect.isfunction(value) or inspect.isclass(value):
+            assert inspect.getdoc(value), f"{module}.{name}"
