@@ -284,9 +284,10 @@ class Planner:
             else:
                 brakes = min(self.speed.b_max, _GRIP_IN_NEED * self.vehicle.mu * 9.81)
                 helpless = leader.required_deceleration > brakes
+                ways = (self._swerves[0], self._swerves[-1]) if helpless else self._swerves[:1]
                 plans, candidates, status = ways_around(
-                    ego, self.road, ahead, others, self._swerves if helpless else self._swerves[:1],
-                    at_once=waiting, known_range=self._known_range,
+                    ego, self.road, ahead, others, ways, at_once=waiting,
+                    known_range=self._known_range,
                 )  # fmt: skip
         self._decision = choose_action(
             leader, candidates, previous=self._decision.action, follow_below=_SLOWED,

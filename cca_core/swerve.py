@@ -62,13 +62,15 @@ def swerves_of(
     Returns
     -------
     swerves : tuple of (EvasionSettings, Status)
-        In comfort, with 80 % of the grip, with 0.3 m clearance too, and as late and sharp as it can be.
+        In comfort, with 80 % of the grip, and with that as narrow, late and sharp as it can be.
     """
     grip = vehicle.mu * 9.81
     hard = replace(settings, lateral_limit=_GRIP_USED * grip)
-    narrow = replace(hard, clearance=min(_NARROW, hard.clearance))
-    late = replace(narrow, lead_time=_LEAD_TIME, lateral_acceleration=min(_SHARP, 0.5 * grip))
-    return (settings, Status.OK), *((way, Status.FALLBACK) for way in (hard, narrow, late))
+    last = replace(
+        hard, clearance=min(_NARROW, hard.clearance), lead_time=_LEAD_TIME,
+        lateral_acceleration=min(_SHARP, 0.5 * grip),
+    )  # fmt: skip
+    return (settings, Status.OK), (hard, Status.FALLBACK), (last, Status.FALLBACK)
 
 
 def ways_around(

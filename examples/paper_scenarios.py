@@ -17,7 +17,7 @@ from tqdm import tqdm
 from cca_core import InputError, LocalFrame, Path, fit_path
 from cca_core.path import Waypoints, read_waypoints
 from cca_core.plot import grouped, headline, title, verdict, write_report
-from cca_core.sim import PLANTS, Log, Scenario, paper_scenarios, simulate
+from cca_core.sim import Log, Scenario, paper_scenarios, simulate
 from cca_core.sim.loop import CYCLE
 from cca_core.sim.route import demo_route, longest_stretch
 
@@ -64,15 +64,16 @@ def lay_road(waypoints: Waypoints, km: float) -> Path:
 
 
 def drive(scenarios: list[Scenario], seed: int) -> list[Log]:
-    """Run each scenario on each plant that is installed, with a progress bar over simulated time."""
-    plants = PLANTS if find_spec("vehiclemodels") else PLANTS[:1]
-    seconds = sum(scenario.duration for scenario in scenarios) * len(plants)
+    """Run each scenario, and with V2V or a driver on the multi-body car too, with a progress bar."""
+    runs = [("single_track", s) for s in scenarios]
+    if find_spec("vehiclemodels"):
+        runs += [("multi_body", s) for s in scenarios if s.ego != "sensor"]
+    seconds = sum(scenario.duration for _, scenario in runs)
     style = "{desc} {percentage:3.0f}%|{bar}| {n:.0f} of {total:.0f} s [{elapsed}]"
     with tqdm(total=seconds, desc="driving", bar_format=style) as bar:
         return [
-            simulate(s, plant=p, seed=seed, progress=lambda _: bar.update(min(CYCLE, seconds - bar.n)))
-            for p in plants
-            for s in scenarios
+            simulate(s, plant=plant, seed=seed, progress=lambda _: bar.update(min(CYCLE, seconds - bar.n)))
+            for plant, s in runs
         ]
 
 

@@ -12,6 +12,7 @@ from cca_core.band.task import Task
 from cca_core.errors import Status
 
 _TIGHTENINGS = 16
+_MOST_SOLVES = 300  # from which on it is not pushed any more: a drivable band takes 10 to 100
 _GAIN, _FRUITLESS = 0.8, 4  # a round must lessen what is lacking to this share, one of so many at least
 _MOST_SHARE = 0.8  # by which contact may be taken to give way
 _AIM = 3e-3  # what is lacking is pushed for with this much more [m]
@@ -60,7 +61,7 @@ def relaxed(task: Task, leading: tuple[int, ...], passes_left: Mask) -> Band:
         better = todo[excess[todo] < best[todo]]
         fruitless[todo] = np.where(excess[todo] < _GAIN * best[todo], 0, fruitless[todo] + 1)
         best[better], best_u[better] = excess[better], u[better]
-        todo = todo[fruitless[todo] < _FRUITLESS]
+        todo = todo[(fruitless[todo] < _FRUITLESS) & (solves[todo] < _MOST_SOLVES)]
         if not len(todo):
             break
         # contact gives way by a share of what it is pushed: extrapolate to where nothing is lacking
