@@ -210,7 +210,7 @@ class Planner:
             leader = self._leader(sorted(kept, key=lambda n: n.s), s, state.v_x)
         a_x = self._acceleration(s, state.v_x, state.r, leader, dt)
         reference = path if self._maneuver is None else self._maneuver.reference
-        delta = self._controller.steer(state, reference)
+        delta = self._controller.steer(state, reference, near=s)
         return self._given(Command(
             delta=delta, a_x=float(a_x), decision=self._decision, reference=reference, status=self._status,
             band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,

@@ -75,7 +75,9 @@ class PreviewController:
     def __repr__(self) -> str:
         return f"PreviewController(gains at {len(self.gains.speeds)} speeds, delay={self.delay:g} s)"
 
-    def steer(self, state: VehicleState, path: Path, dt: float = 0.02) -> float:
+    def steer(
+        self, state: VehicleState, path: Path, dt: float = 0.02, *, near: float | None = None
+    ) -> float:
         """Road-wheel angle for this cycle.
 
         Parameters
@@ -86,6 +88,9 @@ class PreviewController:
             Path to follow.
         dt : float
             Time since the last call [s].
+        near : float, optional
+            Arc length close to where the car is on a path that was not followed before [m]; without it the
+            whole path is searched.
 
         Returns
         -------
@@ -95,7 +100,7 @@ class PreviewController:
         p, v = self.vehicle, max(state.v_x, 0.0)
         if self._foot is not None and self._foot[0] is path:
             near = self._foot[1] + v * dt
-        else:
+        elif near is None:
             near = float(path.project((state.x, state.y))[0])
         s, d, heading, kappa = path.foot_point(float(state.x), float(state.y), near)
         self._foot = path, s
