@@ -4,8 +4,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from cca_core.sim.commonroad import read_commonroad
-from cca_core.sim.replay import drive_commonroad
+from cca_core.sim import drive_commonroad, read_commonroad
 
 POINT = "<point><x>{}</x><y>{}</y></point>"
 STATE = (

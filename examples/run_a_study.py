@@ -5,10 +5,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from cca_core.plot.study import plot_study
-from cca_core.sim.scenario import EGOS
-from cca_core.sim.study import Study, run_study
-from cca_core.sim.variation import Variation
+from cca_core.plot import plot_study
+from cca_core.sim import EGOS, Study, Variation, run_study
 
 # On many machines: run_study(study, path, executor=Client(...).get_executor()) with Dask's Client.
 

@@ -3,6 +3,8 @@
 from cca_core.plot.animation import animate
 from cca_core.plot.bands import fig_12, fig_15
 from cca_core.plot.braking import plot_braking
+from cca_core.plot.commonroad import plot_commonroad
+from cca_core.plot.comparison import plot_growth, plot_plans, plot_time_quality
 from cca_core.plot.crossing import plot_crossing
 from cca_core.plot.defects import DEFECTS, plot_defect
 from cca_core.plot.figures import lane_change, leader_speed, plot_time_series, plot_tunings
@@ -12,6 +14,7 @@ from cca_core.plot.layout import plot_layout
 from cca_core.plot.passing import plot_passing
 from cca_core.plot.report import headline, write_report
 from cca_core.plot.story import Frame, awaited, cast, outcome, story, telling_frames
+from cca_core.plot.study import plot_study
 from cca_core.plot.style import title
 from cca_core.plot.traffic import plot_traffic
 from cca_core.plot.verdict import Contact, contact, contrast, grouped, line_up, verdict
@@ -19,7 +22,8 @@ from cca_core.plot.verdict import Contact, contact, contrast, grouped, line_up, 
 __all__ = [
     "DEFECTS", "Contact", "Frame", "Plate", "animate", "awaited", "cast", "contact", "contrast", "fig_12",
     "fig_15", "grouped", "headline", "lane_change", "leader_speed", "line_up", "outcome", "plates",
-    "plot_braking", "plot_crossing", "plot_defect", "plot_gain_region", "plot_layout", "plot_margins",
-    "plot_passing", "plot_time_series", "plot_traffic", "plot_tunings", "story", "telling_frames",
+    "plot_braking", "plot_commonroad", "plot_crossing", "plot_defect", "plot_gain_region", "plot_growth",
+    "plot_layout", "plot_margins", "plot_passing", "plot_plans", "plot_study", "plot_time_quality",
+    "plot_time_series", "plot_traffic", "plot_tunings", "story", "telling_frames",
     "title", "tunings", "verdict", "write_report",
 ]  # fmt: skip
