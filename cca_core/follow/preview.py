@@ -75,9 +75,7 @@ class PreviewController:
     def __repr__(self) -> str:
         return f"PreviewController(gains at {len(self.gains.speeds)} speeds, delay={self.delay:g} s)"
 
-    def steer(
-        self, state: VehicleState, path: Path, dt: float = 0.02, *, near: float | None = None
-    ) -> float:
+    def steer(self, state: VehicleState, path: Path, dt: float = 0.02, *, near: float | None = None) -> float:
         """Road-wheel angle for this cycle.
 
         Parameters

@@ -1,5 +1,6 @@
 """Could a contact have been avoided? Full knowledge from the first hazard message on, and no planner."""
 
+import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -103,7 +104,14 @@ class _Repeats:
         self._decision = Decision(action=Action.BRAKE if braking else Action.EVADE_LEFT, reason="as could be")
         self._cycle, self._a_x = 0, 0.0
 
-    def step(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
+    def step(
+        self,
+        t: float,
+        state: VehicleState,
+        remotes: Iterable[RemoteVehicle],
+        *,
+        known_range: float = math.inf,
+    ) -> Command:
         delta = self._steering.steer(state, self._way)
         if self._cycle < len(self._commands):
             delta, self._a_x = self._commands[self._cycle]
@@ -119,7 +127,7 @@ class _Repeats:
 
 def _avoids(log: Log, pilot: _Repeats) -> bool:
     """Whether nobody is touched, and the road not left."""
-    again = simulate(log.scenario, plant=log.plant, seed=log.seed, planner=pilot)  # type: ignore[arg-type]  # it steps like one
+    again = simulate(log.scenario, plant=log.plant, seed=log.seed, planner=pilot)
     road, half = log.scenario.road, 0.5 * log.scenario.vehicle.width
     d = again.place[:, 1]
     stays = bool((d >= road.right_edge + half).all() and (d <= road.left_edge - half).all())

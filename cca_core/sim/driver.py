@@ -73,7 +73,14 @@ class Driver:
         self._looked = -math.inf
         self._t, self._a_x = -math.inf, 0.0
 
-    def step(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
+    def step(
+        self,
+        t: float,
+        state: VehicleState,
+        remotes: Iterable[RemoteVehicle],
+        *,
+        known_range: float = math.inf,
+    ) -> Command:
         """Steer and brake for one cycle.
 
         Parameters
@@ -84,6 +91,8 @@ class Driver:
             The car now.
         remotes : iterable of RemoteVehicle
             Those whom he sees.
+        known_range : float
+            Of the messages, which he does not hear [m].
 
         Returns
         -------

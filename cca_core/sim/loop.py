@@ -4,6 +4,7 @@ import cmath
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
@@ -24,6 +25,33 @@ from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["CYCLE", "make_driver", "make_planner", "simulate"]
 
+
+class Pilot(Protocol):
+    """Whoever can drive the ego: it is called once a cycle like a `Planner`."""
+
+    def step(
+        self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle], *, known_range: float = ...
+    ) -> Command:
+        """Steer and brake for one cycle.
+
+        Parameters
+        ----------
+        t : float
+            Time [s].
+        state : VehicleState
+            The ego's motion now.
+        remotes : iterable of RemoteVehicle
+            What is known of others.
+        known_range : float
+            Distance up to which they are all that there are [m], if less than the pilot thinks.
+
+        Returns
+        -------
+        command : Command
+            Steering and acceleration.
+        """
+
+
 _LOOKS = 5  # cycles between two looks that are only logged
 
 
@@ -32,7 +60,7 @@ def simulate(
     *,
     plant: str = "single_track",
     seed: int | None = None,
-    planner: Planner | Driver | None = None,
+    planner: Pilot | None = None,
     progress: Callable[[float], None] | None = None,
     frames: Iterable[tuple[float, bytes]] = (),
     pace: bool = False,
@@ -47,8 +75,9 @@ def simulate(
         The ego's car.
     seed : int, optional
         Seed of the senders' phases and of the radio channel; the default is the scenario's.
-    planner : Planner or Driver, optional
-        Who drives the ego; the default is made from the scenario.
+    planner : Pilot, optional
+        Who drives the ego, such as a `Planner`, a `Driver` or an `MpcPlanner`; the default is made from the
+        scenario.
     progress : callable, optional
         Called with the simulated time [s] after each cycle.
     frames : iterable of (float, bytes)
@@ -93,7 +122,7 @@ def simulate(
             messages.append(recorded.pop()[1])
         remotes = perception.remotes(t, rows, seen, messages, state)
         tick = time.perf_counter()
-        command = pilot.step(t, state, remotes)
+        command = pilot.step(t, state, remotes, known_range=perception.known_range(t))
         book.cycle_us[k] = 1e6 * (time.perf_counter() - tick)
         a_x, held = command.a_x, False
         if pinned is not None and scenario.pinned is not None:

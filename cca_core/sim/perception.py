@@ -1,5 +1,6 @@
 """What the ego knows of others, from bytes and by sight; a run and its replay share it."""
 
+import math
 from collections.abc import Iterable, Sequence
 
 from cca_core.sim.radio import Receiver
@@ -31,6 +32,21 @@ class Perception:
     def looks(self) -> bool:
         """Whether sight matters."""
         return bool(self._silent)
+
+    def known_range(self, t: float) -> float:
+        """Tell up to which distance silence means that nobody is there.
+
+        Parameters
+        ----------
+        t : float
+            Now [s].
+
+        Returns
+        -------
+        known_range : float
+            0 while there are too many senders, else infinity: then the planner's own settings count [m].
+        """
+        return 0.0 if self._hears and self._receiver.tracker.is_saturated(t) else math.inf
 
     def look(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
         """Tell who is in sight.

@@ -3,24 +3,22 @@
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.planner import Planner
-from cca_core.sim.driver import Driver
 from cca_core.sim.log import Log
-from cca_core.sim.loop import make_driver, make_planner
+from cca_core.sim.loop import Pilot, make_driver, make_planner
 from cca_core.sim.perception import Perception
 from cca_core.vehicle import VehicleState
 
 __all__ = ["replay"]
 
 
-def replay(log: Log, *, planner: Planner | Driver | None = None) -> Array:
+def replay(log: Log, *, planner: Pilot | None = None) -> Array:
     """Run the planner, or the driver, on the recorded bytes, sights and ego motion.
 
     Parameters
     ----------
     log : Log
         The run, fresh or loaded.
-    planner : Planner or Driver, optional
+    planner : Pilot, optional
         Another one to be told the same; the default is made from the scenario.
 
     Returns
@@ -41,6 +39,6 @@ def replay(log: Log, *, planner: Planner | Driver | None = None) -> Array:
         x, y, psi, v_x, v_y, r, delta, a_x = ego
         state = VehicleState(x=x, y=y, psi=psi, v_x=v_x, v_y=v_y, r=r, delta=delta, a_x=a_x)
         remotes = perception.remotes(t, rows[k], log.seen[k].tolist(), messages[k], state)
-        given = pilot.step(t, state, remotes)
+        given = pilot.step(t, state, remotes, known_range=perception.known_range(t))
         command[k] = given.delta, given.a_x
     return command

@@ -28,7 +28,7 @@ def drive(method: Any, *users: RoadUser, duration: float, road: Road = ROAD) -> 
         duration=duration,
     )  # fmt: skip
     planner = MpcPlanner(CAR, road, cruise_speed=20.0, method=method)
-    return simulate(scenario, planner=planner)  # type: ignore[arg-type]
+    return simulate(scenario, planner=planner)
 
 
 def is_usable(command: Command) -> bool:

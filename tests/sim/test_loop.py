@@ -29,7 +29,14 @@ class Recorder(Planner):
         super().__init__(*args, **kwargs)
         self.heard: list[tuple[float, tuple[RemoteVehicle, ...]]] = []
 
-    def step(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
+    def step(
+        self,
+        t: float,
+        state: VehicleState,
+        remotes: Iterable[RemoteVehicle],
+        *,
+        known_range: float = math.inf,
+    ) -> Command:
         heard = tuple(remotes)
         self.heard.append((t, heard))
         return super().step(t, state, heard)

@@ -112,7 +112,14 @@ class MpcPlanner:
         self._reference: Path = path
         self._last_delta = self._last_a_x = 0.0
 
-    def step(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
+    def step(
+        self,
+        t: float,
+        state: VehicleState,
+        remotes: Iterable[RemoteVehicle],
+        *,
+        known_range: float = math.inf,
+    ) -> Command:
         """Compute steering and acceleration for this cycle.
 
         Parameters
@@ -123,6 +130,8 @@ class MpcPlanner:
             The ego's motion now.
         remotes : iterable of RemoteVehicle
             What is known of other vehicles, dead-reckoned to `t`.
+        known_range : float
+            Distance up to which they are all that there are [m]; it plans with those it is told of.
 
         Returns
         -------
