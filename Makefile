@@ -41,7 +41,7 @@ bench: .venv/bench.stamp
 	@mkdir -p out
 	@status=0; \
 	$(ONE_THREAD) $(BIN)/python -m pytest --benchmark-sort=name --benchmark-columns=median,min,rounds \
-	    --benchmark-json=out/bench.json --junitxml=out/bench.xml tests/bench || status=$$?; \
+	    --benchmark-json=out/bench.json --junitxml=out/bench.xml -o junit_family=xunit1 tests/bench || status=$$?; \
 	$(BIN)/python -m tests.bench.speed_page out/bench.json out/bench.xml && exit $$status
 
 table1: .venv/bench.stamp

@@ -3,7 +3,11 @@
 from importlib.metadata import version as installed_version
 from importlib.resources import files
 from pathlib import Path
+from re import findall
 from shutil import rmtree
+
+from sphinx.application import Sphinx
+from sphinx.errors import ExtensionError
 
 project = "cca_core"
 author = "cca_core contributors"
@@ -47,3 +51,19 @@ nb_ipywidgets_js: dict[str, dict[str, str]] = {}
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # numpydoc says it, with shape and unit
 numpydoc_show_class_members = False
+
+
+def check_offline(app: Sphinx, failure: Exception | None) -> None:
+    """Refuse a site of which any page loads anything from the network."""
+    for page in [] if failure else sorted(Path(app.outdir).rglob("*.html")):
+        text = page.read_text(encoding="utf-8")
+        tags = findall(
+            r"<(?:script|link|img|iframe|source)\b[^>]*?(?:src|href)=\"((?:https?:)?//[^\"]*)", text
+        )
+        if tags:
+            raise ExtensionError(f"{page.name} loads {', '.join(sorted(set(tags)))}")
+
+
+def setup(app: Sphinx) -> None:
+    """Look at the pages when they are written."""
+    app.connect("build-finished", check_offline)

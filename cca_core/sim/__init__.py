@@ -3,6 +3,7 @@
 from cca_core.sim.archive import load_log, save_log
 from cca_core.sim.car import PLANTS, make_plant
 from cca_core.sim.commonroad import read_commonroad
+from cca_core.sim.commonroad_drive import CommonRoadRun, drive_commonroad
 from cca_core.sim.curbside import CURBSIDE_CASES, curbside
 from cca_core.sim.driver import Driver
 from cca_core.sim.eebl import EEBL_CASES, REALISTIC, eebl
@@ -17,7 +18,6 @@ from cca_core.sim.passage import Passage, drive_through
 from cca_core.sim.plant import SingleTrackPlant
 from cca_core.sim.rates import Rate, StudyTable
 from cca_core.sim.recorded import CommonRoadScenario
-from cca_core.sim.replay import CommonRoadRun, drive_commonroad
 from cca_core.sim.rerun import replay
 from cca_core.sim.road_user import Brakes, Follows, RoadUser, Swerves
 from cca_core.sim.scenario import EGOS, PinnedGap, Scenario

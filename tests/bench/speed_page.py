@@ -1,7 +1,7 @@
 """Write docs/performance.md from what pytest-benchmark and pytest have measured. Called by `make bench`.
 
-`python -m tests.bench.speed_page BENCH.json JUNIT.xml`: run times from the first, what became of each budget, and
-what has no run time of its own, from the second.
+`python -m tests.bench.speed_page BENCH.json JUNIT.xml`: run times from the first; what became of each budget,
+and what has no run time of its own, from the second.
 """
 
 import ast
@@ -31,14 +31,14 @@ TITLES = {
     "test_path_speed": "Path",
     "test_steering": "Steering",
     "test_tracker_speed": "Tracks",
-    "test_v2x_speed": "Messages",
+    "test_v2x_speed": "Messages, 200 at a time",
 }
 HEAD = """# Performance
 
-Made by `make bench`, which times everything with pytest-benchmark on one thread, beside references in the same
-run, and asserts a budget for most of it. Budgets are meant for a machine that solves a banded system of 100 rows
-(`scipy.linalg.solve_banded`, two right-hand sides) in 16.6 µs, and grow in proportion on a slower one. A missed budget
-is told here and fails the command. Ratios travel between machines, times do not.
+Made by `make bench`, which times everything with pytest-benchmark on one thread, beside references in the
+same run, and asserts a budget for most of it. Budgets are meant for a machine that solves a banded system of
+100 rows (`scipy.linalg.solve_banded`, two right-hand sides) in 16.6 µs, and grow in proportion on a slower
+one. A missed budget is told here and fails the command. Ratios travel between machines, times do not.
 
 Of [Table 1's methods](table1.md) and of [steering laws](steering.md) those pages tell more.
 """
@@ -59,7 +59,8 @@ def read_outcomes(report: Path) -> dict[tuple[str, str], tuple[str, dict[str, st
         failed = case.find("failure") if case.find("failure") is not None else case.find("error")
         state = "skipped" if case.find("skipped") is not None else ""
         if failed is not None:
-            state = (failed.get("message") or "failed").splitlines()[0]
+            why = (failed.get("message") or "failed").splitlines()[0]
+            state = re.sub(r"\d+\.\d+", lambda number: f"{float(number[0]):.4g}", why)
         properties = {p.get("name", ""): p.get("value", "") for p in case.iter("property")}
         found[case.get("classname", "").rpartition(".")[2], case.get("name", "")] = state, properties
     return found
@@ -130,9 +131,8 @@ def what(module: str, name: str) -> str:
 
 def told(seconds: float) -> str:
     """A time with a unit that suits it."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        if seconds >= size:
-            break
+    unit, size = next(pair for pair in (("s", 1.0), ("ms", 1e-3), ("µs", 0.0)) if seconds >= pair[1])
+    size = size or 1e-6
     digits = f"{seconds / size:.3g}"
     return f"{float(digits):.0f} {unit}" if re.search(r"e", digits) else f"{digits} {unit}"
 

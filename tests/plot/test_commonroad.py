@@ -7,7 +7,7 @@ import pytest
 
 from cca_core import InputError
 from cca_core.sim.commonroad import read_commonroad
-from cca_core.sim.replay import drive_commonroad
+from cca_core.sim.commonroad_drive import drive_commonroad
 from tests.sim.commonroad_files import REGION, ROAD, document, goal, moving, problem, state, written
 
 pytestmark = pytest.mark.requires("matplotlib")

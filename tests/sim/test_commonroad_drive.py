@@ -11,9 +11,9 @@ from cca_core.follow import SpeedSettings
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import Lane
 from cca_core.sim.commonroad import read_commonroad
+from cca_core.sim.commonroad_drive import CommonRoadRun, drive_commonroad
 from cca_core.sim.lanelets import find_route
 from cca_core.sim.recorded import CommonRoadScenario
-from cca_core.sim.replay import CommonRoadRun, drive_commonroad
 from tests.sim.commonroad_files import BOX, REGION, ROAD, document, goal, moving, problem, state, written
 
 PLANTS = ["single_track", pytest.param("multi_body", marks=pytest.mark.requires("vehiclemodels"))]
