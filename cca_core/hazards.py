@@ -4,10 +4,11 @@ import itertools
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from cca_core.decide import Conflict, Leader, crossing
+from cca_core.decide import Conflict, CrossingSettings, Leader, crossing
 from cca_core.follow import SpeedSettings, follow_acceleration, required_deceleration
 from cca_core.path import Road
 from cca_core.scene import Ego, Neighbour
@@ -28,7 +29,8 @@ _FALLS_BACK = 2.0  # how much slower the ego gets than one that may be in its la
 _HORIZON, _DELAY, _SPARE = 5.0, 0.3, 5.0  # of a stop behind a hidden vehicle [s], [s], [m]
 _SIGHT = 150.0  # within which crossing vehicles are looked at [m]
 _CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
-_LOOK = 8.0  # [s]
+_BARE = CrossingSettings(clearance=0.0)
+_LOOK, _STATIONS = 8.0, 100  # [s], [-]
 
 
 def leader_ahead(
@@ -130,7 +132,7 @@ def leader_at(conflict: Conflict, s: float, v_x: float, speed: SpeedSettings) ->
     leader : Leader
         At the edge of the conflict area.
     """
-    gap = conflict.s_in - s + speed.standstill_gap
+    gap = conflict.s_in - s + 0.5 * speed.standstill_gap  # of which a real one may be used up in need
     return _leader(conflict.remote, gap, 0.0, 0.0, v_x, speed, "crossing")
 
 
@@ -155,13 +157,16 @@ def conflict_ahead(
     conflict : Conflict or None
         None if nobody has to be waited for.
     """
-    stations = np.linspace(ego.s, ego.s + max(_LOOK * max(ego.v_x, ego.v_target), 30.0), 60)
+    stations = np.linspace(ego.s, ego.s + max(_LOOK * max(ego.v_x, ego.v_target), 30.0), _STATIONS)
     times = ego.times(stations)
     waits = []
     for n in others:
         if abs(math.sin(n.angle)) < _CROSSING or abs(n.d) > _SIGHT or not -20.0 < n.s - ego.s < _SIGHT:
             continue
-        conflict = crossing(road.path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
+        meets = partial(crossing, road.path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
+        conflict = meets()
+        if conflict is not None and not conflict.free and conflict.distance <= 0.0:
+            conflict = meets(settings=_BARE)  # too late to stop with distance; perhaps not without
         if conflict is not None and last is not None and conflict.remote == last.remote:
             conflict = replace(conflict, margin=conflict.margin + _HOLD)
         if conflict is not None and conflict.wait:
@@ -169,6 +174,9 @@ def conflict_ahead(
     if not waits:
         return None
     first = min(waits, key=lambda c: c.s_in)
+    before = first.s_in - float(stations[1] - stations[0])  # it begins somewhere after that one
+    if before > ego.s:
+        first = replace(first, s_in=before)
     front = ego.vehicle.box_offset + 0.5 * ego.vehicle.length
     lines = [line - front for line in road.stop_lines if ego.s < line - front < first.s_in]
     at = max(lines, default=first.s_in)

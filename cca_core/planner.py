@@ -200,6 +200,8 @@ class Planner:
                 vehicle=self.vehicle, s=s, v_x=max(state.v_x, 0.0), v_target=v_target, speed=self.speed,
                 history=np.array(self._history).reshape(-1, 2) - (0.0, t),
             )  # fmt: skip
+            self._conflict = conflict_ahead(ego, self.road, neighbours, self._conflict)
+            leader = self._leader(blockers, s, state.v_x)
             self._decide(ego, leader, blockers, neighbours)
         if self._maneuver is not None and self._decision.action.evades:
             late, at = self._status is not Status.OK, self._maneuver.offset_at
@@ -263,7 +265,6 @@ class Planner:
         neighbours: list[Neighbour],
     ) -> None:
         """Renew the manoeuvre that is under way, or choose whether to begin one."""
-        self._conflict = conflict_ahead(ego, self.road, neighbours, self._conflict)
         if self._maneuver is not None:
             if not self._retreating:
                 self._renew(ego, self._maneuver, leader, neighbours)

@@ -21,6 +21,7 @@ from cca_core.sim import (
     paper_scenarios,
     simulate,
 )
+from cca_core.sim.variation import Variation, draw_scenario
 from cca_core.v2x import ChannelSettings
 
 SEEDS = (1, 2, 3, 4, 5)
@@ -194,6 +195,15 @@ class TestIma:
     def test_contrast_does_not_hang_on_the_exact_time(self, offset: float) -> None:
         assert simulate(ima(ego="driver", offset=offset)).summary()["collided_with"] == "red"
         assert simulate(ima(offset=offset)).gaps().min() > 1.0
+
+
+@pytest.mark.parametrize("index", [347, 1594])
+def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) -> None:
+    """Draws in which the first message leaves just the room for full braking."""
+    scenario, _ = draw_scenario(Variation(scenario="ima"), 2, index)
+    log = simulate(scenario)
+    assert log.gaps().min() > 0.0
+    assert "BRAKE" in log.actions
 
 
 class TestCurbside:
