@@ -197,11 +197,12 @@ def _sooner(
     leader: Leader, blockers: Sequence[Neighbour], hidden: Neighbour, front: float, s: float, v_x: float,
     speed: SpeedSettings,
 ) -> Leader:  # fmt: skip
-    """Take the next one in front to brake like a hidden one that says that it brakes hard."""
+    """Take the next one in front to brake as hard as it can when a hidden one says that it brakes hard."""
     near = next(b for b in blockers if b.s > s)
     if near.v_least <= 0.0:
         return leader
-    gap, a_x = near.s - near.half_length - front, min(near.remote.a_x, hidden.remote.a_x)
+    gap = near.s - near.half_length - front
+    a_x = min(near.remote.a_x, hidden.remote.a_x, -speed.b_max)  # whoever reacts late brakes harder
     brakes = _leader(near.remote.id, gap, near.v_least, a_x, v_x, speed, "hidden")
     if brakes.required_deceleration <= leader.required_deceleration:
         return leader

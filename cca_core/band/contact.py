@@ -12,7 +12,7 @@ from cca_core.band.task import Task
 from cca_core.errors import Status
 
 _TIGHTENINGS = 16
-_MOST_SOLVES = 300  # from which on it is not pushed any more: a drivable band takes 10 to 100
+_MOST_SOLVES = 400  # from which on it is not pushed any more: a drivable band takes 10 to 100
 _GAIN, _FRUITLESS = 0.8, 4  # a round must lessen what is lacking to this share, one of so many at least
 _MOST_SHARE = 0.8  # by which contact may be taken to give way
 _AIM = 3e-3  # what is lacking is pushed for with this much more [m]

@@ -197,6 +197,13 @@ class TestIma:
         assert simulate(ima(offset=offset)).gaps().min() > 1.0
 
 
+@pytest.mark.parametrize("index", [328, 553])
+def test_who_is_between_may_brake_harder_than_the_first(index: int) -> None:
+    """Draws in which red brakes with 4 to 5 m/s^2, and yellow, late, with 7."""
+    scenario, _ = draw_scenario(Variation(scenario="eebl"), 2, index)
+    assert simulate(scenario).gaps().min() > 0.0
+
+
 @pytest.mark.parametrize("index", [347, 1594])
 def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) -> None:
     """Draws in which the first message leaves just the room for full braking."""
