@@ -8,7 +8,6 @@ import logging
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from numbers import Real
 from types import NoneType
 
 import numpy as np
@@ -29,14 +28,13 @@ from cca_core.follow import (
 )
 from cca_core.hazards import IN_THE_WAY, conflict_ahead, kept_behind, leader_ahead, leader_at
 from cca_core.path import Path, Road, interpolate_path
-from cca_core.scene import Ego, Neighbour, locate
+from cca_core.scene import Ego, Neighbour, locate, unusable
 from cca_core.swerve import renew, swerves_of, ways_around
-from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
+from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
 
 _LOG = logging.getLogger(__name__)
-_FAR_FUTURE = 1e12  # [s]
 _OFF_ROUTE = 15.0  # farther from the route than this the planner does not know where it is [m]
 _SLOWED = -0.5  # acceleration asked for by a leader from which on a way around it is looked for [m/s^2]
 _BESIDE = 1.5  # beyond the road's edges and the clearance nobody matters who does not cross [m]
@@ -158,7 +156,7 @@ class Planner:
             Steering, acceleration, and why. It never raises and never holds NaN: inputs that cannot be
             used are dropped with a reason, or lead to braking with `Status.INVALID_INPUT`.
         """
-        defect = self._defect(t, state)
+        defect = unusable(t, self._t, state)
         if defect:
             return self._give_up(defect)
         try:
@@ -217,17 +215,6 @@ class Planner:
             delta=delta, a_x=float(a_x), decision=self._decision, reference=reference, status=self._status,
             band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,
         ))  # fmt: skip
-
-    def _defect(self, t: object, state: object) -> str:
-        """Why the arguments of a step cannot be used, empty if they can."""
-        moment = float(t) if isinstance(t, Real) and abs(t) < _FAR_FUTURE else math.nan  # type: ignore[operator]
-        if not moment > self._t:
-            return f"t must be finite and increase, was {str(t)[:20]} after {self._t:g}"
-        if not isinstance(state, VehicleState):
-            return f"state must be a VehicleState, was {type(state).__name__}"
-        if max(abs(state.x), abs(state.y)) > FARTHEST or state.v_x > FASTEST:
-            return "state is not that of a road vehicle"
-        return ""
 
     def _is_news(self, t: float, neighbours: list[Neighbour]) -> bool:
         """Whether to decide again: once a period, and at once when a vehicle or one of its events is new."""

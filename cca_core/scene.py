@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from numbers import Real
 from typing import Self
 
 import numpy as np
@@ -11,9 +12,9 @@ from cca_core._checks import Array
 from cca_core.follow import SpeedSettings, arrival_times
 from cca_core.path import Path
 from cca_core.predict import reach, travel
-from cca_core.vehicle import RemoteVehicle, VehicleParams
+from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
 
-__all__ = ["HORIZON", "Ego", "Neighbour", "locate"]
+__all__ = ["HORIZON", "Ego", "Neighbour", "locate", "unusable"]
 
 HORIZON = 600.0
 """Farthest point ahead at which a pass may end [m]."""
@@ -21,6 +22,7 @@ HORIZON = 600.0
 _STALE_AFTER = 1.0  # age from which on a vehicle may have braked unheard [s]
 _UNHEARD_BRAKING = 8.0  # [m/s^2]
 _CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
+_FAR_FUTURE = 1e12  # [s]
 _FEW = 25  # vehicles up to which one by one is faster than all at once
 
 
@@ -251,3 +253,30 @@ def _feet(
     cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
     kappa = cross / np.hypot(first[:, 0], first[:, 1]) ** 3
     return list(zip(s.tolist(), d.tolist(), heading.tolist(), kappa.tolist(), strict=True))
+
+
+def unusable(t: object, last: float, state: object) -> str:
+    """Tell why the arguments of a planner's step cannot be used.
+
+    Parameters
+    ----------
+    t : object
+        Time of the step [s], whatever came in.
+    last : float
+        Time of the step before [s].
+    state : object
+        Motion of the ego, whatever came in.
+
+    Returns
+    -------
+    reason : str
+        In words; empty if they can be used.
+    """
+    moment = float(t) if isinstance(t, Real) and abs(t) < _FAR_FUTURE else math.nan  # type: ignore[operator]
+    if not moment > last:
+        return f"t must be finite and increase, was {str(t)[:20]} after {last:g}"
+    if not isinstance(state, VehicleState):
+        return f"state must be a VehicleState, was {type(state).__name__}"
+    if max(abs(state.x), abs(state.y)) > FARTHEST or state.v_x > FASTEST:
+        return "state is not that of a road vehicle"
+    return ""

@@ -25,7 +25,7 @@ BURST = 5.0  # messages lost in a row; 80 % loss cannot be made of bursts of les
 CELLS = (
     list(itertools.product(CASES, LOSSES, LATENCIES))
     if FULL
-    else [*itertools.product(CASES, (0.8,), (0.4,)), ("2", 0.8, 0.0), ("2", 0.0, 0.5), ("3", 0.8, 0.5)]
+    else [*itertools.product(CASES, (0.8,), (0.4, 0.5)), ("2", 0.8, 0.0), ("2", 0.0, 0.5), ("3", 0.8, 0.0)]
 )
 SEEDS = range(1, 11) if FULL else (1, 6)
 

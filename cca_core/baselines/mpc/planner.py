@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from numbers import Real
 from typing import Literal
 
 import numpy as np
@@ -17,8 +16,8 @@ from cca_core.decide import Action, Decision
 from cca_core.errors import InputError, Status
 from cca_core.follow import SpeedSettings, cruise_acceleration, follow_acceleration, jerk_limited
 from cca_core.path import Path, Road, interpolate_path
-from cca_core.scene import Neighbour, locate
-from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
+from cca_core.scene import Neighbour, locate, unusable
+from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["MpcPlanner"]
 
@@ -140,7 +139,7 @@ class MpcPlanner:
             braking with `Status.INVALID_INPUT`, a missing solution to the last one and then to braking with
             `Status.FALLBACK`.
         """
-        defect = self._defect(t, state)
+        defect = unusable(t, self._t, state)
         if defect:
             return self._brake(defect, Status.INVALID_INPUT)
         moment = float(t)
@@ -149,16 +148,6 @@ class MpcPlanner:
             return self._cycle(moment, dt, state, remotes)
         except Exception as error:  # no input and no defect may leave the car without a command
             return self._brake(f"internal error: {error!r}", Status.INVALID_INPUT)
-
-    def _defect(self, t: object, state: object) -> str:
-        """Why the arguments of a step cannot be used, empty if they can."""
-        if not (isinstance(t, Real) and math.isfinite(t) and float(t) > self._t):
-            return f"t must be finite and increase, was {str(t)[:20]} after {self._t:g}"
-        if not isinstance(state, VehicleState):
-            return f"state must be a VehicleState, was {type(state).__name__}"
-        if max(abs(state.x), abs(state.y)) > FARTHEST or state.v_x > FASTEST:
-            return "state is not that of a road vehicle"
-        return ""
 
     def _cycle(self, t: float, dt: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
         path = self.road.path
