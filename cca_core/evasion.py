@@ -110,10 +110,7 @@ def plan_evasion(
     evasion : Evasion or Candidate
         The swerve; a bare candidate with its obstruction where no band could be drawn.
     """
-    leads = [_lead(ego, b, settings, b is blockers[0]) for b in blockers]
-    contact = [
-        _contact(ego, b, settings, lead, b is blockers[0]) for b, lead in zip(blockers, leads, strict=True)
-    ]
+    leads, contact = zip(*(_contact(ego, b, settings, b is blockers[0]) for b in blockers), strict=True)
     first, last = contact[0]
     if ongoing is None and not first < last < HORIZON:
         return Candidate(
@@ -226,24 +223,28 @@ def boxes_of(
 
 
 def _contact(
-    ego: Ego, other: Neighbour, settings: EvasionSettings, lead: float, passed: bool
-) -> tuple[float, float]:
-    """First and last distance ahead at which the ego must be beside the other; infinite if nowhere."""
+    ego: Ego, other: Neighbour, settings: EvasionSettings, passed: bool
+) -> tuple[float, tuple[float, float]]:
+    """Find where the ego must be beside the other.
+
+    How far behind it already, at the speed that the ego has by then, and the first and last distance ahead;
+    infinite if nowhere.
+    """
     x = np.arange(-_BEHIND, HORIZON, 1.0)
     rear, front = _span(other, ego.times(ego.s + x), settings, passed)
     middle = ego.s + x + ego.vehicle.box_offset
     reach = 0.5 * ego.vehicle.length + settings.clearance
-    abeam = np.flatnonzero((front >= middle - reach) & (rear <= middle + reach + lead))
-    if not len(abeam):
-        return math.inf, math.inf
-    last = float(x[abeam[-1]])
-    return float(x[abeam[0]]), last if abeam[-1] < len(x) - 1 else math.inf
+    not_past, ahead = front >= middle - reach, rear - middle - reach
 
+    def stretch(lead: float) -> tuple[float, float]:
+        abeam = np.flatnonzero(not_past & (ahead <= lead))
+        if not len(abeam):
+            return math.inf, math.inf
+        last = float(x[abeam[-1]])
+        return float(x[abeam[0]]), last if abeam[-1] < len(x) - 1 else math.inf
 
-def _lead(ego: Ego, other: Neighbour, settings: EvasionSettings, passed: bool) -> float:
-    """How far behind another vehicle the ego must be beside its path, at the speed that it has by then."""
-    first, _ = _contact(ego, other, settings, 0.0, passed)
-    return settings.lead_time * max(_speed_after(ego, first) - other.v_s, 0.0)
+    lead = settings.lead_time * max(_speed_after(ego, stretch(0.0)[0]) - other.v_s, 0.0)
+    return lead, stretch(lead)
 
 
 def _speed_after(ego: Ego, distance: float) -> float:

@@ -208,7 +208,8 @@ def _edge_distances(task: Task, u: Array, along: Complex, curvature: Array) -> t
         nodes = range(math.floor(rear / step), math.ceil(front / step) + 1)
         places = [(min(max(k * step, rear), front), k) for k in nodes]
     most = max(abs(k) for _, k in places)
-    right_edge, left_edge = (np.pad(e, ((0, 0), (most, most)), mode="edge") for e in (right_edge, left_edge))
+    beyond = np.clip(np.arange(-most, n + most), 0, n - 1)  # edges go on beyond the ends
+    right_edge, left_edge = right_edge.take(beyond, axis=1), left_edge.take(beyond, axis=1)
     right, left = np.full(u.shape, math.inf), np.full(u.shape, math.inf)
     for x, k in places:
         middle, there = u + x * turn.imag - bend * (x * x), slice(most + k, most + k + n)

@@ -167,7 +167,7 @@ def arrival_times(v_x: float, v_target: float, distances: Array, settings: Speed
     target = max(v_target, 0.5)
     a = settings.a_max if target > v else -settings.b_comfort
     ramp = (target * target - v * v) / (2.0 * a)
-    on_ramp = np.clip(distances, 0.0, ramp)
+    on_ramp = np.minimum(np.maximum(distances, 0.0), ramp)
     t: Array = (np.sqrt(v * v + 2.0 * a * on_ramp) - v) / a
     return t + np.minimum(distances, 0.0) / v + np.maximum(distances - ramp, 0.0) / target
 

@@ -32,8 +32,8 @@ class Cubics:
         """Position, first and second derivative, shapes (..., 2)."""
         on = np.minimum(np.maximum(s, self._breaks[0]), self._breaks[-1])
         i = np.searchsorted(self._inner, on, side="right")
-        a, b, c, d = self._powers[:, i]
-        t = (on - self._breaks[i])[..., None]
+        a, b, c, d = self._powers.take(i, axis=1)
+        t = (on - self._breaks.take(i))[..., None]
         first = (3.0 * a * t + 2.0 * b) * t + c
         position = ((a * t + b) * t + c) * t + d
         second = 6.0 * a * t + 2.0 * b
@@ -64,8 +64,8 @@ class Cubics:
     def at(self, s: float) -> tuple[float, float, float, float, float, float]:
         """Position, first and second derivative at one s, as six floats."""
         breaks, pieces = self._lists
-        on = min(max(s, breaks[0]), breaks[-1])
-        i = min(bisect_right(breaks, on), len(pieces)) - 1
+        on = s if breaks[0] <= s <= breaks[-1] else min(max(s, breaks[0]), breaks[-1])
+        i = bisect_right(breaks, on, 1, len(pieces)) - 1
         ax, ay, bx, by, cx, cy, dx, dy = pieces[i]
         t = on - breaks[i]
         px, py = ((ax * t + bx) * t + cx) * t + dx, ((ay * t + by) * t + cy) * t + dy
@@ -82,10 +82,11 @@ class Cubics:
             speed2 = tx * tx + ty * ty
             out = (px - x) * tx + (py - y) * ty
             step = out / max(speed2 + (px - x) * nx + (py - y) * ny, 0.2 * speed2)
-            s -= step
             if -_CONVERGED < step < _CONVERGED:
                 break
-        px, py, tx, ty, nx, ny = self.at(s)
+            s -= step
+        else:
+            px, py, tx, ty, nx, ny = self.at(s)
         speed = math.hypot(tx, ty)
         d = (tx * (y - py) - ty * (x - px)) / speed
         return s, d, math.atan2(ty, tx), (tx * ny - ty * nx) / speed**3

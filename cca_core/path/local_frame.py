@@ -11,6 +11,7 @@ from cca_core.errors import InputError
 _A = 6378137.0  # semi-major axis [m], WGS 84
 _F = 1.0 / 298.257223563  # flattening
 _E2 = _F * (2.0 - _F)
+_QUADRIC = np.array([1.0, 1.0, 1.0 / (1.0 - _E2)])  # the ellipsoid is where it gives _A squared
 _REACH = 1.0e6  # farther than this the tangent plane is no map any more [m]
 
 
@@ -106,11 +107,9 @@ class LocalFrame:
         if np.abs(xy).max(initial=0.0) > _REACH:
             raise InputError("xy must be within 1000 km of the origin")
         # the height above the plane that puts the point on the ellipsoid: line up (m) against the quadric
-        scale = np.array([1.0, 1.0, 1.0 / (1.0 - _E2)])
         foot, up = self._origin + xy @ self._axes[:2], self._axes[2]
-        a = np.sum(up * up * scale)
-        b = np.sum(foot * up * scale, axis=-1)
-        c = np.sum(foot * foot * scale, axis=-1) - _A**2
+        a, b = up @ (_QUADRIC * up), foot @ (_QUADRIC * up)
+        c = (foot * foot) @ _QUADRIC - _A**2
         point = foot + ((-b + np.sqrt(b * b - a * c)) / a)[..., None] * up
         lat = np.arctan2(point[..., 2], (1.0 - _E2) * np.hypot(point[..., 0], point[..., 1]))
         return np.degrees(lat), np.degrees(np.arctan2(point[..., 1], point[..., 0]))
