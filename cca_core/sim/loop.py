@@ -52,7 +52,7 @@ class Pilot(Protocol):
         """
 
 
-_LOOKS = 5  # cycles between two looks that are only logged
+_LOOKS = 5  # cycles between two looks where messages tell more
 
 
 def simulate(

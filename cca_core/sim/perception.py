@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from cca_core.sim.radio import Receiver
 from cca_core.sim.scenario import Scenario
@@ -14,8 +15,9 @@ __all__ = ["Perception"]
 class Perception:
     """Receiver and sensor of the ego.
 
-    With V2V it knows what it hears; road users that do not send are seen with the sensor's delay. Without, it
-    knows what it sees.
+    With V2V it knows what it hears. Who does not send, and whose message is older than what the sensor tells,
+    is known by the sensor while in sight; the events that were heard of stay. Without V2V it knows what it
+    sees.
 
     Parameters
     ----------
@@ -25,13 +27,13 @@ class Perception:
 
     def __init__(self, scenario: Scenario) -> None:
         self._hears = scenario.v2v
-        self._silent = {user.id for user in scenario.users if not (user.connected and self._hears)}
+        self._sight_alone = not all(user.connected and self._hears for user in scenario.users)
         self._receiver, self._sensor = Receiver(scenario), Sensor(scenario)
 
     @property
     def looks(self) -> bool:
-        """Whether sight matters."""
-        return bool(self._silent)
+        """Whether somebody is known by sight alone, so that every cycle counts."""
+        return self._sight_alone
 
     def known_range(self, t: float) -> float:
         """Tell up to which distance silence means that nobody is there.
@@ -91,9 +93,11 @@ class Perception:
         Returns
         -------
         remotes : list of RemoteVehicle
-            For the planner.
+            For the planner; the source is ``"sensor"`` where nothing has been heard.
         """
-        known = self._receiver.take(t, messages, ego) if self._hears else []
-        if self._silent:
-            known += [v for v in self._sensor.report(t, rows, seen) if v.id in self._silent]
-        return known
+        heard = {v.id: v for v in self._receiver.take(t, messages, ego)} if self._hears else {}
+        recent = {name for name, v in heard.items() if v.age <= self._sensor.delay}
+        for v in self._sensor.report(t, rows, seen, leaving_out=recent):
+            before = heard.get(v.id)
+            heard[v.id] = replace(v, events=before.events, source="v2v") if before else v
+        return list(heard.values())

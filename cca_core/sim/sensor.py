@@ -3,9 +3,10 @@
 import cmath
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
 from cca_core.geometry import wrap_angle
+from cca_core.sim.road_user import RoadUser
 from cca_core.sim.scenario import Scenario
 from cca_core.v2x import Fix, move_on
 from cca_core.vehicle import RemoteVehicle, VehicleState
@@ -28,6 +29,11 @@ class Sensor:
     ----------
     scenario : Scenario
         Road users, range, field of view, weather and delay.
+
+    Attributes
+    ----------
+    delay : float
+        Age of what it reports [s]; 0 for a driver, whose reaction is elsewhere.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -35,8 +41,8 @@ class Sensor:
         self._occluders = list(scenario.occluders)
         self._range = min(scenario.sensor_range, scenario.visibility)
         self._half = 0.5 * scenario.field_of_view
-        self._delay = scenario.sensor_delay if scenario.ego != "driver" else 0.0
-        self._frames: deque[tuple[float, list[RemoteVehicle]]] = deque()
+        self.delay = scenario.sensor_delay if scenario.ego != "driver" else 0.0
+        self._frames: deque[tuple[float, Sequence[Sequence[float]], Sequence[bool]]] = deque()
 
     def look(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
         """Tell who is seen.
@@ -67,7 +73,13 @@ class Sensor:
             seen.append(visible_share(eye, ego.psi, self._half, body, hiding) >= _RECOGNISED)
         return seen
 
-    def report(self, t: float, rows: Sequence[Sequence[float]], seen: Sequence[bool]) -> list[RemoteVehicle]:
+    def report(
+        self,
+        t: float,
+        rows: Sequence[Sequence[float]],
+        seen: Sequence[bool],
+        leaving_out: Container[str] = (),
+    ) -> list[RemoteVehicle]:
         """Take in what is seen now, and report what was seen a delay ago.
 
         Parameters
@@ -75,29 +87,26 @@ class Sensor:
         t : float
             Now [s].
         rows : sequence of sequence of float
-            x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user.
+            x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user; kept,
+            so that they must not change afterwards.
         seen : sequence of bool
-            Who is seen, as by `look`.
+            Who is seen, as by `look`; kept likewise.
+        leaving_out : container of str
+            Road users of whom no report is wanted.
 
         Returns
         -------
         remotes : list of RemoteVehicle
             Vehicles with source ``"sensor"`` and the delay as age.
         """
-        now = [
-            RemoteVehicle(
-                id=u.id, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, length=u.length, width=u.width, source="sensor"
-            )
-            for u, (x, y, psi, v, a, r), is_seen in zip(self._users, rows, seen, strict=True)
-            if is_seen
-        ]
-        if self._delay == 0.0:
-            return now
-        self._frames.append((t, now))
-        while len(self._frames) > 1 and self._frames[1][0] <= t - self._delay + 1e-9:
+        self._frames.append((t, rows, seen))
+        while len(self._frames) > 1 and self._frames[1][0] <= t - self.delay + 1e-9:
             self._frames.popleft()
-        then, frame = self._frames[0]
-        return [] if then > t - self._delay + 1e-9 else [_moved(v, then, t) for v in frame]
+        then, rows, seen = self._frames[0]
+        if then > t - self.delay + 1e-9:
+            return []
+        users = zip(self._users, rows, seen, strict=True)
+        return [_moved(u, row, then, t) for u, row, is_seen in users if is_seen and u.id not in leaving_out]
 
 
 def visible_share(eye: complex, psi: float, half_angle: float, body: _Body, others: Sequence[_Body]) -> float:
@@ -173,10 +182,10 @@ def _distance(eye: complex, ray: complex, body: _Body) -> float:
     return first if first <= last else math.inf
 
 
-def _moved(v: RemoteVehicle, then: float, t: float) -> RemoteVehicle:
-    """Dead-reckon a report."""
-    fix = move_on(Fix(then, v.x, v.y, v.psi, v.v_x, v.a_x, v.r), t)
+def _moved(user: RoadUser, row: Sequence[float], then: float, t: float) -> RemoteVehicle:
+    """Dead-reckon what was seen."""
+    fix = move_on(Fix(then, *row), t)
     return RemoteVehicle(
-        id=v.id, x=fix.x, y=fix.y, psi=fix.psi, v_x=fix.v, a_x=fix.a, r=fix.r, length=v.length, width=v.width,
-        age=t - then, source="sensor",
+        id=user.id, x=fix.x, y=fix.y, psi=fix.psi, v_x=fix.v, a_x=fix.a, r=fix.r, length=user.length,
+        width=user.width, age=t - then, source="sensor",
     )  # fmt: skip

@@ -1,0 +1,87 @@
+"""What the ego knows when messages and sight say different things, or nothing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cca_core import VehicleState
+from cca_core.path import Lane, LocalFrame, Road, interpolate_path
+from cca_core.sim import RoadUser, Scenario
+from cca_core.sim.eebl import CAR
+from cca_core.sim.perception import Perception
+from cca_core.sim.radio import sender_id
+from cca_core.v2x import Bsm, encode_bsm
+
+PATH = interpolate_path([[0.0, 0.0], [400.0, 0.0]])
+SCENARIO = Scenario(
+    name="test", case=None, road=Road(PATH, [Lane(d=0.0)]), vehicle=CAR, start=0.0, v_x=10.0,
+    cruise_speed=10.0, users=(RoadUser(id="red", s=40.0, d=0.0, v_x=10.0),),
+)  # fmt: skip
+EGO = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=10.0)
+BRAKES = frozenset({"hard_braking"})
+
+
+def heard(t: float, x: float) -> bytes:
+    lat, lon = LocalFrame(*SCENARIO.origin).to_geodetic((x, 0.0))
+    return encode_bsm(
+        Bsm(
+            msg_count=round(10.0 * t) % 128, id=sender_id(0), sec_mark=t, latitude_deg=float(lat),
+            longitude_deg=float(lon), speed=10.0, psi=0.0, a_x=0.0, r=0.0, width=1.8, length=4.5,
+            events=BRAKES,
+        )
+    )  # fmt: skip
+
+
+def known(seen: bool, until: float, *, ego: str = "v2v") -> list[tuple[float, str, float, bool]]:
+    """Age, source, place and whether its event is known, in each cycle of 3 s; red is heard up to a time."""
+    perception = Perception(replace(SCENARIO, ego=ego))
+    found = []
+    for k in range(150):
+        t = 0.02 * k
+        x = 40.0 + 10.0 * t
+        messages = [heard(t, x)] if k % 5 == 0 and t <= until else []
+        # red stands from 1 s on, which nobody sends
+        row = (min(x, 50.0), 0.0, 0.0, 10.0 if t < 1.0 else 0.0, 0.0, 0.0)
+        reports = perception.remotes(t, [row], [seen], messages, EGO)
+        assert len(reports) <= 1
+        found += [(r.age, r.source, r.x, r.events == BRAKES) for r in reports]
+    return found
+
+
+def test_while_messages_are_young_they_count() -> None:
+    young = known(True, 3.0)
+    assert len(young) == 150
+    assert {source for _, source, _, _ in young} == {"v2v"}
+    assert max(age for age, *_ in young) <= 0.1 + 1e-9
+    assert young == known(False, 3.0)
+
+
+def test_in_sight_nobody_falls_silent() -> None:
+    ages, sources, x, told = zip(*known(True, 1.0), strict=True)
+    assert len(ages) == 150
+    assert max(ages) <= 0.4 + 1e-9
+    assert x[-1] == pytest.approx(50.0)
+    assert np.abs(np.diff(x)).max() < 6.0  # from where it would be to where it is seen
+    forgotten = sources.index("sensor")  # as one that sends, with what it sent
+    assert forgotten > 90
+    assert told == (True,) * forgotten + (False,) * (150 - forgotten)
+
+
+def test_out_of_sight_silence_ages() -> None:
+    ages, _, x, _ = zip(*known(False, 1.0), strict=True)
+    assert ages[-1] > 0.9
+    assert x[-1] > 55.0  # nothing told that it stands
+    assert len(ages) < 150  # and then it is forgotten
+
+
+def test_who_was_never_heard_is_known_by_sight() -> None:
+    found = known(True, -1.0)
+    assert len(found) == 150 - 20
+    assert {source for _, source, _, _ in found} == {"sensor"}
+    assert not any(told for *_, told in found)
+
+
+def test_without_v2v_messages_tell_nothing() -> None:
+    assert known(True, 3.0, ego="sensor") == known(True, -1.0, ego="sensor")
+    assert known(False, 3.0, ego="sensor") == []
