@@ -7,7 +7,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.baselines.judge import body_along, edge_distance, jerk_of
 from cca_core.baselines.problem import Plan, Problem
-from cca_core.follow import PreviewController, steady_sideslip, steady_steering
+from cca_core.follow import PreviewController, steady_turn
 from cca_core.geometry import box_gap
 from cca_core.path import Path, interpolate_path
 from cca_core.sim.plant import SingleTrackPlant
@@ -86,7 +86,9 @@ def drive(problem: Problem, plan: Plan) -> Drive:
         If the plan has no usable trajectory.
     """
     path, squared = _followed(problem, plan)
-    car = _Recorded(problem.vehicle, _at_start(problem))
+    car = _Recorded(
+        problem.vehicle, steady_turn(problem.road.path, problem.start, problem.v_x, problem.vehicle)
+    )
     steering = PreviewController(problem.vehicle)
     run = track(car, steering.steer, path, squared, margin=_ON)
     x, y, psi = np.array(car.poses).T
@@ -113,15 +115,3 @@ def _followed(problem: Problem, plan: Plan) -> tuple[Path, tuple[Array, Array]]:
     speeds = np.interp(nodes, moved, plan.v_x)
     places = np.append(nodes, path.end)
     return path, (places, np.append(speeds, speeds[-1]) ** 2)
-
-
-def _at_start(problem: Problem) -> VehicleState:
-    """On the route, in its steady turn."""
-    path, vehicle, v_x = problem.road.path, problem.vehicle, problem.v_x
-    x, y = path.position(problem.start).tolist()
-    kappa = path.curvature_at(problem.start)
-    beta = float(steady_sideslip(kappa, v_x, vehicle))
-    return VehicleState(
-        x=x, y=y, psi=float(path.heading(problem.start)) - beta, v_x=v_x, v_y=v_x * beta, r=v_x * kappa,
-        delta=float(steady_steering(kappa, v_x, vehicle)),
-    )  # fmt: skip

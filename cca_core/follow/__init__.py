@@ -7,6 +7,7 @@ from cca_core.follow.bicycle import (
     single_track,
     steady_sideslip,
     steady_steering,
+    steady_turn,
     steady_yaw_rate,
 )
 from cca_core.follow.estimate import PoseEstimator
@@ -66,6 +67,7 @@ __all__ = [
     "stability_margins",
     "steady_sideslip",
     "steady_steering",
+    "steady_turn",
     "steady_yaw_rate",
     "stop_acceleration",
 ]

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_real
-from cca_core.vehicle import VehicleParams
+from cca_core.path import Path
+from cca_core.vehicle import VehicleParams, VehicleState
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -204,3 +205,37 @@ def steady_yaw_rate(delta: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     v = np.asarray(v_x, dtype=np.float64)
     rate: Array = v * np.asarray(delta) / (vehicle.wheelbase + vehicle.understeer_gradient * v**2)
     return rate
+
+
+def steady_turn(path: Path, s: float, v_x: float, vehicle: VehicleParams) -> VehicleState:
+    """Motion of a car that follows a path without error and without transients, such as at a start.
+
+    Parameters
+    ----------
+    path : Path
+        The path.
+    s : float
+        Where on it the centre of gravity is [m].
+    v_x : float
+        Forward speed [m/s], not negative.
+    vehicle : VehicleParams
+        Geometry, mass and tyres.
+
+    Returns
+    -------
+    state : VehicleState
+        The steady turn of the curvature there.
+
+    Raises
+    ------
+    InputError
+        If `s` or `v_x` is not finite, or `v_x` negative.
+    """
+    s, v_x = check_real("s", s), check_real("v_x", v_x, least=0.0)
+    x, y = path.position(s).tolist()
+    kappa = path.curvature_at(s)
+    beta = float(steady_sideslip(kappa, v_x, vehicle))
+    return VehicleState(
+        x=x, y=y, psi=float(path.heading(s)) - beta, v_x=v_x, v_y=v_x * beta, r=v_x * kappa,
+        delta=float(steady_steering(kappa, v_x, vehicle)),
+    )  # fmt: skip

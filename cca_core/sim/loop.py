@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from cca_core.errors import Status
-from cca_core.follow import steady_sideslip, steady_steering
+from cca_core.follow import steady_turn
 from cca_core.planner import Command, Planner
 from cca_core.sim.car import make_plant
 from cca_core.sim.driver import Driver
@@ -101,7 +101,9 @@ def simulate(
     """
     seed = scenario.seed if seed is None else seed
     pilot = planner or (make_driver(scenario) if scenario.ego == "driver" else make_planner(scenario))
-    car, path = make_plant(plant, scenario.vehicle, _settled(scenario)), scenario.road.path
+    path = scenario.road.path
+    begin = steady_turn(path, scenario.start, scenario.v_x, scenario.vehicle)
+    car = make_plant(plant, scenario.vehicle, begin)
     traffic, perception = Traffic(scenario), Perception(scenario)
     radio, recorded = Radio(scenario, np.random.default_rng(seed)), list(frames)[::-1]
     pinned = None if scenario.pinned is None else Tailgating(scenario, scenario.pinned)
@@ -203,18 +205,6 @@ class _Book:
             events=tuple(witness.events), received=tuple(self._received), messages=dict(radio.counts),
             fallback=self._fallback[:n], cycle_us=self.cycle_us[:n], wall_s=wall_s, missed=self.missed,
         )  # fmt: skip
-
-
-def _settled(scenario: Scenario) -> VehicleState:
-    """Put the ego at its start, in the steady turn of the road there."""
-    path, vehicle, v_x = scenario.road.path, scenario.vehicle, scenario.v_x
-    x, y = path.position(scenario.start).tolist()
-    kappa = path.curvature_at(scenario.start)
-    beta = float(steady_sideslip(kappa, v_x, vehicle))
-    return VehicleState(
-        x=x, y=y, psi=float(path.heading(scenario.start)) - beta, v_x=v_x, v_y=v_x * beta, r=v_x * kappa,
-        delta=float(steady_steering(kappa, v_x, vehicle)),
-    )  # fmt: skip
 
 
 def make_planner(scenario: Scenario, *, _leader_only: bool = False) -> Planner:

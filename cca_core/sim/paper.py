@@ -81,7 +81,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
         name="maneuver", case=case, road=Road(path, lanes, speed_limit=36.0),
         vehicle=replace(VehicleParams.bmw_320i(), length=4.5, width=1.8),
         start=start, v_x=cruise, cruise_speed=cruise, users=users, duration=duration,
-        ego="v2v" if v2v else "sensor", sensor_delay=0.0, figures=_FIGURES[case],
+        ego="v2v" if v2v else "sensor", figures=_FIGURES[case],
         evasion=EvasionSettings(
             lateral_acceleration={"1-fast": 3.5, "1-smooth": 1.6}.get(case, 2.0), known_range=math.inf,
             braking=0.0, acceleration=0.0,  # the paper's others go on as they are

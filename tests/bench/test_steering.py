@@ -25,8 +25,7 @@ from cca_core.follow import (
     StabilityRegion,
     design_gains,
     squared_speed_limit,
-    steady_sideslip,
-    steady_steering,
+    steady_turn,
 )
 from cca_core.path import clean_route, fit_path, interpolate_path, read_waypoints
 from cca_core.sim import MultiBodyPlant, SingleTrackPlant, TrackingRun, lane_change, track
@@ -65,17 +64,6 @@ LAWS: dict[str, Callable[[], Law]] = {
     "Stanley": lambda: Stanley(CAR, **TUNED["Stanley"]).steer,
     "LQR": lambda: LqrSteering(CAR, **TUNED["LQR"]).steer,
 }
-
-
-def start_on(path: Path, speed: float) -> VehicleState:
-    """The steady turn of the path's beginning."""
-    x, y = path.position(path.start).tolist()
-    kappa = path.curvature_at(path.start)
-    beta = float(steady_sideslip(kappa, speed, CAR))
-    return VehicleState(
-        x=x, y=y, psi=float(path.heading(path.start)) - beta, v_x=speed, v_y=speed * beta, r=speed * kappa,
-        delta=float(steady_steering(kappa, speed, CAR)),
-    )  # fmt: skip
 
 
 # --- tracks -------------------------------------------------------------------------------------------
@@ -160,7 +148,7 @@ def drive(name: str, plant: str, law: str, data: FilePath, variant: str = "") ->
         if variant == "delay told":
             steer = PreviewController(CAR, told_of_delay(), delay=DELAY).steer
         RUNS[key] = track(
-            make_plant(plant, start_on(path, speed), variant), steer, path, speed,
+            make_plant(plant, steady_turn(path, path.start, speed, CAR), variant), steer, path, speed,
             delay=DELAY if "delay" in variant else 0.0, fix_sigma=NOISE if variant == "noise" else 0.0,
         )  # fmt: skip
     return RUNS[key]
@@ -247,7 +235,7 @@ def test_recorded_drive(benchmark: Any, plant: str, bound: float, data_dir: File
     speed = squared_speed_limit(path, 14.0, 2.0, SpeedSettings())
 
     def run() -> TrackingRun:
-        car = make_plant(plant, start_on(path, math.sqrt(float(speed[1][0]))), "")
+        car = make_plant(plant, steady_turn(path, path.start, math.sqrt(float(speed[1][0])), CAR), "")
         return track(car, PreviewController(CAR).steer, path, speed, margin=30.0)
 
     driven = benchmark.pedantic(run, rounds=1)
@@ -315,7 +303,8 @@ def cost(values: Any, law: type[Any], names: list[str], robust: bool) -> float:
     for speed in (14.0, 25.0):
         for delay in (0.04, DELAY) if robust else (0.04,):
             steer = law(CAR, **dict(zip(names, np.power(10.0, values).tolist(), strict=True))).steer
-            run = track(SingleTrackPlant(CAR, start_on(path, speed)), steer, path, speed, delay=delay)
+            car = SingleTrackPlant(CAR, steady_turn(path, path.start, speed, CAR))
+            run = track(car, steer, path, speed, delay=delay)
             if delay == DELAY:
                 total += 0.0 if run.finished and np.abs(run.d[-50:]).max() < 0.1 else 10.0
             else:

@@ -18,8 +18,10 @@ from cca_core.follow import (
     single_track,
     steady_sideslip,
     steady_steering,
+    steady_turn,
     steady_yaw_rate,
 )
+from cca_core.path import interpolate_path
 from cca_core.vehicle import VehicleParams
 
 BMW = VehicleParams.bmw_320i()
@@ -141,6 +143,29 @@ def test_steady_formulas_broadcast() -> None:
     for f in (steady_steering, steady_sideslip, steady_yaw_rate):
         assert f(k, v, UNDERSTEER).shape == (2, 3)
         assert float(f(k, v, UNDERSTEER)[1, 2]) == pytest.approx(float(f(0.02, 10.0, UNDERSTEER)), rel=1e-14)
+
+
+@pytest.mark.parametrize("radius", [200.0, -400.0])
+def test_steady_turn_is_one(radius: float) -> None:
+    """In the path's frame nothing changes: the linear model is at rest there."""
+    angle = np.linspace(0.0, 1.0, 60)
+    circle = interpolate_path(np.column_stack((abs(radius) * np.sin(angle), radius * (1.0 - np.cos(angle)))))
+    state = steady_turn(circle, 80.0, 15.0, BMW)
+    beta, e_psi = state.v_y / state.v_x, state.psi - float(circle.heading(80.0))
+    model = single_track(BMW, 15.0, 0.0)
+    rates = model.A @ [beta, state.r, e_psi, 0.0] + model.B * state.delta + model.E / radius
+    assert np.abs(rates).max() < 1e-5
+    assert state.r * radius == pytest.approx(15.0, rel=1e-4)
+    assert (state.x, state.y) == tuple(circle.position(80.0))
+    assert state.delta * radius > 0.0
+
+
+def test_bad_steady_turn() -> None:
+    road = interpolate_path([[0.0, 0.0], [50.0, 0.0]])
+    with pytest.raises(InputError, match=r"^v_x must be at least 0"):
+        steady_turn(road, 10.0, -1.0, BMW)
+    with pytest.raises(InputError, match=r"^s must be finite"):
+        steady_turn(road, math.nan, 1.0, BMW)
 
 
 @pytest.mark.parametrize(

@@ -138,7 +138,7 @@ class TestMessages:
         assert len(phases) > 2
 
     def test_without_v2v_only_the_vehicle_in_front_within_sight(self, road: Callable[[str], Path]) -> None:
-        scenario = short(road("straight"), "2", 8.0, v2v=False)
+        scenario = dataclasses.replace(short(road("straight"), "2", 8.0, v2v=False), sensor_delay=0.0)
         planner = recorder(scenario)
         log = simulate(scenario, planner=planner)
         for k, (_, heard) in enumerate(planner.heard):
@@ -150,7 +150,9 @@ class TestMessages:
         assert planner.evasion.known_range == 0.0
 
     def test_sensor_range(self, road: Callable[[str], Path]) -> None:
-        scenario = dataclasses.replace(short(road("straight"), "2", 4.0, v2v=False), sensor_range=50.0)
+        scenario = dataclasses.replace(
+            short(road("straight"), "2", 4.0, v2v=False), sensor_range=50.0, sensor_delay=0.0
+        )
         planner = recorder(scenario)
         log = simulate(scenario, planner=planner)
         for k, (_, heard) in enumerate(planner.heard):
