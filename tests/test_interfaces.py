@@ -20,6 +20,7 @@ import cca_core
 from cca_core import (
     Band,
     InfeasibleError,
+    InputError,
     Lane,
     Path,
     Planner,
@@ -134,7 +135,7 @@ def test_nothing_prints_or_configures_logging() -> None:
 
 def drawn(value: Any) -> tuple[ElementTree.Element, list[np.ndarray]]:
     """SVG of something, and the points of its paths in pixels."""
-    root = ElementTree.fromstring(value._repr_svg_())
+    root = ElementTree.fromstring(value.to_svg())
     found = []
     for path in root.iter(f"{SVG}path"):
         numbers = re.findall(r"-?\d+(?:\.\d+)?", path.get("d", ""))
@@ -167,7 +168,7 @@ PICTURES = {
 
 @pytest.mark.parametrize("name", PICTURES)
 def test_a_picture_is_whole_and_small(name: str) -> None:
-    text = PICTURES[name]._repr_svg_()
+    text = PICTURES[name].to_svg()
     assert text is not None
     root, paths = drawn(PICTURES[name])
     assert len(text) < 50_000
@@ -217,3 +218,6 @@ def test_edges_are_drawn_where_they_are() -> None:
 def test_many_bands_have_no_picture() -> None:
     many = relax_band(np.stack([ROUTE.sample(5.0)] * 2), vehicle=CAR)
     assert many._repr_svg_() is None
+    with pytest.raises(InputError, match="many bands"):
+        many.to_svg()
+    assert many[0].to_svg() == many[0]._repr_svg_()

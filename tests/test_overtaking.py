@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core import Action, Lane, Planner, RemoteVehicle, Road, VehicleState
-from cca_core.evasion import EvasionSettings
+from cca_core.evasion_settings import EvasionSettings
 from tests.test_planner import ALL_KNOWN, CAR, START, Drive, Mover, car, state, straight
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"

@@ -23,7 +23,7 @@ from cca_core import (
     VehicleParams,
     VehicleState,
 )  # fmt: skip
-from cca_core.evasion import EvasionSettings
+from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import steady_sideslip
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import fit_path

@@ -8,7 +8,7 @@ import pytest
 import cca_core
 
 PUBLIC = """
-    Action Band CcaError Command Decision InfeasibleError InputError Lane LocalFrame
+    Action Band CcaError Command Decision EvasionSettings InfeasibleError InputError Lane LocalFrame
     MissingExtraError Path Planner PreviewController RemoteVehicle Road Status VehicleParams
     VehicleState choose_action danger_zone design_gains fit_path relax_band smooth_band
 """.split()

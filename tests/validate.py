@@ -1,7 +1,7 @@
 """Run every test file with the full number of random cases, then the study; write docs/validation.md.
 
-Resumable: files that passed at this commit are not run again, nor are runs of the study that have been driven
-with this source code. Called by `make validate`.
+Resumable: files that passed with this library code are not run again, nor are runs of the study that have
+been driven with it. Called by `make validate`.
 """
 
 import datetime
@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -42,19 +43,22 @@ def main() -> int:
     STATE.mkdir(exist_ok=True)
     memory = STATE / "passed.json"
     known = json.loads(memory.read_text()) if memory.exists() else {}
-    rows = known.get(commit, {})
+    rows = {}
     files = sorted(p for p in (ROOT / "tests").rglob("test_*.py") if "bench" not in p.parts)
+    library = digest(sorted((ROOT / "cca_core").rglob("*.py")))
     for i, file in enumerate(files, 1):
         name = file.relative_to(ROOT).as_posix()
-        if name not in rows:
+        code = f"{library} {digest([file, ROOT / 'tests' / 'conftest.py'])}"
+        if name not in known or known[name]["code"] != code:
             print(f"[{i}/{len(files)}] {name}", flush=True)
             result = run(name)
             if result["failed"]:
                 print(f"{name} failed", file=sys.stderr)
                 return 1
-            rows[name] = result
-            memory.write_text(json.dumps({commit: rows}, indent=1))
-            write(commit, rows, len(files))
+            known[name] = {**result, "code": code}
+            memory.write_text(json.dumps(known, indent=1))
+        rows[name] = known[name]
+        write(commit, rows, len(files))
     tables = [study(name) for name in STUDIED]
     write(commit, rows, len(files), told(tables))
     plot_study(tables, log=True).savefig(FIGURE, dpi=120)
@@ -64,7 +68,12 @@ def main() -> int:
     return 1 if failed else 0
 
 
-def run(name: str) -> dict[str, float]:
+def digest(files: Iterable[Path]) -> str:
+    """Tell the content of files."""
+    return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()[:12]
+
+
+def run(name: str) -> dict[str, int]:
     """Run one file with the full profile; count its tests."""
     report = STATE / "report.xml"
     begun = time.perf_counter()
@@ -85,13 +94,13 @@ def run(name: str) -> dict[str, float]:
 def study(name: str) -> StudyTable:
     """Drive what is left of the study of one scenario."""
     plan = Study(variation=Variation(scenario=name), seed=SEED, avoidable=AVOIDABLE)
-    digest = hashlib.sha256(plan.fingerprint.encode()).hexdigest()[:12]
+    name_of_file = f"study_{name}_{hashlib.sha256(plan.fingerprint.encode()).hexdigest()[:12]}.jsonl"
     with tqdm(total=AVOIDABLE, desc=name, unit="avoidable run") as bar:
 
         def progress(done: int, wanted: int) -> None:
             bar.update(done - bar.n)
 
-        table = run_study(plan, STATE / f"study_{name}_{digest}.jsonl", progress=progress)
+        table = run_study(plan, STATE / name_of_file, progress=progress)
     table.write_csv(STATE / f"study_{name}.csv")
     return table
 
@@ -146,7 +155,7 @@ def why(row: dict[str, Any]) -> str:
     return f"told at {row['t_hazard']:.2f} s: too late to brake or to swerve"
 
 
-def write(commit: str, rows: dict[str, dict[str, float]], files: int, more: list[str] | None = None) -> None:
+def write(commit: str, rows: dict[str, dict[str, Any]], files: int, more: list[str] | None = None) -> None:
     """Write the page."""
     today = datetime.datetime.now(tz=datetime.UTC).date()
     total = sum(row["tests"] for row in rows.values())

@@ -91,8 +91,23 @@ class Band:
             f"curvature {self.curvature:.4f} 1/m)"
         )
 
+    def to_svg(self) -> str:
+        """Draw a single band to scale, with route, edges and obstacles, as Jupyter shows it.
+
+        Returns
+        -------
+        svg : str
+            One ``svg`` element that needs nothing else.
+
+        Raises
+        ------
+        InputError
+            If these are many bands.
+        """
+        return drawing(_marks(self._single()), repr(self))
+
     def _repr_svg_(self) -> str | None:
-        return drawing(_marks(self), repr(self)) if self.nodes.ndim == 2 else None
+        return self.to_svg() if self.nodes.ndim == 2 else None
 
     def __len__(self) -> int:
         return len(self.nodes)

@@ -66,9 +66,18 @@ class Path:
     def __repr__(self) -> str:
         return f"Path({len(self._coefficients)} segments, {self.length:.1f} m)"
 
-    def _repr_svg_(self) -> str:
+    def to_svg(self) -> str:
+        """Draw it to scale, as Jupyter shows it.
+
+        Returns
+        -------
+        svg : str
+            One ``svg`` element that needs nothing else.
+        """
         xy = self.position(np.linspace(self.start, self.end, SAMPLES + 1))
         return drawing([Mark(xy=xy, colour=EGO, kind=kind) for kind in ("line", "arrow")], repr(self))
+
+    _repr_svg_ = to_svg
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Path._trusted, (self._breaks, self._coefficients)

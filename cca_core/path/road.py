@@ -95,7 +95,14 @@ class Road:
     def __repr__(self) -> str:
         return f"Road({self.path!r}, {len(self.lanes)} lanes, {self.speed_limit:g} m/s)"
 
-    def _repr_svg_(self) -> str:
+    def to_svg(self) -> str:
+        """Draw its lanes to scale, as Jupyter shows them.
+
+        Returns
+        -------
+        svg : str
+            One ``svg`` element that needs nothing else.
+        """
         s = np.linspace(self.path.start, self.path.end, SAMPLES + 1)
         own = self.path.position(s)
         marks, borders = [], set()
@@ -108,6 +115,8 @@ class Road:
         marks += [Mark(xy=line, colour=EDGE, width=0.8) for line in lines]
         marks += [Mark(xy=own, colour=EGO, kind=kind) for kind in ("dashes", "arrow")]
         return drawing(marks, repr(self))
+
+    _repr_svg_ = to_svg
 
     @property
     def right_edge(self) -> float:

@@ -10,7 +10,7 @@ from scipy.linalg import solve_banded
 
 from cca_core import Lane, Path, Planner, PreviewController, RemoteVehicle, Road, VehicleParams, VehicleState
 from cca_core.band import relax_band
-from cca_core.evasion import EvasionSettings
+from cca_core.evasion_settings import EvasionSettings
 from cca_core.geometry import boxes
 from cca_core.path import fit_path
 from cca_core.sim import maneuver, simulate
