@@ -25,6 +25,8 @@ def check_real(
 ) -> float:
     """Return `value` as float if it is a real number with above < value and least <= value <= most."""
     try:
+        if isinstance(value, (str, bytes)):  # float() would read them, and their owner keep the text
+            raise TypeError
         number = float(value)  # type: ignore[arg-type]  # anything may come from outside
     except (TypeError, ValueError):
         raise InputError(f"{name} must be a real number, was {value!r}") from None

@@ -9,7 +9,7 @@ import numpy as np
 
 from cca_core._checks import Array
 
-EGO, OTHER, ROUTE, EDGE = "#0072B2", "#D55E00", "#777777", "#333333"
+EGO, OTHER, ROUTE, EDGE, FAILED = "#0072B2", "#D55E00", "#777777", "#333333", "#CC79A7"
 SAMPLES = 400
 """Intervals into which a curve is divided to be drawn."""
 

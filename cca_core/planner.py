@@ -174,8 +174,11 @@ class Planner:
         path = self.road.path
         near = self._s if self._s is not None else float(path.project((state.x, state.y))[0])
         s, d, heading, _ = path.foot_point(state.x, state.y, near)
-        if not abs(d) < _OFF_ROUTE or math.cos(state.psi - heading) < 0.0:
+        if not abs(d) < _OFF_ROUTE:
             return self._give_up(f"the ego is not on its route (d = {d:.1f} m)")
+        if math.cos(state.psi - heading) < 0.0:
+            headings = f"{state.psi:.2f} instead of {heading:.2f} rad"
+            return self._give_up(f"the ego heads against its route ({headings})")
         self._s = s
         neighbours, dropped = locate(remotes, path, self._places, self._matters)
         blockers = self._blockers(neighbours, s)

@@ -211,7 +211,7 @@ def locate(
     """
     usable: dict[str, RemoteVehicle] = {}
     dropped = []
-    records: Iterable[object] = remotes if hasattr(remotes, "__iter__") else ()
+    records: Iterable[object] = remotes if hasattr(remotes, "__iter__") else (remotes,)
     for remote in records:
         if not isinstance(remote, RemoteVehicle):
             dropped.append((str(remote)[:20], "not a RemoteVehicle"))

@@ -19,6 +19,7 @@ FASTEST = 100.0
 
 _WILDEST = 100.0  # acceleration [m/s^2], yaw rate [rad/s]
 _OLDEST = 3600.0  # [s]
+_LEAST = {"m": 100.0, "I_z": 10.0, "C_f": 1e3, "C_r": 1e3}  # less is in tonnes or kilonewtons
 
 __all__ = ["FARTHEST", "FASTEST", "RemoteVehicle", "VehicleParams", "VehicleState"]
 
@@ -78,7 +79,7 @@ class VehicleParams:
             elif field.name == "steering_lag":
                 check_real("steering_lag", value, least=0.0)
             else:
-                check_real(field.name, value, above=0.0)
+                check_real(field.name, value, above=0.0, least=_LEAST.get(field.name, 0.0))
 
     @property
     def wheelbase(self) -> float:
@@ -242,10 +243,11 @@ class RemoteVehicle:
         if not (_FLOATS.issuperset(map(type, values)) and all(map(math.isfinite, values))):
             for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
                 if not isinstance(value, Real) or not abs(value) < float("inf"):  # type: ignore[operator]  # int, float
-                    return f"{name} is not a finite number ({str(value)[:20]})"
+                    return f"{name} is not a finite number ({type(value).__name__} {str(value)[:20]})"
         labels: tuple[object, object] = (self.id, self.events)
         if not (isinstance(labels[0], str) and isinstance(labels[1], frozenset)):
-            return "id is not a string or events is not a frozenset"
+            was = [type(label).__name__ for label in labels]
+            return f"id is not a string or events is not a frozenset (id is {was[0]}, events is {was[1]})"
         if max(abs(self.x), abs(self.y)) > FARTHEST:
             return f"position is farther than {FARTHEST / 1e3:.0f} km from the origin"
         if max(abs(self.a_x), abs(self.r)) > _WILDEST:

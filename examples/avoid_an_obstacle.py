@@ -3,8 +3,17 @@
 import sys
 from pathlib import Path
 
-from cca_core import Lane, LocalFrame, Planner, RemoteVehicle, Road, VehicleParams, VehicleState, fit_path
-from cca_core.evasion import EvasionSettings
+from cca_core import (
+    EvasionSettings,
+    Lane,
+    LocalFrame,
+    Planner,
+    RemoteVehicle,
+    Road,
+    VehicleParams,
+    VehicleState,
+    fit_path,
+)
 from cca_core.path import read_waypoints
 from cca_core.sim import SingleTrackPlant
 from cca_core.sim.route import demo_route
@@ -15,7 +24,8 @@ path = fit_path(frame.to_local(route.lat, route.lon), tolerance=0.5)
 road = Road(path, [Lane(d=0.0), Lane(d=3.5)], speed_limit=25.0)  # a second lane to the left
 
 x, y = path.to_cartesian(160.0, -0.4)  # where it stands: 160 m down the road, a little right of the middle
-obstacle = RemoteVehicle(id="broken down", x=x, y=y, psi=path.heading(160.0), v_x=0.0, length=6.0, width=2.0)
+psi = float(path.heading(160.0))
+obstacle = RemoteVehicle(id="broken down", x=x, y=y, psi=psi, v_x=0.0, length=6.0, width=2.0)
 
 car = VehicleParams.bmw_320i()
 x, y = path.position(20.0)

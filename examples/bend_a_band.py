@@ -15,7 +15,7 @@ for clearance in (0.5, 1.0, 1.5):
     swerve, radius = np.abs(band.displacement).max(), 1.0 / band.curvature
     print(f"{band.clearance:7.2f} m {swerve:6.2f} m {radius:15.0f} m   {band.status.name}")
 
-narrow = (-1.0, 1.0)  # the car's centre may not leave this corridor [m]
+narrow = (-1.0, 1.0)  # the car's body may not leave this corridor [m]
 band = relax_band(route, [parked], side="left", vehicle=car, clearance=1.0, corridor=narrow)
 print(f"within 1 m of the route: {band.status.name}, {band.clearance:.2f} m clearance ({band.message})")
 try:

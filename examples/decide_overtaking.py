@@ -2,8 +2,16 @@
 
 import math
 
-from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleParams, VehicleState, fit_path
-from cca_core.evasion import EvasionSettings
+from cca_core import (
+    EvasionSettings,
+    Lane,
+    Planner,
+    RemoteVehicle,
+    Road,
+    VehicleParams,
+    VehicleState,
+    fit_path,
+)
 
 path = fit_path([(10.0 * i, 0.0) for i in range(201)])  # 2 km straight
 road = Road(path, [Lane(d=0.0), Lane(d=3.5, direction=-1)], speed_limit=25.0)

@@ -207,6 +207,15 @@ def test_left_is_up_when_driving_to_the_right() -> None:
     assert route[-1, 0] > route[0, 0]
 
 
+def test_a_band_that_must_not_be_driven_looks_so() -> None:
+    failed, driven = bent(curvature_limit=1e-4), bent()
+    assert not failed.ok
+    text = failed.to_svg()
+    assert f"<title>INFEASIBLE: {failed.message}</title>" in text
+    assert "#0072B2" in driven.to_svg()
+    assert "#0072B2" not in text
+
+
 def test_edges_are_drawn_where_they_are() -> None:
     _, paths = drawn(bent(corridor=(-1.75, 5.25)))
     route, right, left = paths[:3]

@@ -43,6 +43,15 @@ def test_many_at_once_as_one_by_one(warm: bool) -> None:
         assert own[remote.id] == pytest.approx(places[remote.id], abs=1e-6)
 
 
+def test_one_vehicle_instead_of_a_list_is_not_lost_in_silence() -> None:
+    (at,) = PATH.to_cartesian([100.0], [0.0])
+    van = RemoteVehicle(id="van", x=float(at[0]), y=float(at[1]), psi=float(PATH.heading(100.0)), v_x=10.0)
+    (neighbour,), dropped = locate(van, PATH, {})  # type: ignore[arg-type]
+    assert (neighbour.remote, dropped) == (van, ())
+    assert locate(7, PATH, {}) == ([], (("7", "not a RemoteVehicle"),))  # type: ignore[arg-type]
+    assert locate(None, PATH, {}) == ([], (("None", "not a RemoteVehicle"),))  # type: ignore[arg-type]
+
+
 def test_what_keeps_its_side_far_off_is_left_out() -> None:
     """Who crosses, or reaches near by size, angle or bounds, is not."""
     at, psi = PATH.to_cartesian(100.0, 20.0), float(PATH.heading(100.0))

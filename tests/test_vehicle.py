@@ -17,7 +17,7 @@ STATE_FIELDS = [field.name for field in dataclasses.fields(VehicleState)]
 
 
 @pytest.mark.parametrize("name", ALL_FIELDS)
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "", [1.0]])
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "", "2100", [1.0]])
 def test_params_refuse_what_is_not_a_finite_number(name: str, value: object) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be"):
         dataclasses.replace(BMW, **{name: value})
@@ -36,8 +36,10 @@ def test_zero_wheelbase_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("box_offset", 5.1), ("box_offset", -5.1), ("steering_lag", -0.1)]
-)
+    ("name", "value"),
+    [("box_offset", 5.1), ("box_offset", -5.1), ("steering_lag", -0.1),
+     ("m", 2.1), ("I_z", 3.9), ("C_f", 110.0), ("C_r", 130.0)],  # in tonnes, kilonewtons
+)  # fmt: skip
 def test_params_refuse_out_of_range(name: str, value: float) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be at"):
         dataclasses.replace(BMW, **{name: value})

@@ -7,14 +7,14 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 
-from cca_core._checks import Array, Complex, Index, Mask
-from cca_core._svg import EDGE, EGO, OTHER, ROUTE, Mark, drawing
+from cca_core._checks import Array, Index, Mask
+from cca_core._svg import drawing
 from cca_core.band.certificate import Certificate
 from cca_core.band.corridor import Side
 from cca_core.band.energy import kkt_residual
+from cca_core.band.picture import marks_of
 from cca_core.band.task import Task
 from cca_core.errors import InfeasibleError, InputError, Status
-from cca_core.geometry import boxes
 from cca_core.path import Path
 from cca_core.path.interpolate import cubics_along
 
@@ -104,7 +104,8 @@ class Band:
         InputError
             If these are many bands.
         """
-        return drawing(_marks(self._single()), repr(self))
+        band = self._single()
+        return drawing(marks_of(band), repr(band) if band.ok else f"{band.status.name}: {band.message}")
 
     def _repr_svg_(self) -> str | None:
         return self.to_svg() if self.nodes.ndim == 2 else None
@@ -279,30 +280,3 @@ def judged(
     for name, column in zip(("status", "message", "binding"), zip(*outcomes, strict=True), strict=True):
         shaped[name] = np.array(column, dtype=object).reshape(leading) if leading else column[0]
     return Band(task=task, **shaped)
-
-
-def _marks(band: Band) -> list[Mark]:
-    """Route, edges and obstacles, each as the ego comes nearest to it, and the band as wide as the ego."""
-    task, nodes = band.task, band.nodes.view(np.complex128)[:, 0]
-    route, left, corridor = task.base[0], 1j * task.tangents[0], task.corridor
-    half = 0.5 * task.vehicle.width
-    marks = [Mark(xy=_points(route), colour=ROUTE, kind="dashes", width=1.0)]
-    if corridor.edged:
-        edges = route + left * (corridor.lower[0] - half), route + left * (corridor.upper[0] + half)
-        marks += [Mark(xy=_points(edge), colour=EDGE) for edge in edges]
-    for i, centre in enumerate(corridor.centre[:, 0]):
-        k = int(np.abs(centre - nodes).argmin())
-        size = 2.0 * corridor.half_length[i, 0, k], 2.0 * corridor.half_width[i, 0, k]
-        box = boxes(centre[k].real, centre[k].imag, np.angle(corridor.ahead[i, 0, k]), *size)
-        marks.append(Mark(xy=box.corners(), colour=OTHER, kind="area"))
-    return [
-        *marks,
-        Mark(xy=band.nodes, colour=EGO, kind="swath", width=2.0 * half),
-        Mark(xy=band.nodes, colour=EGO, kind="dots"),
-        Mark(xy=band.nodes, colour=EGO, kind="arrow"),
-    ]
-
-
-def _points(z: Complex) -> Array:
-    """Points x + iy as rows, shape (n, 2)."""
-    return np.stack((z.real, z.imag), axis=-1)

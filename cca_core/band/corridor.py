@@ -169,7 +169,9 @@ def _stacked(obstacles: Sequence[Boxes], shape: tuple[int, ...]) -> Array:
     """Position, heading and half extents of all obstacles, shape (5, m, bands, n)."""
     given: object = obstacles
     if not isinstance(given, (list, tuple)) or not all(isinstance(o, Boxes) for o in given):
-        raise InputError("obstacles must be a list of Boxes")
+        raise InputError(
+            f"obstacles must be a list of Boxes, as made by cca_core.geometry.boxes, was {str(given)[:60]}"
+        )
     fields = np.empty((5, len(obstacles), *shape))
     x, y, psi, length, width = fields
     for i, o in enumerate(obstacles):
@@ -231,4 +233,6 @@ def _edges(edges: tuple[ArrayLike, ArrayLike] | None, shape: tuple[int, ...]) ->
             ) from None
         if np.isnan(full[-1]).any():
             raise InputError("corridor must not be NaN")
+    if (full[0] > full[1]).any():
+        raise InputError("corridor must be the right edge and then the left one: left is positive")
     return full[0].reshape(-1, shape[-1]), full[1].reshape(-1, shape[-1])

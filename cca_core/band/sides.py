@@ -45,7 +45,9 @@ def given_sides(side: object, task: Task) -> Mask:
         in_the_way, natural = task.corridor.natural_sides()
         return np.where(in_the_way, side == "left", natural)
     if not isinstance(side, (list, tuple)) or len(side) != m or not set(side) <= {"left", "right"}:
-        raise InputError(f"side must be 'left', 'right' or {m} of them, one an obstacle, was {side!r}")
+        raise InputError(
+            f"side must be 'left', 'right' or a list of {m}, one for each obstacle, was {side!r}"
+        )
     return np.repeat(np.array([each == "left" for each in side], dtype=np.bool_)[:, None], bands, axis=1)
 
 

@@ -161,11 +161,12 @@ def task_of(
     try:
         given = np.array(nodes, dtype=np.float64, order="C")
     except (TypeError, ValueError):
-        raise InputError("nodes must be an array of real numbers") from None
+        raise InputError(f"nodes must be an array of real numbers, was {type(nodes).__name__}") from None
     if given.ndim < 2 or given.shape[-1] != 2 or given.shape[-2] < 5 or not given.size:
         raise InputError(f"nodes must have shape (..., n, 2) with at least 5 nodes, had {given.shape}")
     if not np.isfinite(given).all():
-        raise InputError("nodes must be finite")
+        where = np.argwhere(~np.isfinite(given))[0]
+        raise InputError(f"nodes must be finite, was {given[tuple(where)]} at {where.tolist()}")
     if not isinstance(stiffness, BandStiffness):
         raise InputError(f"stiffness must be BandStiffness, was {type(stiffness).__name__}")
     if not isinstance(vehicle, VehicleParams):
@@ -185,7 +186,10 @@ def task_of(
     tangents, steps = tangents_of(base)
     h = np.add.reduce(steps, axis=1) / (n - 1)
     if (steps.min(axis=1) <= 0.8 * h).any() or (h <= 0.8 * steps.max(axis=1)).any():
-        raise InputError("nodes must be equally spaced along the route")
+        raise InputError(
+            f"nodes must be equally spaced along the route, as those of Path.sample are; "
+            f"neighbours are {steps.min():.3g} to {steps.max():.3g} m apart"
+        )
     bent = np.array([(_end(*b[:4].tolist()), -_end(*b[:-5:-1].tolist())) for b in base])
     return Task(
         base=base, tangents=tangents, h=h, ends=1j * bent * tangents[:, [0, -1]] / 6.0,

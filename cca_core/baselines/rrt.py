@@ -69,8 +69,8 @@ class Rrt:
     ----------
     .. [1] I. A. Sucan, M. Moll, L. E. Kavraki, *The Open Motion Planning Library*, IEEE Robotics and
        Automation Magazine 19(4), 2012.
-    .. [2] L. E. Dubins, *On curves of minimal length with a constraint on average curvature*, American
-       Journal of Mathematics 79(3), 1957.
+    .. [2] L. E. Dubins, *On curves of minimal length with a constraint on average curvature, and with
+       prescribed initial and terminal positions and tangents*, American Journal of Mathematics 79(3), 1957.
     """
 
     variant: Variant = "rrt_star"

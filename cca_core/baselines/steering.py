@@ -113,7 +113,8 @@ class Stanley:
     References
     ----------
     .. [1] G. M. Hoffmann, C. J. Tomlin, M. Montemerlo, S. Thrun, *Autonomous Automobile Trajectory Tracking
-       for Off-Road Driving*, American Control Conference, 2007.
+       for Off-Road Driving: Controller Design, Experimental Validation and Racing*, American Control
+       Conference, 2007.
     """
 
     name = "Stanley"

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cca_core._checks import Array, Mask, check_real
+from cca_core._checks import Array, Mask, check_array, check_real
 from cca_core.errors import InfeasibleError, InputError
 from cca_core.follow.margins import steering_loop
 from cca_core.follow.schedule import PreviewGains
@@ -16,6 +16,7 @@ __all__ = ["GainRegion", "StabilityRegion", "design_gains", "gain_region"]
 SPEEDS = (2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0)
 """Default grid of a schedule [m/s]."""
 
+_FACTOR = 10.0  # a mass is not more times the vehicle's: kilogrammes are no factor
 _GRID = 40  # gains tried in each direction
 
 
@@ -54,10 +55,13 @@ class StabilityRegion:
         check_real("damping", self.damping, least=0.0, most=1.0)
         check_real("delay", self.delay, least=0.0)
         for name in ("mass", "friction"):
-            pair = getattr(self, name)
-            if len(pair) != 2 or not 0.0 < pair[0] <= pair[1]:
-                raise InputError(f"{name} must be a pair of factors (least, most), was {pair!r}")
-            object.__setattr__(self, name, tuple(pair))
+            pair: object = getattr(self, name)
+            numbers = [check_real(name, each) for each in pair] if isinstance(pair, (tuple, list)) else []
+            if len(numbers) != 2 or not 0.0 < numbers[0] <= numbers[1] <= _FACTOR:
+                raise InputError(
+                    f"{name} must be a pair of factors (least, most), at most {_FACTOR:g}, was {pair!r}"
+                )
+            object.__setattr__(self, name, tuple(numbers))
 
     def vehicles(self, vehicle: VehicleParams) -> list[VehicleParams]:
         """Corners of the box of cars.
@@ -156,22 +160,30 @@ def design_gains(
     gains and the decay that can be reached, or from more damping, delay or a wider box of cars in `region`. A
     steering without lag is designed for as if its lag were 1 ms.
     """
+    if not isinstance(vehicle, VehicleParams):
+        raise InputError(f"vehicle must be VehicleParams, was {type(vehicle).__name__}")
+    grid = check_array("speeds", speeds, (None,))
+    if not len(grid):
+        raise InputError("speeds must not be empty")
     region = region or StabilityRegion()
     preview_time = check_real("preview_time", preview_time, above=0.0)
     least_preview = check_real("least_preview", least_preview, least=0.0)
     chosen = []
-    for v_x in speeds:
+    for v_x in grid.tolist():
         l_s = max(preview_time * check_real("speeds", v_x, above=0.0), least_preview)
         found = gain_region(vehicle, v_x, l_s, region)
         if found.chosen is None:
             raise InfeasibleError(
                 f"no gains at {v_x:g} m/s with a preview of {l_s:g} m keep decay {region.decay:g} 1/s "
-                f"and damping {region.damping:g}; best damping {found.damping.max():.2f}",
+                f"and damping {region.damping:g} at once (alone they reach {found.decay.max():.2f} and "
+                f"{found.damping.max():.2f}) for {region.mass[0]:g} to {region.mass[1]:g} times the mass, "
+                f"{region.friction[0]:g} to {region.friction[1]:g} times the friction and a delay of "
+                f"{region.delay:g} s; ask for less in region",
                 found,
             )
         chosen.append((*found.chosen, l_s))
     k_p, k_d, l_s_column = zip(*chosen, strict=True)
-    return PreviewGains(speeds=tuple(speeds), k_p=k_p, k_d=k_d, l_s=l_s_column)
+    return PreviewGains(speeds=tuple(grid.tolist()), k_p=k_p, k_d=k_d, l_s=l_s_column)
 
 
 def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: StabilityRegion) -> GainRegion:

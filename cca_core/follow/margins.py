@@ -25,14 +25,14 @@ class Margins:
     v_x : float
         Speed [m/s].
     gain : float
-        Factor on the steering gain up to which the loop is stable [-].
+        Factor on the steering gain up to which the loop is stable [-]; 0 if it is not.
     phase : float
-        Phase margin [rad].
+        Phase margin [rad]; negative if the loop is not stable.
     delay : float
-        Further dead time up to which the loop is stable [s].
+        Further dead time up to which the loop is stable [s]; negative if it is not.
     disk : float
         Symmetric disk margin alpha [-], 0 to 2: gain and phase may vary together by
-        (2 - alpha)/(2 + alpha) to (2 + alpha)/(2 - alpha) and +-2 atan(alpha/2).
+        (2 - alpha)/(2 + alpha) to (2 + alpha)/(2 - alpha) and +-2 atan(alpha/2); 0 if it is not stable.
     crossover : float
         Frequency at which the phase margin is taken [rad/s].
     """
@@ -99,6 +99,8 @@ def stability_margins(
         part = (angle[i] + math.pi) / (angle[i] - angle[i + 1])
         gain = min(gain, 1.0 / float(size[i] + part * (size[i + 1] - size[i])))
     disk = 2.0 / float(np.max(np.abs((1.0 - response) / (1.0 + response))))
+    if dead_time < 0.0:
+        gain = disk = 0.0
     return Margins(v_x=v_x, gain=gain, phase=phase, delay=dead_time, disk=disk, crossover=crossover)
 
 

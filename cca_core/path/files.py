@@ -72,9 +72,10 @@ def read_waypoints(file: str | FilePath) -> Waypoints:
         bad = ~(np.abs(table[:, column]) <= most)
         if bad.any():
             row = int(np.argmax(bad))
+            hint = "; are latitude and longitude mixed up?" if most < abs(table[row, column]) <= 180.0 else ""
             raise InputError(
                 f"{name} must be within +-{most:g} deg, was {table[row, column]:g} "
-                f"in point {row} of {file.name!r}"
+                f"in point {row} of {file.name!r}{hint}"
             )
     keep = np.concatenate(([True], (np.diff(table, axis=0) != 0.0).any(axis=1)))
     if keep.sum() < 2:
@@ -102,7 +103,11 @@ def _read_csv(file: FilePath) -> list[tuple[float, float]]:
         lat = next((i for i, cell in enumerate(header) if cell in _LATITUDE), None)
         lon = next((i for i, cell in enumerate(header) if cell in _LONGITUDE), None)
         if lat is None or lon is None:
-            raise InputError(f"file {file.name!r} must have a header with a latitude and a longitude column")
+            raise InputError(
+                f"file {file.name!r} must have a header with a latitude and a longitude column "
+                f"({', '.join(_LATITUDE)}; {', '.join(_LONGITUDE)}) and commas between columns, "
+                f"had {','.join(header)[:80]!r}"
+            )
         pairs = []
         for row in rows:
             if not row:

@@ -117,7 +117,7 @@ def fit_path(
     chords = np.hypot(*np.diff(points, axis=0).T)
     if (chords <= 0.0).any():
         i = int(np.argmin(chords))
-        raise InputError(f"xy must not repeat a point, row {i} equals the next; drop duplicates first")
+        raise InputError(f"xy must not repeat a point, row {i} equals the next; clean_route drops it")
     fit = _Fit(points, chords, max(tolerance, 1e-9), closed)
     return fit.within(limit, int(per_segment) if segmentation == "equal" else None)
 

@@ -271,7 +271,7 @@ class Path:
             if start.shape not in ((), shape):
                 raise InputError(f"near must have shape () or {shape}, had {start.shape}")
             s, d = self._cubics.foot_points(points, np.broadcast_to(start, shape).reshape(-1))
-        return s.reshape(shape), d.reshape(shape)
+        return s.reshape(shape)[()], d.reshape(shape)[()]  # one position: scalars, no arrays without axes
 
     def foot_point(self, x: float, y: float, near: float) -> tuple[float, float, float, float]:
         """Project one position, in plain floats: the control loop's warm-started `project`.

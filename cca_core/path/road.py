@@ -1,6 +1,6 @@
 """Lanes along a path."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,9 +81,10 @@ class Road:
         if not isinstance(path, Path):
             raise InputError(f"path must be a Path, was {type(path).__name__}")
         self.path = path
-        lanes = (Lane(d=0.0),) if lanes is None else tuple(lanes)
+        given: object = (Lane(d=0.0),) if lanes is None else lanes
+        lanes = tuple(given) if isinstance(given, Iterable) else ()
         if not lanes or not all(isinstance(lane, Lane) for lane in lanes):
-            raise InputError(f"lanes must be a sequence of Lane, was {lanes!r}")
+            raise InputError(f"lanes must be a sequence of Lane, was {given!r}")
         self.lanes = tuple(sorted(lanes, key=lambda lane: lane.d))
         self.speed_limit = check_real("speed_limit", speed_limit, above=0.0)
         self.stop_lines = tuple(check_real("stop_lines", line) for line in stop_lines)

@@ -86,6 +86,16 @@ def iso3888_1(width: float, *, offset: Offset = "centre to centre") -> DoubleLan
     ------
     InputError
         If `width` is not positive or `offset` is unknown.
+
+    Notes
+    -----
+    The standard [1]_ was not at hand: the dimensions are those of public programs, which read the lane offset
+    differently. The tail, the last 15 m, is unconfirmed.
+
+    References
+    ----------
+    .. [1] ISO 3888-1, *Passenger cars - Test track for a severe lane-change manoeuvre - Part 1: Double
+       lane-change*.
     """
     a, b, c = (k * check_real("width", width, above=0.0) + 0.25 for k in (1.1, 1.2, 1.3))
     right = {
@@ -115,6 +125,17 @@ def iso3888_2(width: float) -> DoubleLaneChange:
     ------
     InputError
         If `width` is not positive.
+
+    Notes
+    -----
+    The standard [1]_ was not at hand but for its total length; the other dimensions are those of public
+    programs. They disagree on the width of the third gate: that 3 m is its least width is unconfirmed, and
+    so is where the throttle is released.
+
+    References
+    ----------
+    .. [1] ISO 3888-2, *Passenger cars - Test track for a severe lane-change manoeuvre - Part 2: Obstacle
+       avoidance*.
     """
     width = check_real("width", width, above=0.0)
     a, c = 1.1 * width + 0.25, max(1.3 * width + 0.25, 3.0)

@@ -88,6 +88,14 @@ class Log:
     wall_s: float
     missed: int = 0
 
+    def __repr__(self) -> str:
+        scenario = self.scenario
+        contact = next((f", contact with {who}" for _, what, who in self.events if what == "contact"), "")
+        return (
+            f"Log({' '.join(filter(None, (scenario.name, scenario.case)))}, {scenario.ego}, {self.plant}, "
+            f"seed {self.seed}, {self.t[-1]:.2f} s{contact})"
+        )
+
     def gaps(self) -> Array:
         """Signed distance between the ego's box and each other's.
 

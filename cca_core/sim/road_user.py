@@ -63,7 +63,8 @@ class Follows:
 
     References
     ----------
-    .. [1] M. Green, *How long does it take to stop?*, Transportation Human Factors 2 (2000).
+    .. [1] M. Green, *How long does it take to stop? Methodological analysis of driver perception-brake
+       times*, Transportation Human Factors 2(3), 2000.
     """
 
     leader: str

@@ -211,5 +211,5 @@ def test_six_obstacles(route: np.ndarray) -> None:
 )
 def test_bad_side(side: object) -> None:
     obstacles = [boxes(x, 0.0, 0.0, 4.5, 1.8) for x in (50.0, 100.0)]
-    with pytest.raises(InputError, match=r"^side must be 'left', 'right' or 2 of them, one an obstacle, was"):
+    with pytest.raises(InputError, match=r"^side must be 'left', 'right' or a list of 2, one for each"):
         relax(scene(straight(), obstacles), side=side)

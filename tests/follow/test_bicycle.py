@@ -255,7 +255,7 @@ def test_bad_gains(changes: dict, words: str) -> None:
 
 
 def test_replacing_a_preset_keeps_the_others() -> None:
-    assert dataclasses.replace(UNDERSTEER, m=1.0).C_f == UNDERSTEER.C_f
+    assert dataclasses.replace(UNDERSTEER, m=1000.0).C_f == UNDERSTEER.C_f
 
 
 # --- discrete and kinematic; an independent single track -------------------------------------------------

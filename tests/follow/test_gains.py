@@ -155,6 +155,16 @@ def test_the_schedules_have_margins_worth_the_name() -> None:
             assert margins.delay > 0.1
 
 
+def test_an_unstable_loop_has_no_margin() -> None:
+    """Not even an infinite one: with much dead time the phase has passed -180 degrees before it is seen."""
+    for delay in (0.5, 1.0, 2.0):
+        margins = stability_margins(BMW, shipped_gains(BMW), 20.0, delay=delay)
+        assert growth(BMW, shipped_gains(BMW), 20.0, delay, 1.0) > 0.0
+        assert margins.delay < 0.0
+        assert margins.phase < 0.0
+        assert (margins.gain, margins.disk) == (0.0, 0.0)
+
+
 def test_more_delay_costs_margin() -> None:
     gains = shipped_gains(BMW)
     quick, slow = (stability_margins(BMW, gains, 25.0, delay=d) for d in (0.0, 0.1))
@@ -210,6 +220,9 @@ def test_told_of_a_delay_the_gains_are_smaller() -> None:
         ({"mass": (1.2, 1.0)}, "^mass must be a pair of factors"),
         ({"friction": (0.0, 1.0)}, "^friction must be a pair of factors"),
         ({"friction": (1.0,)}, "^friction must be a pair of factors"),
+        ({"mass": 1.2}, "^mass must be a pair of factors"),
+        ({"mass": (1800.0, 2500.0)}, "^mass must be a pair of factors .* at most 10"),
+        ({"mass": (1.0, "heavy")}, "^mass must be a real number"),
     ],
 )
 def test_bad_regions(changes: dict[str, Any], words: str) -> None:
@@ -220,11 +233,17 @@ def test_bad_regions(changes: dict[str, Any], words: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [({"speeds": [0.0]}, "^speeds must"), ({"preview_time": 0.0}, "^preview_time must"),
-     ({"least_preview": -1.0}, "^least_preview must")],
+     ({"least_preview": -1.0}, "^least_preview must"), ({"speeds": 20.0}, "^speeds must have shape"),
+     ({"speeds": []}, "^speeds must not be empty"), ({"speeds": BMW}, "^speeds must")],
 )  # fmt: skip
 def test_bad_design_input(arguments: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
         design_gains(BMW, **{"speeds": [10.0], **arguments})
+
+
+def test_arguments_in_the_wrong_order() -> None:
+    with pytest.raises(InputError, match=r"^vehicle must be VehicleParams, was list"):
+        design_gains([10.0], BMW)  # type: ignore[arg-type]
 
 
 def test_bad_margin_input() -> None:

@@ -259,6 +259,7 @@ def test_bare_road_is_one_lane() -> None:
         ({"lanes": [Lane(d=3.5)]}, r"^lanes must"),
         ({"lanes": [Lane(d=0.0, direction=-1)]}, r"^lanes must"),
         ({"lanes": ["left"]}, r"^lanes must"),
+        ({"lanes": Lane(d=0.0)}, r"^lanes must be a sequence of Lane, was Lane"),
         ({"speed_limit": 0.0}, r"^speed_limit must be greater than 0"),
         ({"speed_limit": -5.0}, r"^speed_limit must"),
         ({"speed_limit": math.nan}, r"^speed_limit must"),

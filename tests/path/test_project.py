@@ -8,7 +8,8 @@ import pytest
 from scipy.optimize import brentq
 
 from cca_core.errors import InputError
-from cca_core.path import Path, fit_path
+from cca_core.path import Path, fit_path, interpolate_path
+from cca_core.vehicle import RemoteVehicle
 
 
 def hairpin() -> Path:
@@ -124,3 +125,11 @@ def test_cutting_at_borders_divides_nothing() -> None:
 def test_bad_cuts(start: float, end: float) -> None:
     with pytest.raises(InputError, match=r"^(start|end) must"):
         hairpin().cut(start, end)
+
+
+def test_one_position_gives_numbers() -> None:
+    """Not arrays without axes, which no record takes for numbers."""
+    path = interpolate_path([[0.0, 0.0], [10.0, 0.0], [20.0, 1.0]])
+    s, d = path.project((5.0, 1.0))
+    assert (isinstance(s, float), isinstance(d, float)) == (True, True)
+    assert RemoteVehicle(id="A", x=s, y=d, psi=0.0, v_x=1.0).defect is None

@@ -7,9 +7,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from cca_core.sim import Log
+from cca_core.sim import Log, eebl, simulate
 
 Run = Callable[..., Log]
+
+
+def test_a_log_prints_as_one_line() -> None:
+    log = simulate(eebl("A"))
+    assert repr(log) == f"Log(eebl A, driver, single_track, seed 1, {log.t[-1]:.2f} s, contact with yellow)"
 
 
 def test_gaps_are_shapelys(run: Run) -> None:

@@ -153,8 +153,11 @@ class MpcPlanner:
         path = self.road.path
         near = self._s if self._s is not None else float(path.project((state.x, state.y))[0])
         s, d, heading, _ = path.foot_point(state.x, state.y, near)
-        if not abs(d) < _OFF_ROUTE or math.cos(state.psi - heading) < 0.0:
+        if not abs(d) < _OFF_ROUTE:
             return self._brake(f"the ego is not on its route (d = {d:.1f} m)", Status.INVALID_INPUT)
+        if math.cos(state.psi - heading) < 0.0:
+            reason = f"the ego heads against its route ({state.psi:.2f} instead of {heading:.2f} rad)"
+            return self._brake(reason, Status.INVALID_INPUT)
         self._s = s
         if t - self._solved >= _PERIOD - 1e-6:
             neighbours, self._dropped = locate(remotes, path, self._places)
