@@ -78,9 +78,24 @@ class InverseSteering:
         if v < _ROLLING:
             return math.atan(p.wheelbase * kappa)
         rest = p.m * v * v * kappa - self._rear_force(v)
-        share = min(max(rest / self._grip_f, -_REACH), _REACH)
-        slip = 3.0 * (1.0 - (1.0 - abs(share)) ** (1.0 / 3.0)) * self._grip_f / p.C_f
-        return math.atan2(self._v_y + p.l_f * self._r, v) + math.copysign(math.atan(slip), share)
+        return math.atan2(self._v_y + p.l_f * self._r, v) + self.front_slip(rest / self._grip_f)
+
+    def front_slip(self, share: float) -> float:
+        """Slip at which the front tyres carry a share of what they can (brush tyre).
+
+        Parameters
+        ----------
+        share : float
+            Of the greatest side force, left positive [-]; never more than 0.97 of it.
+
+        Returns
+        -------
+        slip : float
+            Angle between the wheels and where they move to [rad], left positive.
+        """
+        share = min(max(share, -_REACH), _REACH)
+        slip = 3.0 * (1.0 - (1.0 - abs(share)) ** (1.0 / 3.0)) * self._grip_f / self._vehicle.C_f
+        return math.copysign(math.atan(slip), share)
 
     def motion_at(self, s: float) -> tuple[float, float]:
         """Motion of the ideal car where it passed a place before.

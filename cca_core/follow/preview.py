@@ -13,6 +13,8 @@ from cca_core.vehicle import VehicleParams, VehicleState
 
 __all__ = ["PreviewController"]
 
+_G = 9.81  # [m/s^2]
+_GRIP_USED = 0.8  # by a front axle that is turned in; with more a car on less grip than told would spin
 _INTEGRAL_TIME = 3.0  # of the slow correction of what the model does not know [s]
 _INTEGRAL_LIMIT = 0.02  # of that correction [rad]
 _SLIP_KNOWN = 3.0  # above this speed the sideslip is worth measuring [m/s]
@@ -31,7 +33,8 @@ class PreviewController:
     delay : float
         Known dead time between command and road wheel [s], on top of the steering lag.
     a_y_max : float
-        Lateral acceleration that the command may ask for in a steady turn [m/s^2].
+        Lateral acceleration that the command may ask for [m/s^2]: in a steady turn, or of the front tyres
+        before the car has begun to turn, then with at most 80 % of their grip.
     error : {"tangent", "ahead"}
         What the error at the preview point is taken to: the tangent at the foot point of the centre of
         gravity, or the path itself at the preview point.
@@ -115,7 +118,7 @@ class PreviewController:
             error = self._error_ahead(state, path, s, l_s) + l_s * math.sin(beta) + 0.5 * kappa * l_s * l_s
         rate = v * sin + state.v_y * cos + l_s * (state.r - r)
         wanted = feed_forward - k_p * error - k_d * rate - self._integral
-        delta = self._limited(wanted, v, dt)
+        delta = self._limited(wanted, state, dt)
         if delta == wanted and abs(d) < _SMALL and v > 1.0:
             grown = self._integral + k_p * d * dt / _INTEGRAL_TIME
             self._integral = min(max(grown, -_INTEGRAL_LIMIT), _INTEGRAL_LIMIT)
@@ -126,11 +129,15 @@ class PreviewController:
         x, y = state.x + l_s * math.cos(state.psi), state.y + l_s * math.sin(state.psi)
         return path.foot_point(x, y, s + l_s)[1]
 
-    def _limited(self, delta: float, v: float, dt: float) -> float:
-        p = self.vehicle
+    def _limited(self, delta: float, state: VehicleState, dt: float) -> float:
+        p, v = self.vehicle, max(state.v_x, 1.0)
         turn = p.wheelbase + max(p.understeer_gradient, 0.0) * v * v
-        most = min(p.delta_max, math.atan(turn * self.a_y_max / max(v * v, 1.0)))
-        delta = min(max(delta, -most), most)
+        most = math.atan(turn * self.a_y_max / (v * v))
+        # where the front wheels move to, and the slip at which they carry their share
+        to = math.atan2(state.v_y + p.l_f * state.r, v)
+        slip = self._inverse.front_slip(min(self.a_y_max / (p.mu * _G), _GRIP_USED))
+        low, high = max(min(-most, to - slip), -p.delta_max), min(max(most, to + slip), p.delta_max)
+        delta = min(max(delta, low), high)
         if self._delta is not None:
             step = p.delta_rate_max * dt
             delta = min(max(delta, self._delta - step), self._delta + step)

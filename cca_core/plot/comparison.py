@@ -1,6 +1,7 @@
 """Planning methods compared: time against quality, growth, and their plans for one problem."""
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,26 +16,25 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_growth", "plot_plans", "plot_time_quality"]
 
-_COLOURS = (
-    "#0072B2",
-    "#D55E00",
-    "#009E73",
-    "#CC79A7",
-    "#E69F00",
-    "#56606B",
-    "#56B4E9",
-    "#882255",
-    "#44AA99",
-    "#000000",
-)
-_MARKERS = "oDsv^P*X<>"
+# colour and marker of each method, the same in all figures: the paper's band is purple, the relaxed one blue
+_STYLES = {
+    "band, eq 9": ("#882255", "o"),
+    "band, relaxed": (EGO, "D"),
+    "band, QP": ("#009E73", "s"),
+    "primitives": ("#CC79A7", "v"),
+    "RRT": ("#E69F00", "^"),
+    "RRT*": ("#56606B", "P"),
+    "LTV MPC": ("#56B4E9", "*"),
+    "NMPC, FATROP": ("#D55E00", "X"),
+    "NMPC, IPOPT": ("#44AA99", "<"),
+    "FISS": ("#000000", ">"),
+}
 
 
 def _styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
-    return {
-        name: {"color": _COLOURS[i % len(_COLOURS)], "marker": _MARKERS[i % len(_MARKERS)]}
-        for i, name in enumerate(names)
-    }
+    spare = cycle([style for name, style in _STYLES.items() if name not in names] or _STYLES.values())
+    chosen = {name: _STYLES.get(name) or next(spare) for name in names}
+    return {name: {"color": colour, "marker": marker} for name, (colour, marker) in chosen.items()}
 
 
 def plot_time_quality(rows: Sequence[Row]) -> "Figure":

@@ -7,7 +7,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
-from cca_core.plot.style import ACTIONS, EGO, colours, draw_lanes, spelled_out, title
+from cca_core.plot.style import ACTIONS, EGO, LEAST_A_Y, colours, draw_lanes, spelled_out, title, widen
 from cca_core.sim import Log
 
 if TYPE_CHECKING:
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _SMOOTH = "#D55E00"
 _SETTLED = 0.05  # a lane change lasts from 5 % to 95 % of its width
+_LEAST_ANGLE = 0.4  # height of the view of the road-wheel angle, at least [°]
 _FAR = 60.0  # gaps above this are not drawn [m]
 
 
@@ -135,8 +136,10 @@ def plot_time_series(log: Log) -> "Figure":
     speed.set_ylim(low - 1.0, high + 1.0 + 0.3 * (high - low))  # the legend needs room
     steer.plot(t, np.degrees(log.ego[:, 6]), color=EGO)
     steer.set_ylabel("road-wheel\nangle [°]")
+    widen(steer, _LEAST_ANGLE)
     lateral.plot(t, log.a_y, color=EGO)
     lateral.set_ylabel("lateral acc.\na_y [m/s²]")
+    widen(lateral, LEAST_A_Y)
     for i, (user, gaps) in enumerate(zip(log.scenario.users, log.gaps().T, strict=True)):
         near = np.where(gaps < _FAR, gaps, np.nan)
         if np.isfinite(near).any():

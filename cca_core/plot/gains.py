@@ -48,12 +48,18 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     # by how much the demands are kept changes evenly over the grid, so that its zero is a smooth edge
     kept = np.minimum(region.decay - region.asked[0], region.damping - region.asked[1])
     axis.contourf(k_p, k_d, kept, levels=[0.0, math.inf], colors=[_REGION])
+    stable = np.where(region.decay > 0.0)
+    if len(stable[0]):  # before the labels, whose gaps in the curves are as wide as they are in this view
+        axis.set_xlim(0.0, 1.05 * float(k_p[stable].max()))
+        axis.set_ylim(0.0, 1.05 * float(k_d[stable].max()))
     curves = axis.contour(k_p, k_d, region.decay, levels=_DECAYS, colors=EGO, linewidths=0.9)
     axis.clabel(curves, fmt=lambda value: f"{value:g} 1/s", fontsize=8)
     curves = axis.contour(
         k_p, k_d, region.damping, levels=_DAMPINGS, colors=_OTHER, linewidths=0.9, linestyles="--"
     )
     axis.clabel(curves, fmt=lambda value: f"{value:g}", fontsize=8)
+    around = [np.append(each[-1], each[::-1, -1]) for each in (k_p, k_d)]
+    axis.plot(*around, ":", color="#777777", linewidth=0.9, label="edge of what was tried")
     if region.chosen is not None:
         axis.plot(*region.chosen, "o", color="black", label="chosen")
     if shipped is not None:
@@ -62,10 +68,6 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     axis.plot([], [], color=EGO, linewidth=0.9, label="worst decay")
     axis.plot([], [], color=_OTHER, linewidth=0.9, linestyle="--", label="worst damping ratio")
     axis.fill_between([], [], color=_REGION, label="admissible")
-    stable = np.where(region.decay > 0.0)
-    if len(stable[0]):
-        axis.set_xlim(0.0, 1.05 * float(k_p[stable].max()))
-        axis.set_ylim(0.0, 1.05 * float(k_d[stable].max()))
     axis.set_xlabel("gain on the error at the preview point k_p [rad/m]")
     axis.set_ylabel("gain on its rate k_d [rad s/m]")
     axis.set_title(f"{region.v_x:g} m/s, preview distance {region.l_s:g} m")
@@ -97,7 +99,7 @@ def plot_margins(margins: Sequence[Margins]) -> "Figure":
     v = [m.v_x for m in margins]
     rows = (
         ("gain margin [-]", [m.gain for m in margins]),
-        ("phase margin [deg]", [math.degrees(m.phase) for m in margins]),
+        ("phase margin [°]", [math.degrees(m.phase) for m in margins]),
         ("delay margin [s]", [m.delay for m in margins]),
         ("disk margin [-]", [m.disk for m in margins]),
     )

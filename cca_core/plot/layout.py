@@ -7,7 +7,16 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.geometry import boxes
 from cca_core.plot.ground import draw_ground
-from cca_core.plot.style import EGO, colours, draw_lanes, new_figure, plain, scenario_name, spelled_out
+from cca_core.plot.style import (
+    ASPHALT,
+    EGO,
+    colours,
+    draw_lanes,
+    new_figure,
+    plain,
+    scenario_name,
+    spelled_out,
+)
 from cca_core.sim import Scenario
 from cca_core.sim.road_user import Brakes, Follows, RoadUser, Swerves
 
@@ -135,8 +144,9 @@ def _draw_strip(axis: Any, scenario: Scenario) -> None:
             )
         above = i % 2 == 0
         edge = road.left_edge if above else road.right_edge
+        side = "left" if x - view[0] < 0.06 * (view[1] - view[0]) else "center"
         axis.annotate(
-            f"{plain(name)}: {text}", (x, y), (x, edge + (1.6 if above else -1.6)), ha="center", va="center",
+            f"{plain(name)}: {text}", (x, y), (x, edge + (1.6 if above else -1.6)), ha=side, va="center",
             fontsize=9, color=colour, weight="bold", annotation_clip=False,
             arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.6},
         )  # fmt: skip
@@ -146,6 +156,7 @@ def _draw_strip(axis: Any, scenario: Scenario) -> None:
         axis.text(
             view[1] - 1.0 if ahead else view[0] + 1.0, u.d, f"{plain(u.id)}: {deed(u)}, {where}",
             ha="right" if ahead else "left", va="center", fontsize=8, color=palette[u.id], weight="bold",
+            bbox={"facecolor": ASPHALT, "edgecolor": "none", "pad": 1.0}, zorder=6,
         )  # fmt: skip
     axis.set(
         xlim=view, ylim=(road.right_edge - 3.2, road.left_edge + 3.2), ylabel="left of the\nroute [m]",

@@ -7,7 +7,18 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.errors import InputError
-from cca_core.plot.style import EGO, HIT, colours, draw_lanes, new_figure, plain, spelled_out, who_drives
+from cca_core.plot.style import (
+    EGO,
+    HIT,
+    LEAST_A_Y,
+    colours,
+    draw_lanes,
+    new_figure,
+    plain,
+    spelled_out,
+    who_drives,
+    widen,
+)
 from cca_core.plot.verdict import contact, verdict
 from cca_core.sim import Log
 
@@ -78,6 +89,7 @@ def _draw_strip(axis: Any, log: Log, base: float) -> None:
     axis.set_xlim(*_VIEW)
     axis.set_ylim(road.right_edge - 0.5, road.left_edge + 0.5)
     axis.tick_params(labelsize=8)
+    axis.set_ylabel("left [m]", fontsize=7.5)
     names = ["ego", *(user.id for user in users)]
     palette = {"ego": EGO, **colours(names[1:])}
     rows = np.arange(len(log.t) - 1, -1, -round(_PERIOD / (log.t[1] - log.t[0])))
@@ -132,5 +144,5 @@ def _draw_ways(way: Any, push: Any, logs: Sequence[Log], at: list[int]) -> None:
     push.set(xlim=_VIEW, xlabel=f"distance along the route from {plain(user.id)} [m]")
     push.set_ylabel("lateral acc.\na_y [m/s²]")
     way.legend(fontsize=8, loc="upper left")
-    push.legend(fontsize=8, loc="upper left")
-    push.margins(y=0.2)
+    widen(push, LEAST_A_Y, above=0.35)
+    push.legend(fontsize=8, loc="upper left", ncols=len(logs))

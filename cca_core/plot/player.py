@@ -102,12 +102,15 @@ SCRIPT = r"""
       var px = c * (x - cx) + s * (y - cy), py = s * (x - cx) - c * (y - cy), label = run.labels[i];
       var far = Math.round(Math.hypot(x - ego[0], y - ego[1])), text;
       text = data.names[i] + (v > 0.1 ? " " + v.toFixed(v > 0.95 ? 0 : 1) + " m/s" : " stands");
-      text = i === 0 ? "" : text;
       var before = box.x - 2 > px, after = px > box.x + box.width + 2;
+      var above = box.y - 2 > py, below = py > box.y + box.height + 2;
+      var away = before || after || (i === 0 ? above || below : false);
+      text = i > 0 || away ? text : "";
       label.style.fontSize = size + "px";
-      if (i !== 0 ? before || after : false) {
+      if (before || after) {
         px = before ? box.x + 0.5 * size : box.x + box.width - 0.5 * size;
-        text = before ? "\u25c2 " + text + ", " + far + " m" : text + ", " + far + " m \u25b8";
+        text += i === 0 ? "" : ", " + far + " m";
+        text = before ? "\u25c2 " + text : text + " \u25b8";
         py = box.y + (1.2 + 1.2 * stacked[before ? 0 : 1]) * size;
         stacked[before ? 0 : 1] += 1;
         label.setAttribute("text-anchor", before ? "start" : "end");
@@ -115,6 +118,10 @@ SCRIPT = r"""
         label.setAttribute("text-anchor", "middle");
         px = Math.min(Math.max(px, box.x + 3.4 * size), box.x + box.width - 3.4 * size);
         py = py > y0 + 0.7 ? py + 1.3 + size : py - 1.5;
+        if (away) {
+          text = (above ? "\u25b4 " : "\u25be ") + text;
+          py = above ? box.y + 1.2 * size : box.y + box.height - 0.5 * size;
+        }
       }
       label.setAttribute("x", px.toFixed(2)); label.setAttribute("y", py.toFixed(2));
       label.textContent = text;

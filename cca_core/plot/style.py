@@ -33,6 +33,9 @@ PARKED = "#777777"
 HIT = "#A33000"
 """Colour of a contact."""
 
+LEAST_A_Y = 1.0
+"""Height of a view of lateral acceleration, at least [m/s²]."""
+
 _OTHERS = ("#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56606B")
 _NAMED = {"red": "#D62F27", "yellow": "#E0A800"}
 _SCENARIOS = {
@@ -194,6 +197,23 @@ def draw_lanes(axis: Any, road: Road) -> None:
         else:
             axis.axhline(border, color="#555555", linewidth=0.8, linestyle=(0, (8, 6)))
     axis.set_yticks([lane.d for lane in road.lanes])
+
+
+def widen(axis: Any, least: float, *, above: float = 0.0) -> None:
+    """Widen a view upwards and downwards, so that what is next to nothing looks like it.
+
+    Parameters
+    ----------
+    axis : matplotlib.axes.Axes
+        Where all is drawn; its view is changed.
+    least : float
+        Least height of the view, in units of the axis.
+    above : float
+        Room for a legend on top, as a share of the height [-].
+    """
+    low, high = axis.get_ylim()
+    lack = 0.5 * max(least - (high - low), 0.0)
+    axis.set_ylim(low - lack, high + lack + above * (high - low + 2.0 * lack))
 
 
 def spelled_out(figure: "Figure") -> "Figure":

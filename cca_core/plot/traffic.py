@@ -21,6 +21,7 @@ _HEAD, _OVERVIEW, _BETWEEN, _FOOT = 1.1, 1.6, 0.5, 0.5  # heights from top to bo
 _TITLE, _STRIP = 0.27, 0.62  # the same of each frame [in]
 _VIEW = (-75.0, 105.0)  # what a strip shows of the road, relative to the ego [m]
 _TEXT, _LONG_TEXT = 15.0, 36.0  # room for a name and a speed, and for a distance too [m]
+_STEP = 2.0  # between the places that are tried for a text [m]
 _VERGE = 0.7  # shown beside the road [m]
 
 
@@ -137,10 +138,10 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: Frame) -> None:
             outside.append((id_, ahead, box[:, 1].mean(), f"{id_} {v:.0f} m/s, {abs(ahead):.0f} m"))
     for id_, ahead, d, text in outside:
         if ahead > 0.0:
-            places = [(_VIEW[1] - 1.0 - k * _LONG_TEXT, "right") for k in range(3)]
+            places = [(x, "right") for x in np.arange(_VIEW[1] - 1.0, _VIEW[0] + _LONG_TEXT, -_STEP)]
             text += " ahead \u25b8"
         else:
-            places = [(_VIEW[0] + 4.0 + k * _LONG_TEXT, "left") for k in range(3)]
+            places = [(x, "left") for x in np.arange(_VIEW[0] + 4.0, _VIEW[1] - _LONG_TEXT, _STEP)]
             text = f"\u25c2 {text} behind"
         _place(axis, places, d, text, palette[id_], _LONG_TEXT, taken)
     for id_, rear, front, d, text in reversed(inside):  # the ego last, which has both sides to choose from

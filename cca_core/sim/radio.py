@@ -11,13 +11,14 @@ from cca_core.path import LocalFrame
 from cca_core.sim.road_user import Follows, RoadUser
 from cca_core.sim.scenario import Scenario
 from cca_core.sim.traffic import Traffic
-from cca_core.v2x import Channel, ChannelSettings, Sender, Tracker, decode_bsm
+from cca_core.v2x import Channel, ChannelSettings, Sender, Tracker, TrackerSettings, decode_bsm
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Radio", "Receiver"]
 
 _HARD = 0.4 * 9.81  # deceleration from which on hard braking is announced [m/s^2]
 _BRAKING = frozenset({"hard_braking"})
+_ACCURACY = 1.5  # up to which it is believed how well a sender knows its place [m]
 _EGO = "ffffffff"
 _SILENT = 0.075  # after a message no other can be due for this time [s]: their interval, less a cycle
 
@@ -33,7 +34,7 @@ class Receiver:
 
     def __init__(self, scenario: Scenario) -> None:
         self._names = {sender_id(i): user.id for i, user in enumerate(scenario.users)}
-        self.tracker = Tracker(LocalFrame(*scenario.origin))
+        self.tracker = Tracker(LocalFrame(*scenario.origin), TrackerSettings(most_accuracy=_ACCURACY))
 
     def take(self, t: float, messages: Iterable[bytes], ego: VehicleState) -> list[RemoteVehicle]:
         """Take messages in and tell where all senders are.

@@ -18,8 +18,8 @@ class Track:
     """What is known of one sender: motion by its last message, place by the last that was believed."""
 
     __slots__ = (
-        "begun", "doubt", "driven", "events", "fix", "id", "length", "msg_count", "origin", "placed", "ref",
-        "row", "said", "speed", "timed", "width",
+        "accuracy", "begun", "doubt", "driven", "events", "fix", "id", "length", "msg_count", "origin", "placed",
+        "ref", "row", "said", "speed", "timed", "width",
     )  # fmt: skip
 
     def __init__(
@@ -31,9 +31,10 @@ class Track:
         events: frozenset[str],
         msg_count: int,
         timed: bool,
+        accuracy: float,
     ) -> None:
         self.id, self.fix, self.length, self.width, self.events = id, fix, length, width, events
-        self.msg_count, self.timed = msg_count, timed
+        self.msg_count, self.timed, self.accuracy = msg_count, timed, accuracy
         self.begun = fix.t  # time of its first message [s]
         self.said = self.origin = self.ref = (fix.x, fix.y)  # place told last, first, and by all messages [m]
         self.placed, self.speed, self.driven = fix.t, fix.v, 0.0  # of the last place believed; driven since
@@ -77,7 +78,7 @@ class Track:
         `shared` is a standard deviation that is added [m]; a doubted place that was told for `agreed`
         seconds lies within the bounds too.
         """
-        fix = self.fix
+        fix, shared = self.fix, math.hypot(shared, self.accuracy)
         _, x, y, psi, v, a, r = move_on(fix, t)
         age = max(t - self.placed, 0.0)
         if self.placed == fix.t:

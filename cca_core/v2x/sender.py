@@ -8,7 +8,7 @@ import numpy as np
 
 from cca_core._checks import check_real
 from cca_core.path.local_frame import LocalFrame
-from cca_core.v2x.bsm import Bsm, encode_bsm
+from cca_core.v2x.bsm import Accuracy, Bsm, encode_bsm
 from cca_core.vehicle import RemoteVehicle
 
 __all__ = ["Sender", "SenderSettings"]
@@ -25,7 +25,7 @@ class SenderSettings:
     interval_spread : float
         Largest difference from it [s]; intervals are distributed evenly.
     position_noise : float
-        Standard deviation of the position in each of x and y [m].
+        Standard deviation of the position in each of x and y [m]; its messages tell it.
     noise_time : float
         Time over which the noise forgets itself [s]; 0 is noise without memory.
     frozen : float
@@ -95,6 +95,8 @@ class Sender:
         self._phase = float(rng.random()) * settings.interval
         self._last: tuple[float, float, float] | None = None  # time, latitude, longitude
         self._noise = np.zeros(2)
+        error = min(settings.position_noise, 12.7) or None  # [m], the largest that can be told
+        self._accuracy = Accuracy(semi_major=error, semi_minor=error)
         self._is_frozen = False
 
     def poll(self, t: float, vehicle: RemoteVehicle, *, transmission: str | None = "forward") -> bytes | None:
@@ -143,6 +145,7 @@ class Sender:
                 latitude_deg=lat, longitude_deg=lon, speed=abs(vehicle.v_x), psi=vehicle.psi, a_x=vehicle.a_x,
                 r=vehicle.r, transmission="reverse" if vehicle.v_x < 0.0 else transmission,
                 width=vehicle.width, length=vehicle.length, events=vehicle.events,
+                accuracy=self._accuracy,
             )
         )  # fmt: skip
 

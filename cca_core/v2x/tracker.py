@@ -167,7 +167,9 @@ class Tracker:
             return failed
         if bsm.psi is None and track is None:
             length = width = min(max(length, width), _WIDEST)  # it may point anywhere
-        fresh = Track(bsm.id, fix, length, width, bsm.events, bsm.msg_count, timed)
+        told = getattr(bsm.accuracy, "semi_major", None)
+        accuracy = min(told, self.settings.most_accuracy) if isinstance(told, float) and told > 0.0 else 0.0
+        fresh = Track(bsm.id, fix, length, width, bsm.events, bsm.msg_count, timed, accuracy)
         if track is not None:
             return self._follow(track, fresh)
         return self._begin(fresh)

@@ -39,6 +39,9 @@ class TrackerSettings:
     sigma_position : float
         Standard deviation of positions that does not show when a sender is compared with itself [m]; added
         to both of a vehicle's.
+    most_accuracy : float
+        The standard deviation that a sender tells of its position (`Accuracy.semi_major`) counts up to this
+        [m] and is added likewise; 0 leaves it out, since devices tell metres where they err by decimetres.
     length, width : float
         Body of a sender that does not tell it [m].
 
@@ -60,6 +63,7 @@ class TrackerSettings:
     outlook: float = 15.0
     forget_after: float = 30.0
     sigma_position: float = 0.0
+    most_accuracy: float = 0.0
     length: float = 5.0
     width: float = 2.0
 
@@ -68,7 +72,7 @@ class TrackerSettings:
             raise InputError(f"plausibility must be PlausibilitySettings, was {self.plausibility!r}")
         for limit in fields(self)[1:]:
             value = getattr(self, limit.name)
-            if limit.name in ("sigma_position", "reaction", "least_reach", "outlook"):
+            if limit.name in ("sigma_position", "most_accuracy", "reaction", "least_reach", "outlook"):
                 check_real(limit.name, value, least=0.0, most=100.0)
             else:
                 check_real(limit.name, value, above=0.0, most=1000.0)

@@ -15,6 +15,7 @@ from scipy.optimize import linprog
 from cca_core import InputError, LocalFrame, RemoteVehicle, VehicleState
 from cca_core.predict import predict_free
 from cca_core.v2x import (
+    Accuracy,
     Bsm,
     Fix,
     PlausibilitySettings,
@@ -66,6 +67,28 @@ def test_bytes_become_a_vehicle() -> None:
     assert (vehicle.x, vehicle.y, vehicle.psi) == pytest.approx((x, y, psi), abs=0.02)
     assert vehicle.v_x == pytest.approx(12.0 - 0.6)
     assert vehicle.source == "v2v"
+
+
+@pytest.mark.parametrize(
+    ("told", "most", "counts"), [(0.4, 1.5, 0.4), (4.75, 1.5, 1.5), (None, 1.5, 0.0), (0.4, 0.0, 0.0)]
+)
+def test_accuracy_that_is_told_counts_as_far_as_it_is_believed(
+    told: float | None, most: float, counts: float
+) -> None:
+    without, with_it = Tracker(FRAME), Tracker(FRAME, TrackerSettings(most_accuracy=most))
+    for tracker in (without, with_it):
+        tracker.update(encode_bsm(bsm(T0, accuracy=Accuracy(semi_major=told, semi_minor=told))), T0 + 0.02)
+    (bare,), (grown,) = without.vehicles(T0 + 0.2), with_it.vehicles(T0 + 0.2)
+    assert grown.sigma_along == pytest.approx(math.hypot(bare.sigma_along, counts))
+    assert grown.sigma_across == pytest.approx(math.hypot(bare.sigma_across, counts))
+
+
+@pytest.mark.parametrize("told", [math.nan, math.inf, -1.0, "0.4"])
+def test_an_accuracy_that_is_none_does_no_harm(told: object) -> None:
+    tracker = Tracker(FRAME, TrackerSettings(most_accuracy=1.5))
+    tracker.update(bsm(T0, accuracy=Accuracy(semi_major=told)), T0 + 0.02)  # type: ignore[arg-type]
+    tracker.update(bsm(T0 + 0.1, accuracy=None), T0 + 0.12)
+    assert all(vehicle.defect is None for vehicle in tracker.vehicles(T0 + 0.2))
 
 
 @given(
