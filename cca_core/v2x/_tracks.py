@@ -18,8 +18,8 @@ class Track:
     """What is known of one sender: motion by its last message, place by the last that was believed."""
 
     __slots__ = (
-        "accuracy", "begun", "doubt", "driven", "events", "fix", "id", "length", "msg_count", "origin", "placed",
-        "ref", "row", "said", "speed", "timed", "width",
+        "accuracy", "begun", "doubt", "driven", "events", "fix", "id", "length", "msg_count", "origin",
+        "placed", "ref", "row", "said", "speed", "timed", "width",
     )  # fmt: skip
 
     def __init__(
