@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -93,6 +94,25 @@ def certify(task: Task, u: Array) -> Certificate:
     return Certificate(gaps, right, left, curvature, least_gap, edge, bent, sixth)
 
 
+def end_gaps(task: Task) -> Array:
+    """Measure what no bending changes: the gaps at the pinned ends.
+
+    Parameters
+    ----------
+    task : Task
+        Route, obstacles and the ego.
+
+    Returns
+    -------
+    gaps : ndarray, shape (m, bands)
+        Lesser of the gaps to each obstacle at the first and the last node [m].
+    """
+    ends = slice(None), slice(None), [0, -1]
+    gaps = _gap(task.base[:, [0, -1]], task.tangents[:, [0, -1]], _at(task.corridor, ends), task.vehicle)
+    least: Array = gaps.min(axis=2)
+    return least
+
+
 def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array:
     """Least gap (m, bands, n) to each obstacle between each node and the next."""
     o, vehicle, clearance = task.corridor, task.vehicle, task.clearance
@@ -143,7 +163,7 @@ def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array
     return gaps
 
 
-def _at(corridor: Corridor, pairs: tuple[Index, ...]) -> tuple[Complex, Complex, Array, Array]:
+def _at(corridor: Corridor, pairs: tuple[Any, ...]) -> tuple[Complex, Complex, Array, Array]:
     o = corridor
     return o.centre[pairs], o.ahead[pairs], o.half_length[pairs], o.half_width[pairs]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from cca_core._checks import Array, Index, Mask
 from cca_core.band.band import Band, judged
-from cca_core.band.certificate import Certificate, certify
+from cca_core.band.certificate import Certificate, certify, end_gaps
 from cca_core.band.equilibrium import Bends, equilibrium
 from cca_core.band.task import Task
 from cca_core.errors import Status
@@ -16,6 +16,7 @@ _MOST_SOLVES = 400  # from which on it is not pushed any more: a drivable band t
 _GAIN, _FRUITLESS = 0.8, 4  # a round must lessen what is lacking to this share, one of so many at least
 _MOST_SHARE = 0.8  # by which contact may be taken to give way
 _AIM = 3e-3  # what is lacking is pushed for with this much more [m]
+_HOPELESS = 0.2  # lacking at a pinned end, from which on nothing is tried [m]
 _SPARE = 2e-3  # share of the curvature limit that is aimed below it
 _BEND = 0.25, 10.0  # stiffness of the curvature limit, per k_c [1/m^2] and per k_b [-]
 
@@ -39,15 +40,22 @@ def relaxed(task: Task, leading: tuple[int, ...], passes_left: Mask) -> Band:
     """
     lower, upper = task.corridor.bounds(passes_left)
     room = np.logical_and.reduce(lower <= upper, axis=1)
-    stuck = {}
+    stuck, pinned = {}, {}
     if not room.all():
         stuck = {int(i): _no_room(task, passes_left, int(i)) for i in np.flatnonzero(~room)}
+    if (lower[:, [0, -1]] > 0.0).any() or (upper[:, [0, -1]] < 0.0).any():
+        pinned = _blocked_ends(task)
+        room[list(pinned)] = False
+    if stuck or pinned:
         lower[~room], upper[~room] = -math.inf, math.inf
     contact = task.stiffness.k_e * task.h
     stencil = task.stiffness.stencil(task.h)
     stiff = (_BEND[0] * task.stiffness.k_c + _BEND[1] * task.stiffness.k_b) / task.h**3
     u, solves, settled = equilibrium(stencil, contact, lower, upper)
     found = certify(task, u)
+    for at, o in pinned.items():
+        reason = f"{found.gaps[o, at].min():.3f} m from obstacle {o}, which is at a pinned end"
+        stuck[at] = Status.INFEASIBLE, f"{reason}, is below the {task.clearance:.3f} m asked", f"obstacle {o}"
     todo, lacked = np.flatnonzero(room), np.full(len(room), math.inf)
     bends: tuple[Array, Array] | None = None
     best, best_u = np.full(len(room), math.inf), u.copy()
@@ -142,3 +150,10 @@ def _no_room(task: Task, passes_left: Mask, band: int) -> tuple[Status, str, str
             left = f"obstacle {o}"
     binding = right if right.startswith("obstacle") else left
     return Status.INFEASIBLE, f"no room between {right} and {left} at node {node}", binding
+
+
+def _blocked_ends(task: Task) -> dict[int, int]:
+    """Find the bands that have an obstacle where they are pinned, and which."""
+    gaps = end_gaps(task)
+    blocked = np.logical_or.reduce(gaps < task.clearance - _HOPELESS, axis=0)
+    return {int(i): int(gaps[:, i].argmin()) for i in np.flatnonzero(blocked)}

@@ -276,6 +276,16 @@ def test_obstacle_beside_a_pin(x: float, sign: float) -> None:
     assert_certified(band, near)
 
 
+def test_what_stands_at_a_pin_is_named_and_nothing_is_tried() -> None:
+    """The other one could be passed, as long as it takes to find that."""
+    blocked = scene(straight(), [boxes(x, 0.0, 0.0, 4.5, 1.8) for x in (75.0, 148.0)])
+    band = relax(blocked)
+    assert (band.status, band.binding, band.solves) == (Status.INFEASIBLE, "obstacle 1", 1)
+    assert "obstacle 1, which is at a pinned end" in band.message
+    assert_certified(band, blocked)
+    assert relax(scene(straight(), [boxes(75.0, 0.0, 0.0, 4.5, 1.8)])).ok
+
+
 def test_pin_outside_the_edges() -> None:
     band = relax(scene(straight(), [], corridor=(0.0, 20.0)))
     assert (band.status, band.binding) == (Status.INFEASIBLE, "right edge")
