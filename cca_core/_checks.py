@@ -40,6 +40,15 @@ def check_real(
     return number
 
 
+def read_real(name: str, value: object, *, least: float = -math.inf, most: float = math.inf) -> float:
+    """Do as `check_real` does, with numbers written as text, such as in a file, as well."""
+    try:
+        value = float(value) if isinstance(value, str) else value
+    except ValueError:
+        raise InputError(f"{name} must be a real number, was {value!r}") from None
+    return check_real(name, value, least=least, most=most)
+
+
 def check_array(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
     """Return a float64 copy of `value` if it is finite and has `shape` (None: any length)."""
     try:

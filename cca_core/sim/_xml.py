@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from cca_core._checks import Array, check_real
+from cca_core._checks import Array, read_real
 from cca_core.errors import InputError
 from cca_core.vehicle import FARTHEST
 
@@ -61,7 +61,7 @@ def number(
 ) -> float:
     """Return the number in a child."""
     text = (child(element, tag, name).text or "").strip()
-    return check_real(f"{tag} of {name}", text[:40], least=least, most=most)
+    return read_real(f"{tag} of {name}", text[:40], least=least, most=most)
 
 
 def exact(element: Element, tag: str, name: str, most: float) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
 
-from cca_core._checks import check_real
+from cca_core._checks import check_real, read_real
 from cca_core.errors import InputError
 from cca_core.v2x import Bsm, decode_bsm, encode_bsm
 
@@ -122,4 +122,4 @@ def _entry(record: object) -> tuple[float | None, str]:
 
 
 def _number(value: object) -> float:
-    return check_real("path (a time in it)", value)
+    return read_real("path (a time in it)", value)
