@@ -1,6 +1,6 @@
 """What one cycle of the planner asks of the car."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from cca_core.band import Band
 from cca_core.decide import Decision
@@ -38,4 +38,4 @@ class Command:
     band: Band | None
     reference: Path
     status: Status
-    dropped: tuple[tuple[str, str], ...] = field(default=())
+    dropped: tuple[tuple[str, str], ...] = ()

@@ -11,6 +11,10 @@ from cca_core._checks import Array, Complex
 
 __all__ = ["Boxes", "box_gap", "boxes", "wrap_angle"]
 
+# of the corners, counter-clockwise from the front left
+_ALONG = np.array([1.0, -1.0, -1.0, 1.0])
+_ACROSS = np.array([1.0, 1.0, -1.0, -1.0])
+
 
 @overload
 def wrap_angle(angle: float) -> float: ...
@@ -75,10 +79,6 @@ class Boxes:
         cos, sin = np.cos(psi), np.sin(psi)
         x, y = x + cos * along - sin * across, y + sin * along + cos * across
         return np.stack((x, y), axis=-1)
-
-
-_ALONG = np.array([1.0, -1.0, -1.0, 1.0])
-_ACROSS = np.array([1.0, 1.0, -1.0, -1.0])
 
 
 def boxes(x: ArrayLike, y: ArrayLike, psi: ArrayLike, length: ArrayLike, width: ArrayLike) -> Boxes:

@@ -162,9 +162,7 @@ class Planner:
         try:
             self._known_range = known_range if known_range >= 0.0 else 0.0
             return self._cycle(float(t), state, remotes)
-        except (
-            Exception
-        ) as error:  # no input and no defect of this library may leave the car without a command
+        except Exception as error:  # no input and no defect may leave the car without a command
             _LOG.exception("internal error at t = %s s", t)
             return self._give_up(f"internal error: {error!r}")
 
@@ -213,7 +211,7 @@ class Planner:
             leader = self._leader(sorted(kept, key=lambda n: n.s), s, state.v_x)
         a_x = self._acceleration(s, state.v_x, state.r, leader, dt)
         reference = path if self._maneuver is None else self._maneuver.reference
-        delta = self._controller.steer(state, reference, near=s)
+        delta = self._controller.steer(state, reference, dt, near=s)
         return self._given(Command(
             delta=delta, a_x=float(a_x), decision=self._decision, reference=reference, status=self._status,
             band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,

@@ -17,7 +17,7 @@ _BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
 _ROOM = 2.0  # to the vehicle in front before the ego returns behind it [m]
 _REACTION = 1.0  # of drivers behind [s]
 _LATERAL = 4.0  # lateral acceleration of the return [m/s^2]
-_SLOPE = 5.7735  # peak of the second derivative of the quintic step
+_QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 
 
 def plan_retreat(
@@ -67,7 +67,7 @@ def plan_retreat(
         from_behind = n.s + n.half_length <= rear and n.v_s > 0.0
         if from_behind and left < _following(n.v_s, min(v_then, leader.v_s)):
             return None
-    length = max(v_then * math.sqrt(_SLOPE * max(abs(d), 0.5) / _LATERAL), 15.0)
+    length = max(v_then * math.sqrt(_QUINTIC * max(abs(d), 0.5) / _LATERAL), 15.0)
     first, last = ego.s + hold, ego.s + hold + length
     if last > road.path.end:
         return None

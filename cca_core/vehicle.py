@@ -88,7 +88,7 @@ class VehicleParams:
 
     @property
     def understeer_gradient(self) -> float:
-        """Understeer gradient K of delta = rho (L + K v^2) [s^2/m]; positive understeers."""
+        """Understeer gradient K of delta = kappa (L + K v^2) [s^2/m]; positive understeers."""
         return self.m / self.wheelbase * (self.l_r / self.C_f - self.l_f / self.C_r)
 
     @classmethod

@@ -34,7 +34,6 @@ class Pass:
         self.run = Drive(self.planner, [self.slow, other], seconds, done=self.is_over)
         self.ahead = self.run.x[-1] > self.slow.x + 4.5
         self.inside = abs(self.run.y[-1]) + 0.5 * CAR.width < 1.75
-        self.retreated = any(c.decision.reason.startswith("returning") for c in self.run.commands)
 
     def has_begun(self) -> bool:
         self.began = self.began or self.planner._maneuver is not None

@@ -330,6 +330,15 @@ class TestDropping:
         assert command.dropped == ()
 
 
+@pytest.mark.parametrize("dt", [0.02, 0.05, 0.1])
+def test_the_wheels_turn_as_far_as_the_time_since_the_last_step_allows(dt: float) -> None:
+    p = planner(None)
+    before = p.step(0.0, state(v_x=10.0), []).delta
+    assert p.step(dt, state(START + 10.0 * dt, v_x=10.0, y=-1.5), []).delta - before == pytest.approx(
+        CAR.delta_rate_max * dt
+    )
+
+
 class TestOneId:
     def after(self, *others: RemoteVehicle) -> Command:
         p = planner(None)

@@ -95,10 +95,8 @@ def relaxed(task: Task, leading: tuple[int, ...], passes_left: Mask) -> Band:
     if len(worse):
         u[worse] = best_u[worse]
         found.update(worse, certify(task.select(worse), u[worse]))
-    for i in () if settled.all() else np.flatnonzero(~settled):
-        stuck[int(i)] = (
-            Status.NOT_CONVERGED, f"contact set did not settle in {solves[i]} solves", "",
-        )  # fmt: skip
+    for i in np.flatnonzero(~settled):
+        stuck[int(i)] = Status.NOT_CONVERGED, f"contact set did not settle in {solves[i]} solves", ""
     return judged(
         task, leading, u, found, passes_left=passes_left, lower=lower, upper=upper, solves=solves, stuck=stuck
     )

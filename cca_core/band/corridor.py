@@ -161,7 +161,7 @@ def corridor_around(
     return Corridor(
         centre, ahead, half_length, half_width, radius, moves,
         abeam, right - keep, left + keep,
-        lower + 0.5 * vehicle.width, upper - 0.5 * vehicle.width, edges is not None,
+        lower + keep, upper - keep, edges is not None,
     )  # fmt: skip
 
 

@@ -9,6 +9,11 @@ from numpy.typing import ArrayLike
 from cca_core._checks import Array, check_array, check_points, check_real
 from cca_core.errors import InputError
 
+_CONTACT = 0.05, 0.01, 3e-4  # contact stiffness per k_s [1/m^2], per k_b [1/m^4] and per k_c [1/m^6]
+_LEAST_CONTACT = 1e-300
+_TENSION, _BENDING = np.array([2, -1, 0, 0]), np.array([6, -4, 1, 0])
+_CURVATURE_RATE = np.array([20, -15, 6, -1])
+
 
 def stiffness_matrix(n: int) -> Array:
     """K of eq 7 with pinned ends.
@@ -222,9 +227,3 @@ class BandStiffness:
         if self.k_b:
             stencil += self.k_b / (squared * spacing) * _BENDING
         return stencil
-
-
-_CONTACT = 0.05, 0.01, 3e-4  # contact stiffness per k_s [1/m^2], per k_b [1/m^4] and per k_c [1/m^6]
-_LEAST_CONTACT = 1e-300
-_TENSION, _BENDING = np.array([2, -1, 0, 0]), np.array([6, -4, 1, 0])
-_CURVATURE_RATE = np.array([20, -15, 6, -1])

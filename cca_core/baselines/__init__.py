@@ -1,4 +1,4 @@
-"""Other people's methods on the same problems, to compare with."""
+"""Other people's methods, and this library's, on the same problems."""
 
 from cca_core.baselines.mpc import LinearMpc, MpcPlanner, MpcSettings, NonlinearMpc
 from cca_core.baselines.ours import OneShotBand, RelaxedBand, SmoothedBand

@@ -50,10 +50,10 @@ class MotionPrimitives:
     Notes
     -----
     Lattice points are stations and lateral offsets of the route, with its heading and curvature [1]_. Between
-    them a primitive keeps its offset, or shifts it by the quintic polynomial with zero slope and curvature at
-    both ends, in four lengths from the shortest that the limits of curvature, lateral acceleration, jerk and
-    steering rate allow. The cost is the integral of the weighted squares over time. Dynamic programming over
-    the stations finds the cheapest sequence from the route to the route.
+    them a primitive keeps its offset, or shifts it with a trapezoid of curvature to each side, zero slope and
+    curvature at both ends, in four lengths from the shortest that the limits of curvature, lateral
+    acceleration, jerk and steering rate allow. The cost is the integral of the weighted squares over time.
+    Dynamic programming over the stations finds the cheapest sequence from the route to the route.
 
     The ego passes stations at the wanted speed, so it is known where others are then. Primitives are computed
     once for a speed, a road width and a vehicle, and kept. All of them are checked against a table of free

@@ -30,9 +30,8 @@ _EASY, _HARD = 0.5, 0.85  # share of the lateral acceleration that the proof use
 _BEYOND = 150.0  # of the road behind the goal [m]
 _CLEARANCE, _A_Y = 0.3, 4.0  # what is asked [m], [m/s^2]
 _BESIDE = 0.5 * (_EGO.width + _WIDTH) + _CLEARANCE  # centres side by side are so far apart [m]
-_ABREAST = (
-    0.5 * (_EGO.length + _LENGTH) + _CLEARANCE + _TURNED
-)  # bodies are beside each other nearer than [m]
+# bodies are beside each other nearer than [m]
+_ABREAST = 0.5 * (_EGO.length + _LENGTH) + _CLEARANCE + _TURNED
 
 Gate = tuple[float, float, float]  # from and to this station the proof is at this offset [m]
 Car = tuple[float, float, float]  # station, offset [m], speed along the road [m/s]

@@ -25,12 +25,12 @@ class Action(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Leader:
-    """The nearest road user in the way.
+    """The road user in the way that demands most of the ego.
 
     Parameters
     ----------
     id : str
-        Its sender.
+        Its id.
     gap : float
         Bumper-to-bumper gap along the road [m].
     v_x : float
@@ -97,7 +97,7 @@ class Decision:
     reason : str
         Why, in words.
     leader : str, optional
-        Sender of the road user in the way.
+        Id of the road user in the way.
     zone : tuple of float, optional
         Rear and front end of the danger zone that was compared [m], relative to the ego.
     """
@@ -122,7 +122,7 @@ def choose_action(
     Parameters
     ----------
     leader : Leader, optional
-        The nearest road user in the way, None if the lane ahead is free.
+        The road user in the way that demands most, None if the lane ahead is free.
     candidates : sequence of Candidate
         Ways around it, usable or not.
     previous : Action

@@ -12,7 +12,7 @@ from cca_core.vehicle import VehicleParams, VehicleState
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SingleTrack:
-    """Continuous-time model x' = A x + B delta + E rho with x = [beta, r, e_psi, e_y].
+    """Continuous-time model x' = A x + B delta + E kappa with x = [beta, r, e_psi, e_y].
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def single_track(vehicle: VehicleParams, v_x: float, l_s: float) -> SingleTrack:
     Notes
     -----
     beta' and r' are the textbook single-track model with axle stiffnesses;
-    e_psi' = r - v rho and e_y' = v beta + l_s r + v e_psi - l_s v rho.
+    e_psi' = r - v kappa and e_y' = v beta + l_s r + v e_psi - l_s v kappa.
     """
     v = check_real("v_x", v_x, above=0.0)
     l_s = check_real("l_s", l_s, least=0.0)
@@ -88,7 +88,7 @@ def discretised(model: SingleTrack, dt: float) -> SingleTrack:
     Returns
     -------
     model : SingleTrack
-        x_{k+1} = A x_k + B delta_k + E rho_k.
+        x_{k+1} = A x_k + B delta_k + E kappa_k.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def steady_steering(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     Returns
     -------
     delta : ndarray, shape (...)
-        rho (L + K v^2) [rad], left positive, K the understeer gradient.
+        kappa (L + K v^2) [rad], left positive, K the understeer gradient.
     """
     gain = vehicle.wheelbase + vehicle.understeer_gradient * np.square(v_x)
     return np.asarray(kappa, dtype=np.float64) * gain
@@ -179,7 +179,7 @@ def steady_sideslip(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     Returns
     -------
     beta : ndarray, shape (...)
-        rho (l_r - l_f m v^2 / (C_r L)) [rad], left positive.
+        kappa (l_r - l_f m v^2 / (C_r L)) [rad], left positive.
     """
     slope = vehicle.l_f * vehicle.m / (vehicle.C_r * vehicle.wheelbase)
     return np.asarray(kappa, dtype=np.float64) * (vehicle.l_r - slope * np.square(v_x))

@@ -8,13 +8,10 @@ import numpy as np
 from cca_core._checks import Array, Mask, check_array, check_real
 from cca_core.errors import InfeasibleError, InputError
 from cca_core.follow.margins import steering_loop
-from cca_core.follow.schedule import PreviewGains
+from cca_core.follow.schedule import SPEEDS, PreviewGains
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["GainRegion", "StabilityRegion", "design_gains", "gain_region"]
-
-SPEEDS = (2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0)
-"""Default grid of a schedule [m/s]."""
 
 _FACTOR = 10.0  # a mass is not more times the vehicle's: kilogrammes are no factor
 _GRID = 40  # gains tried in each direction

@@ -8,6 +8,9 @@ import numpy as np
 from cca_core._checks import Array, check_real
 from cca_core.path.path import Path
 
+_TAIL = 200.0  # the profile goes on falling behind the end [m]
+_G = 9.81  # [m/s^2]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpeedSettings:
@@ -233,7 +236,3 @@ def profile_acceleration(
     )
     ahead = (there - v_x * v_x) / (2.0 * horizon)
     return min(cruise_acceleration(v_x, math.sqrt(here), settings), max(ahead, -settings.b_max))
-
-
-_TAIL = 200.0  # the profile goes on falling behind the end [m]
-_G = 9.81  # [m/s^2]

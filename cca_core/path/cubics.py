@@ -1,4 +1,4 @@
-"""Piecewise cubics in plane: evaluation and foot points, for arrays and for single floats."""
+"""Piecewise cubics in the plane: evaluation and foot points, for arrays and for single floats."""
 
 import math
 from bisect import bisect_right

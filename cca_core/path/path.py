@@ -1,4 +1,8 @@
-"""A road's centre line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable."""
+"""A road's centre line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable.
+
+All that can be asked of a path is documented here and computed in `cubics`, so this module is longer than
+others.
+"""
 
 import math
 from functools import cached_property

@@ -139,8 +139,7 @@ def _data(log: Log, view: tuple[Array, tuple[float, float, float, float]]) -> di
     origin = poses[0, 0, :2].copy()
     poses[:, :, :2] -= origin
     camera = view[0] - (*origin, 0.0)
-    by_sight = np.array([not (log.scenario.v2v and user.connected) for user in users], dtype=bool)
-    known = log.heard | (log.seen & by_sight)
+    known = log.heard | log.seen
     hit = contact(log)
     return {
         "origin": origin.round(3).tolist(),

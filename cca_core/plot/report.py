@@ -105,7 +105,7 @@ def write_report(
 {"".join(part for i, group in enumerate(groups) for part in _card(i, group))}</div>
 <p class="note">Every number on this page comes from the runs that are shown. Speeds at a contact are
 relative; gaps are between body boxes. The driver and the sensor know what they see, the ego with V2V what
-it hears.</p>
+it hears as well.</p>
 </header>
 <main>
 {chapters}{more}</main>

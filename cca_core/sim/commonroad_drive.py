@@ -150,9 +150,9 @@ def drive_commonroad(
 
     The route is the shortest way on the lanelets; a lane change on the way is part of it, and nobody looks
     behind for it. A lane beside the route counts if it is there, with the same direction, all the way to
-    the goal. If the goal is no place, the route goes straight on, or `towards`
-    a lanelet. The wanted speed is the one nearest to
-    the initial speed with which an undisturbed ego arrives in the goal's window of time, with its speed.
+    the goal. If the goal is no place, the route goes straight on, or `towards` a lanelet. The wanted speed
+    is the one nearest to the initial speed with which an undisturbed ego arrives in the goal's window of
+    time, with its speed.
     """
     if not isinstance(scenario, CommonRoadScenario):
         raise InputError(f"scenario must be a CommonRoadScenario, was {type(scenario).__name__}")

@@ -116,7 +116,7 @@ class Driver:
         else:
             decision = Decision(action=Action.KEEP, reason="no danger seen")
         return Command(
-            delta=self._controller.steer(state, path), a_x=float(self._a_x), decision=decision, band=None,
+            delta=self._controller.steer(state, path, dt), a_x=float(self._a_x), decision=decision, band=None,
             reference=path, status=Status.OK,
         )  # fmt: skip
 

@@ -125,8 +125,7 @@ def find_route(lanelets: Mapping[int, Lanelet], start: int, goals: Sequence[int]
     -------
     route : tuple of int
         Lanelets in driving order, each a successor of the one before or beside it with the same direction;
-        empty if there is no way. A lane change costs as much as 50 m, and a little
-        more the later it is.
+        empty if there is no way. A lane change costs as much as 50 m, and a little more the later it is.
     """
     queue: list[tuple[float, tuple[int, ...]]] = [(0.0, (start,))]
     done: set[int] = set()

@@ -8,9 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
+from cca_core.command import Command
 from cca_core.errors import Status
 from cca_core.follow import steady_turn
-from cca_core.planner import Command, Planner
+from cca_core.planner import Planner
 from cca_core.sim.car import make_plant
 from cca_core.sim.driver import Driver
 from cca_core.sim.log import Log
@@ -24,6 +25,8 @@ from cca_core.sim.witness import Witness
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["CYCLE", "make_driver", "make_planner", "simulate"]
+
+_LOOKS = 5  # cycles between two looks where messages tell more
 
 
 class Pilot(Protocol):
@@ -50,9 +53,6 @@ class Pilot(Protocol):
         command : Command
             Steering and acceleration.
         """
-
-
-_LOOKS = 5  # cycles between two looks where messages tell more
 
 
 def simulate(

@@ -127,7 +127,6 @@ class MultiBodyPlant:
     def _integrate(self, delta: float, a_x: float, dt: float) -> None:
         n = max(1, math.ceil(dt / _STEP - 1e-9))
         h = dt / n
-        slope = self._x
         for _ in range(n):
             rate = min(max((delta - self._x[2]) / self._lags[0], -0.4), 0.4)
             self._a_x += h / self._lags[1] * (a_x - self._a_x)

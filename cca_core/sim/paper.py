@@ -7,12 +7,11 @@ from cca_core.errors import InputError
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.path import Lane, LocalFrame, Path, Road, fit_path
 from cca_core.sim.curbside import CURBSIDE_CASES, curbside
-from cca_core.sim.eebl import REALISTIC, eebl
+from cca_core.sim.eebl import CAR, REALISTIC, eebl
 from cca_core.sim.ima import ima
 from cca_core.sim.road_user import RoadUser
 from cca_core.sim.route import demo_route, longest_stretch
 from cca_core.sim.scenario import EGOS, Scenario
-from cca_core.vehicle import VehicleParams
 
 __all__ = ["CASES", "maneuver", "paper_scenarios"]
 
@@ -37,7 +36,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
     start : float
         Where the ego starts on it [m].
     v2v : bool
-        Whether messages are exchanged; without, a sensor without delay sees what is in front.
+        Whether messages are exchanged; without, a sensor sees what is in front.
 
     Returns
     -------
@@ -79,7 +78,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
     )
     return Scenario(
         name="maneuver", case=case, road=Road(path, lanes, speed_limit=36.0),
-        vehicle=replace(VehicleParams.bmw_320i(), length=4.5, width=1.8),
+        vehicle=CAR,
         start=start, v_x=cruise, cruise_speed=cruise, users=users, duration=duration,
         ego="v2v" if v2v else "sensor", figures=_FIGURES[case],
         evasion=EvasionSettings(

@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -55,14 +56,7 @@ class Receiver:
         """
         for data in messages:
             self.tracker.update(data, t)
-        return [
-            RemoteVehicle(
-                id=self._names.get(v.id, v.id), x=v.x, y=v.y, psi=v.psi, v_x=v.v_x, a_x=v.a_x, r=v.r,
-                length=v.length, width=v.width, age=v.age, sigma_along=v.sigma_along,
-                sigma_across=v.sigma_across, events=v.events, source=v.source,
-            )
-            for v in self.tracker.vehicles(t, ego)
-        ]  # fmt: skip
+        return [replace(v, id=self._names.get(v.id, v.id)) for v in self.tracker.vehicles(t, ego)]
 
 
 class Radio:

@@ -17,7 +17,7 @@ from cca_core.vehicle import VehicleParams
 __all__ = ["EGOS", "PinnedGap", "RoadUser", "Scenario"]
 
 EGOS = ("v2v", "driver", "sensor")
-"""Who drives: the planner with messages, a driver by sight, or the planner with a sensor."""
+"""Who drives: the planner with messages and a sensor, a driver by sight, the planner with a sensor alone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,8 +73,9 @@ class Scenario:
     duration : float
         Length of the run [s].
     ego : {"v2v", "driver", "sensor"}
-        Who drives it: the planner with messages; a driver who sees, and brakes fully after his reaction; the
-        planner with a sensor. Without messages no lane beside is known to be free.
+        Who drives it: the planner with messages, and a sensor for what they do not tell; a driver who sees,
+        and brakes fully after his reaction; the planner with the sensor alone. Without messages no lane
+        beside is known to be free.
     reaction : float
         Reaction time of the driver [s].
     sensor_range : float
@@ -97,7 +98,7 @@ class Scenario:
     pinned : PinnedGap, optional
         A gap that is held until the ego knows of a hazard.
     stop_line : float, optional
-        Path coordinate of a line before which the ego's front has to stop if it must wait [m].
+        Path coordinate at which a stop line is drawn [m]; the planner heeds those of `road`.
     occluders : tuple of tuple of float
         Things beside the road that hide others: x, y [m], psi [rad], length, width [m] of each.
     scenery : tuple of Road

@@ -33,7 +33,7 @@ class ChannelSettings:
     reordered : float
         Share of messages that are held back by `reordering`, so that later ones overtake them [-].
     reordering : float
-        [s]
+        Time for which they are held back [s].
     duplicated : float
         Share of messages that arrive a second time, up to `reordering` later [-].
 

@@ -47,11 +47,11 @@ class PlausibilitySettings:
     inside : bool
         Drop a position within the body of a vehicle that was heard of before it.
     age_limit : float
-        [s]
+        Oldest measurement [s].
     clock_error : float
-        [s]
+        Largest lead of a sender's clock [s].
     longest, widest, least_size : float
-        [m]
+        Limits of a body [m].
     room : float
         Error of a position against the last ones [m].
     timing : float

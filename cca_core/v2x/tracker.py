@@ -24,6 +24,8 @@ _BACKWARDS = -20.0
 _WIDEST = 5.0  # [m]
 _CALMING = 0.5  # rate at which it is forgotten how fast the ego was [m/s^2]
 _DRIVEN = 5.0  # way on which a doubted sender shows that its place moves as it tells [m]
+_OF_PLACE = frozenset({"frozen", "teleport", "displacement", "inside"})  # its motion may be true
+_ACCEPTED = frozenset({"new", "updated", "returned", "took_over"})
 
 
 class Tracker:
@@ -147,12 +149,9 @@ class Tracker:
     def _take(self, bsm: Bsm, t: float) -> str:
         """Take in a decoded message; say what became of it."""
         track = self._tracks.by_id.get(bsm.id)
-        timed = bsm.sec_mark is not None and bsm.sec_mark < 60.0  # a leap second has no place on the clock
-        if timed:
-            mark: float = bsm.sec_mark  # type: ignore[assignment]  # not None
-            measured = mark + 60.0 * round((t - mark) / 60.0)
-        else:
-            measured = t - _UNTIMED_AGE
+        mark, timed, measured = bsm.sec_mark, False, t - _UNTIMED_AGE
+        if mark is not None and mark < 60.0:  # a leap second has no place on the clock
+            timed, measured = True, mark + 60.0 * round((t - mark) / 60.0)
         if track is not None:
             if order := track.out_of_order(bsm.msg_count, measured, timed, t):
                 return order
@@ -167,8 +166,9 @@ class Tracker:
             return failed
         if bsm.psi is None and track is None:
             length = width = min(max(length, width), _WIDEST)  # it may point anywhere
-        told = getattr(bsm.accuracy, "semi_major", None)
-        accuracy = min(told, self.settings.most_accuracy) if isinstance(told, float) and told > 0.0 else 0.0
+        told: object = getattr(bsm.accuracy, "semi_major", None)
+        told = told if isinstance(told, (int, float)) and told > 0.0 else 0.0
+        accuracy = min(float(told), self.settings.most_accuracy)
         fresh = Track(bsm.id, fix, length, width, bsm.events, bsm.msg_count, timed, accuracy)
         if track is not None:
             return self._follow(track, fresh)
@@ -261,7 +261,3 @@ class Tracker:
         if self._ego is None or math.dist(loser[1:3], self._ego) <= settings.keep_within:
             self._turned_away = fix.t
         return spare is not None
-
-
-_OF_PLACE = frozenset({"frozen", "teleport", "displacement", "inside"})  # its motion may be true
-_ACCEPTED = frozenset({"new", "updated", "returned", "took_over"})

@@ -44,7 +44,7 @@ def solvable(case: Case) -> tuple[bool, list[Side], Array]:
     """Search all sides for a displacement that keeps to clearance, edges and curvature limit.
 
     Returns whether there is one, the side of the ego on which it passes each obstacle, and u at each node [m]
-    as a witness (checked by `verified`); without one, no sides and zeros.
+    as a witness (measured densely, to `TOLERANCE`); without one, no sides and zeros.
     """
     search = _Search(case)
     found = search.branch([], list(range(len(case.obstacles))))
@@ -52,11 +52,6 @@ def solvable(case: Case) -> tuple[bool, list[Side], Array]:
         return False, [], np.zeros(len(case.nodes))
     sides: list[Side] = ["left" if found[0][j] > 0 else "right" for j in range(len(case.obstacles))]
     return True, sides, found[1]
-
-
-def verified(case: Case, u: Array) -> bool:
-    """Whether a displacement keeps to everything, by the dense measurements."""
-    return max(_shortages(case, u)) <= TOLERANCE
 
 
 def _shortages(case: Case, u: Array) -> tuple[float, float, float]:

@@ -15,10 +15,8 @@ from cca_core.follow import steady_steering
 
 __all__ = ["LinearMpc"]
 
-_ROOMS = (
-    0.03,
-    0.12,
-)  # what a corridor is narrowed by for that, then by more if the way between nodes is too close [m]
+# what a corridor is narrowed by, and what by if the way between nodes is too close then [m]
+_ROOMS = 0.03, 0.12
 _SPARE = 0.97  # share of the lateral acceleration that the linear model may use [-]
 _SLOWEST = 2.0  # the model is held at this speed below it [m/s]
 _TRIED = 3  # choices of sides for which the programme is solved

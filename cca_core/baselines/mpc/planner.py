@@ -27,10 +27,8 @@ _DRIVE_LAG = 0.1  # of drive and brakes [s]
 _YAW_LAG = 0.1  # from steering angle to yaw rate [s]
 _BRAKE = 4.0  # when there is no solution [m/s^2]
 _HELD = 1.0  # for so long an old solution is driven on [s]
-_BEGUN, _GOES_ON = (
-    0.8,
-    0.4,
-)  # share of the clearance that a way past must keep to be begun, to be gone on with
+# share of the clearance that a way past must keep to be begun, to be gone on with
+_BEGUN, _GOES_ON = 0.8, 0.4
 _HARDER = 1.5  # share of the lateral acceleration that is allowed outside the own lane
 _CURVE = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
 _IN_THE_WAY = 0.3  # lateral gap to the ego below which a vehicle ahead is followed [m]
