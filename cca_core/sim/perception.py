@@ -11,13 +11,15 @@ from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["Perception"]
 
+_PRECISE = 0.1  # deviation up to which a sender's own word on its place is taken [m]
+
 
 class Perception:
     """Receiver and sensor of the ego.
 
     With V2V it knows what it hears. Who does not send, and whose message is older than what the sensor tells,
-    is known by the sensor while in sight; the events that were heard of stay. Without V2V it knows what it
-    sees.
+    is known by the sensor while in sight; the events that were heard of stay. Of who knows its own place
+    less well than the sensor does the place is the sensor's. Without V2V it knows what it sees.
 
     Parameters
     ----------
@@ -97,7 +99,12 @@ class Perception:
         """
         heard = {v.id: v for v in self._receiver.take(t, messages, ego)} if self._hears else {}
         recent = {name for name, v in heard.items() if v.age <= self._sensor.delay}
-        for v in self._sensor.report(t, rows, seen, leaving_out=recent):
-            before = heard.get(v.id)
-            heard[v.id] = replace(v, events=before.events, source="v2v") if before else v
+        precise = {name for name in recent if heard[name].sigma_across <= _PRECISE}
+        for v in self._sensor.report(t, rows, seen, leaving_out=precise):
+            if v.id in recent:
+                heard[v.id] = replace(heard[v.id], x=v.x, y=v.y, sigma_along=0.0, sigma_across=0.0)
+            elif v.id in heard:
+                heard[v.id] = replace(v, events=heard[v.id].events, source="v2v")
+            else:
+                heard[v.id] = v
         return list(heard.values())

@@ -11,7 +11,7 @@ from cca_core.sim import RoadUser, Scenario
 from cca_core.sim.eebl import CAR
 from cca_core.sim.perception import Perception
 from cca_core.sim.radio import sender_id
-from cca_core.v2x import Bsm, encode_bsm
+from cca_core.v2x import Accuracy, Bsm, encode_bsm
 
 PATH = interpolate_path([[0.0, 0.0], [400.0, 0.0]])
 SCENARIO = Scenario(
@@ -22,13 +22,13 @@ EGO = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=10.0)
 BRAKES = frozenset({"hard_braking"})
 
 
-def heard(t: float, x: float) -> bytes:
-    lat, lon = LocalFrame(*SCENARIO.origin).to_geodetic((x, 0.0))
+def heard(t: float, x: float, y: float = 0.0, accuracy: float | None = None) -> bytes:
+    lat, lon = LocalFrame(*SCENARIO.origin).to_geodetic((x, y))
     return encode_bsm(
         Bsm(
             msg_count=round(10.0 * t) % 128, id=sender_id(0), sec_mark=t, latitude_deg=float(lat),
             longitude_deg=float(lon), speed=10.0, psi=0.0, a_x=0.0, r=0.0, width=1.8, length=4.5,
-            events=BRAKES,
+            events=BRAKES, accuracy=Accuracy(semi_major=accuracy, semi_minor=accuracy),
         )
     )  # fmt: skip
 
@@ -85,3 +85,17 @@ def test_who_was_never_heard_is_known_by_sight() -> None:
 def test_without_v2v_messages_tell_nothing() -> None:
     assert known(True, 3.0, ego="sensor") == known(True, -1.0, ego="sensor")
     assert known(False, 3.0, ego="sensor") == []
+
+
+@pytest.mark.parametrize("seen", [True, False])
+def test_the_sensor_knows_the_place_better_than_a_sender_with_a_poor_receiver(seen: bool) -> None:
+    perception = Perception(SCENARIO)
+    for k in range(50):
+        t = 0.02 * k
+        x = 40.0 + 10.0 * t
+        messages = [heard(t, x, 0.8, 0.5)] if k % 5 == 0 else []
+        (red,) = perception.remotes(t, [(x, 0.0, 0.0, 10.0, 0.0, 0.0)], [seen], messages, EGO)
+    assert (red.x, red.y) == pytest.approx((x, 0.0 if seen else 0.8), abs=0.02)
+    assert (red.source, red.events) == ("v2v", BRAKES)
+    assert red.age < 0.1
+    assert red.sigma_across == (0.0 if seen else pytest.approx(0.5, abs=0.01))
