@@ -152,7 +152,9 @@ class TestVariation:
 
 @cache
 def curb(reach: float, **change: float) -> Log:
-    return simulate(curbside("fast", channel=ChannelSettings(range=reach), **change))
+    """An ego that knows red by its messages alone."""
+    blind = replace(curbside("fast", channel=ChannelSettings(range=reach), **change), sensor_range=0.0)
+    return simulate(blind)
 
 
 class TestAvoidable:
