@@ -28,6 +28,7 @@ from cca_core.follow import (
 )
 from cca_core.hazards import IN_THE_WAY, conflict_ahead, kept_behind, leader_ahead, leader_at
 from cca_core.path import Path, Road, interpolate_path
+from cca_core.retreat import slow_enough
 from cca_core.scene import Ego, Neighbour, locate, unusable
 from cca_core.swerve import renew, swerves_of, ways_around
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -209,8 +210,9 @@ class Planner:
                 blocks = [n for n in neighbours if n not in kept and self._blocks(n, at(n.s))]
                 kept += [replace(n, d=n.d - at(n.s)) for n in blocks]
             leader = self._leader(sorted(kept, key=lambda n: n.s), s, state.v_x)
-        a_x = self._acceleration(s, state.v_x, state.r, leader, dt)
         reference = path if self._maneuver is None else self._maneuver.reference
+        most = -slow_enough(reference, s, state.v_x) if self._retreating else math.inf
+        a_x = self._acceleration(s, state.v_x, state.r, leader, dt, most)
         delta = self._controller.steer(state, reference, dt, near=s)
         return self._given(Command(
             delta=delta, a_x=float(a_x), decision=self._decision, reference=reference, status=self._status,
@@ -309,8 +311,10 @@ class Planner:
         if now.maneuver is None:
             self._history = []
 
-    def _acceleration(self, s: float, v_x: float, yaw_rate: float, leader: Leader | None, dt: float) -> float:
-        wanted = profile_acceleration(s, v_x, self._cap, self.speed)
+    def _acceleration(
+        self, s: float, v_x: float, yaw_rate: float, leader: Leader | None, dt: float, most: float
+    ) -> float:
+        wanted = min(profile_acceleration(s, v_x, self._cap, self.speed), most)
         action = self._decision.action
         if leader is not None:
             stops = leader.stop_in_comfort <= _COMFORTABLE

@@ -8,10 +8,10 @@ import numpy as np
 
 from cca_core.errors import Status
 from cca_core.evasion import Evasion
-from cca_core.path import Lane, Road, detour_path
+from cca_core.path import Lane, Path, Road, detour_path
 from cca_core.scene import Ego, Neighbour
 
-__all__ = ["plan_retreat"]
+__all__ = ["plan_retreat", "slow_enough"]
 
 _BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
 _ROOM = 2.0  # to the vehicle in front before the ego returns behind it [m]
@@ -81,6 +81,30 @@ def plan_retreat(
         message=f"given up: {obstruction}",
     )  # fmt: skip
     return replace(maneuver, end=last, band=band, reference=detour_path(road.path, s, nodes))
+
+
+def slow_enough(way: Path, s: float, v_x: float) -> float:
+    """Find what a car must brake with to be slow enough for the way back.
+
+    The way is bent for the speed that the ego has once it has fallen back, not for the one that it has now.
+
+    Parameters
+    ----------
+    way : Path
+        What is steered along.
+    s : float
+        Where the ego is on it [m].
+    v_x : float
+        Its speed [m/s].
+
+    Returns
+    -------
+    deceleration : float
+        Least constant one with which it asks for no more than 4 m/s^2 to the side anywhere [m/s^2].
+    """
+    x = np.arange(1.0, 2.0 + v_x * v_x / (2.0 * _BRAKE), 1.0)
+    squared = _LATERAL / np.maximum(np.abs(way.curvature(s + x)), 1e-6)
+    return max(float(np.max((v_x * v_x - squared) / (2.0 * x))), 0.0)
 
 
 def _on(other: Neighbour, lane: Lane) -> bool:

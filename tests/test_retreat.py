@@ -7,7 +7,8 @@ from cca_core import Lane, Road
 from cca_core.evasion import Evasion, plan_evasion
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import SpeedSettings
-from cca_core.retreat import plan_retreat
+from cca_core.path import Path, interpolate_path
+from cca_core.retreat import plan_retreat, slow_enough
 from cca_core.scene import Ego, Neighbour
 from tests.test_planner import CAR, START, car, straight
 
@@ -63,3 +64,28 @@ def test_waits_beside_until_the_brakes_suffice(maneuver: Evasion) -> None:
     assert far is not None
     assert near.offset_at(START + 20.0) == pytest.approx(maneuver.offset_at(START + 20.0), abs=0.05)
     assert far.offset_at(START + 20.0) < 0.9 * maneuver.offset_at(START + 20.0)
+
+
+def bend_after(straight_on: float, radius: float) -> Path:
+    """A straight, then an arc."""
+    angle = np.linspace(0.0, 1.0, 60)[1:]
+    arc = np.column_stack((straight_on + radius * np.sin(angle), radius * (1.0 - np.cos(angle))))
+    return interpolate_path(
+        np.vstack(
+            (
+                np.column_stack((np.arange(0.0, straight_on), np.zeros(int(straight_on)))),
+                [[straight_on, 0.0]],
+                arc,
+            )
+        )
+    )
+
+
+def test_brakes_for_the_bend_of_the_way_back() -> None:
+    """20 m at 4 m/s^2 are for 8.9 m/s: (20^2 - 80) / (2 * 40 m) from 20 m/s 40 m before."""
+    way = bend_after(60.0, 20.0)
+    assert slow_enough(way, 20.0, 20.0) == pytest.approx(4.0, rel=0.06)
+    assert slow_enough(way, 0.0, 20.0) == 0.0  # 5 m/s^2 are in time from 32 m before on
+    assert slow_enough(way, 58.0, 8.5) == 0.0
+    assert slow_enough(straight(), 100.0, 40.0) == 0.0
+    assert slow_enough(way, 20.0, 0.0) == 0.0

@@ -17,11 +17,12 @@ from cca_core.sim import (
     curbside,
     eebl,
     ima,
+    make_planner,
     maneuver,
     paper_scenarios,
     simulate,
 )
-from cca_core.sim.variation import Variation, draw_scenario
+from cca_core.sim.variation import Variation, draw_scenario, nominal
 from cca_core.v2x import ChannelSettings
 
 SEEDS = (1, 2, 3, 4, 5)
@@ -211,6 +212,22 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
     log = simulate(scenario)
     assert log.gaps().min() > 0.0
     assert "BRAKE" in log.actions
+
+
+@pytest.mark.parametrize(
+    ("name", "seed", "index"),
+    [
+        ("curbside", 3, 268),  # heard 26 m ahead: only a swerve at the limit helps
+        ("curbside", 3, 646), ("curbside", 5, 1392),  # noise says that red is not in the way
+        ("maneuver", 4, 3), ("maneuver", 4, 46), ("maneuver", 4, 58),  # a silent leader in sight, R1 behind
+        ("maneuver", 6, 283),  # the way back is bent for the speed after falling back
+    ],
+)  # fmt: skip
+def test_what_once_ended_in_a_contact(name: str, seed: int, index: int) -> None:
+    scenario, _ = draw_scenario(Variation(scenario=name), seed, index)
+    log = simulate(scenario, planner=make_planner(nominal(scenario)))
+    assert log.gaps().min() > 0.0
+    assert np.abs(log.place[:, 1]).max() < 5.25
 
 
 class TestCurbside:
