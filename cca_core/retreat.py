@@ -14,6 +14,7 @@ from cca_core.scene import Ego, Neighbour
 __all__ = ["plan_retreat", "slow_enough"]
 
 _BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
+_LAG = 0.3  # until it is there: half the time in which brakes build up, and their lag [s]
 _ROOM = 2.0  # to the vehicle in front before the ego returns behind it [m]
 _REACTION = 1.0  # of drivers behind [s]
 _LATERAL = 4.0  # lateral acceleration of the return [m/s^2]
@@ -53,15 +54,16 @@ def plan_retreat(
         return None
     leader = min(ahead, key=lambda n: n.s)
     gap = leader.s - leader.half_length - front
-    t = np.linspace(0.0, max(ego.v_x, 0.1) / _BRAKE, 60)
-    opens = gap + leader.v_s * t - (ego.v_x * t - 0.5 * _BRAKE * t * t)
-    closing = np.maximum(ego.v_x - _BRAKE * t - leader.v_s, 0.0)
+    t = np.linspace(0.0, _LAG + max(ego.v_x, 0.1) / _BRAKE, 60)
+    braked = np.maximum(t - _LAG, 0.0)
+    opens = gap + leader.v_s * t - (ego.v_x * t - 0.5 * _BRAKE * braked * braked)
+    closing = np.maximum(ego.v_x - _BRAKE * braked - leader.v_s, 0.0)
     behind = np.flatnonzero(opens >= _ROOM + closing**2 / (2.0 * _BRAKE))
     if not len(behind):
         return None
     moment = float(t[behind[0]])
-    hold = ego.v_x * moment - 0.5 * _BRAKE * moment**2
-    v_then = ego.v_x - _BRAKE * moment
+    hold = ego.v_x * moment - 0.5 * _BRAKE * float(braked[behind[0]]) ** 2
+    v_then = ego.v_x - _BRAKE * float(braked[behind[0]])
     for n in others:
         left = rear + hold - (n.s + n.half_length + n.v_s * moment)
         from_behind = n.s + n.half_length <= rear and n.v_s > 0.0
