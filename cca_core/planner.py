@@ -28,7 +28,7 @@ from cca_core.follow import (
 )
 from cca_core.hazards import IN_THE_WAY, conflict_ahead, kept_behind, leader_ahead, leader_at
 from cca_core.path import Path, Road, interpolate_path
-from cca_core.retreat import slow_enough
+from cca_core.retreat import put_off, slow_enough
 from cca_core.scene import Ego, Neighbour, locate, unusable
 from cca_core.swerve import renew, swerves_of, ways_around
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -256,7 +256,9 @@ class Planner:
     ) -> None:
         """Renew the manoeuvre that is under way, or choose whether to begin one."""
         if self._maneuver is not None:
-            if not self._retreating:
+            if self._retreating:
+                self._maneuver = put_off(ego, self.road, self._maneuver, neighbours)
+            else:
                 self._renew(ego, self._maneuver, leader, neighbours)
             return
         plans: dict[str, Evasion] = {}

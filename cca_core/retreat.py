@@ -11,12 +11,13 @@ from cca_core.evasion import Evasion
 from cca_core.path import Lane, Path, Road, detour_path
 from cca_core.scene import Ego, Neighbour
 
-__all__ = ["plan_retreat", "slow_enough"]
+__all__ = ["plan_retreat", "put_off", "slow_enough"]
 
 _BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
 _LAG = 0.3  # until it is there: half the time in which brakes build up, and their lag [s]
 _ROOM = 2.0  # to the vehicle in front before the ego returns behind it [m]
 _REACTION = 1.0  # of drivers behind [s]
+_RUN_OUT = 0.6  # in which it stops to drift back too early [s]
 _LATERAL = 4.0  # lateral acceleration of the return [m/s^2]
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 
@@ -74,7 +75,14 @@ def plan_retreat(
     if last > road.path.end:
         return None
     s = np.linspace(maneuver.start, last, len(maneuver.band.nodes))
-    u = np.array([maneuver.offset_at(min(x, first)) for x in s.tolist()])
+    u = np.array([maneuver.offset_at(x) for x in s.tolist()])
+    # until it may return it goes out as the swerve did, but not back: what it drifts dies down
+    sign, onward = (1.0 if maneuver.side == "left" else -1.0), s >= ego.s
+    u[onward] = sign * np.maximum.accumulate(np.maximum(sign * u[onward], sign * d))
+    drift, run_out = maneuver.offset_at(ego.s + 1.0) - d, max(_RUN_OUT * ego.v_x, 1.0)
+    if sign * drift < 0.0:
+        part = np.clip((s - ego.s) / run_out, 0.0, 1.0)
+        u += drift * run_out * (part - part**3 + 0.5 * part**4)
     share = np.clip((s - first) / length, 0.0, 1.0)
     u *= 1.0 - share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
     nodes = road.path.to_cartesian(s, u)
@@ -83,6 +91,34 @@ def plan_retreat(
         message=f"given up: {obstruction}",
     )  # fmt: skip
     return replace(maneuver, end=last, band=band, reference=detour_path(road.path, s, nodes))
+
+
+def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour]) -> Evasion:
+    """Begin the return later where the ego has not fallen back as far as was counted on.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego, on its way back.
+    road : Road
+        Route and lanes.
+    retreat : Evasion
+        As it was planned.
+    others : sequence of Neighbour
+        All other vehicles.
+
+    Returns
+    -------
+    retreat : Evasion
+        A later one while somebody is beside the ego on the own lane, if there is one; else the same.
+    """
+    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    rear = front - ego.vehicle.length
+    for n in others:
+        if _on(n, road.own_lane) and rear < n.s + n.half_length and n.s - n.half_length < front + _ROOM:
+            later = plan_retreat(ego, road, retreat, others, "")
+            return later if later is not None and later.end > retreat.end else retreat
+    return retreat
 
 
 def slow_enough(way: Path, s: float, v_x: float) -> float:

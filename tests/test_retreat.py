@@ -66,6 +66,21 @@ def test_waits_beside_until_the_brakes_suffice(maneuver: Evasion) -> None:
     assert far.offset_at(START + 20.0) < 0.9 * maneuver.offset_at(START + 20.0)
 
 
+def test_given_up_on_the_way_back_it_stays_beside(maneuver: Evasion) -> None:
+    """The swerve returns in front of the vehicle; the way back returns behind it, and not before."""
+    u = maneuver.band.displacement
+    peak = int(u.argmax())
+    s = np.linspace(maneuver.start, maneuver.end, len(u))[peak + int(np.argmax(u[peak:] < 0.8 * u.max()))]
+    ego = Ego(
+        vehicle=CAR, s=float(s), v_x=20.0, v_target=20.0, speed=SpeedSettings(), history=np.empty((0, 2))
+    )
+    back = plan_retreat(ego, ROAD, maneuver, [at(float(s) - START + 2.0, 0.0, 12.0)], "somebody comes")
+    assert back is not None
+    assert maneuver.offset_at(s + 20.0) < 0.5 * maneuver.offset_at(s)
+    assert back.offset_at(s + 20.0) > 0.85 * maneuver.offset_at(s)
+    assert back.offset_at(back.end) == pytest.approx(0.0, abs=1e-9)
+
+
 def bend_after(straight_on: float, radius: float) -> Path:
     """A straight, then an arc."""
     angle = np.linspace(0.0, 1.0, 60)[1:]

@@ -221,6 +221,7 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
         ("curbside", 3, 646), ("curbside", 5, 1392),  # noise says that red is not in the way
         ("maneuver", 4, 3), ("maneuver", 4, 46), ("maneuver", 4, 58),  # a silent leader in sight, R1 behind
         ("maneuver", 6, 283),  # the way back is bent for the speed after falling back
+        ("maneuver", 7, 56), ("maneuver", 7, 221),  # given up on the way back already, with others beside
     ],
 )  # fmt: skip
 def test_what_once_ended_in_a_contact(name: str, seed: int, index: int) -> None:
