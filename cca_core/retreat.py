@@ -19,6 +19,7 @@ _ROOM = 2.0  # to the vehicle in front before the ego returns behind it [m]
 _REACTION = 1.0  # of drivers behind [s]
 _RUN_OUT = 0.6  # in which it stops to drift back too early [s]
 _LATERAL = 4.0  # lateral acceleration of the return [m/s^2]
+_GIVEN_UP = "given up: "
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 
 
@@ -88,7 +89,7 @@ def plan_retreat(
     nodes = road.path.to_cartesian(s, u)
     band = replace(
         maneuver.band, nodes=nodes, sixth=np.zeros_like(nodes), displacement=u, status=Status.FALLBACK,
-        message=f"given up: {obstruction}",
+        message=f"{_GIVEN_UP}{obstruction}",
     )  # fmt: skip
     return replace(maneuver, end=last, band=band, reference=detour_path(road.path, s, nodes))
 
@@ -116,7 +117,8 @@ def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour])
     rear = front - ego.vehicle.length
     for n in others:
         if _on(n, road.own_lane) and rear < n.s + n.half_length and n.s - n.half_length < front + _ROOM:
-            later = plan_retreat(ego, road, retreat, others, "")
+            why = retreat.band.message.removeprefix(_GIVEN_UP)
+            later = plan_retreat(ego, road, retreat, others, why)
             return later if later is not None and later.end > retreat.end else retreat
     return retreat
 

@@ -8,7 +8,7 @@ from cca_core.evasion import Evasion, plan_evasion
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import SpeedSettings
 from cca_core.path import Path, interpolate_path
-from cca_core.retreat import plan_retreat, slow_enough
+from cca_core.retreat import plan_retreat, put_off, slow_enough
 from cca_core.scene import Ego, Neighbour
 from tests.test_planner import CAR, START, car, straight
 
@@ -79,6 +79,22 @@ def test_given_up_on_the_way_back_it_stays_beside(maneuver: Evasion) -> None:
     assert maneuver.offset_at(s + 20.0) < 0.5 * maneuver.offset_at(s)
     assert back.offset_at(s + 20.0) > 0.85 * maneuver.offset_at(s)
     assert back.offset_at(back.end) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_who_has_not_fallen_back_as_counted_on_returns_later(maneuver: Evasion) -> None:
+    """A second later the brakes have hardly acted, and the other is still beside; or nobody is."""
+    back = retreat(maneuver, 8.0)
+    assert back is not None
+    late = Ego(
+        vehicle=CAR, s=START + 19.0, v_x=19.0, v_target=20.0, speed=SpeedSettings(), history=np.empty((0, 2))
+    )
+    later = put_off(late, ROAD, back, [at(20.0, 0.0, 12.0)])
+    assert later.end > back.end + 5.0
+    assert later.band.message == back.band.message
+    assert later.offset_at(late.s + 20.0) >= back.offset_at(late.s) - 0.05
+    assert put_off(late, ROAD, back, [at(60.0, 0.0, 12.0)]) is back  # nobody is beside
+    assert put_off(late, ROAD, back, [at(20.0, 3.5, 12.0)]) is back  # not on the own lane
+    assert put_off(late, ROAD, back, []) is back
 
 
 def bend_after(straight_on: float, radius: float) -> Path:
