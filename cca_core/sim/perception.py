@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from cca_core.sim.radio import Receiver
 from cca_core.sim.scenario import Scenario
@@ -12,6 +12,40 @@ from cca_core.vehicle import RemoteVehicle, VehicleState
 __all__ = ["Perception"]
 
 _PRECISE = 0.1  # deviation up to which a sender's own word on its place is taken [m]
+_LASTING = 30.0  # time in which the error of a receiver's position forgets itself [s]
+
+
+@dataclass(frozen=True, slots=True)
+class _Error:
+    """What a sender was wrong by when it was last in sight.
+
+    Parameters
+    ----------
+    t : float
+        When that was [s].
+    x, y : float
+        From where it said to be to where it was [m].
+    along, across : float
+        Deviations that it was held capable of [m].
+    """
+
+    t: float
+    x: float
+    y: float
+    along: float
+    across: float
+
+    def taken_from(self, heard: RemoteVehicle, t: float) -> RemoteVehicle:
+        """Correct what the sender says now by what is left of the error, and grow what is not known."""
+        left = math.exp((self.t - t) / _LASTING)
+        sigmas = (
+            math.sqrt(max(told * told - left * left * min(then, told) ** 2, 0.0))
+            for told, then in ((heard.sigma_along, self.along), (heard.sigma_across, self.across))
+        )
+        along, across = sigmas
+        return replace(
+            heard, x=heard.x + left * self.x, y=heard.y + left * self.y, sigma_along=along, sigma_across=across
+        )
 
 
 class Perception:
@@ -19,7 +53,8 @@ class Perception:
 
     With V2V it knows what it hears. Who does not send, and whose message is older than what the sensor tells,
     is known by the sensor while in sight; the events that were heard of stay. Of who knows its own place
-    less well than the sensor does the place is the sensor's. Without V2V it knows what it sees.
+    less well than the sensor does the place is the sensor's; out of sight it is what messages say, corrected
+    by what they were last wrong by. Without V2V it knows what it sees.
 
     Parameters
     ----------
@@ -31,6 +66,7 @@ class Perception:
         self._hears = scenario.v2v
         self._sight_alone = not all(user.connected and self._hears for user in scenario.users)
         self._receiver, self._sensor = Receiver(scenario), Sensor(scenario)
+        self._errors: dict[str, _Error] = {}
 
     @property
     def looks(self) -> bool:
@@ -99,12 +135,17 @@ class Perception:
         """
         heard = {v.id: v for v in self._receiver.take(t, messages, ego)} if self._hears else {}
         recent = {name for name, v in heard.items() if v.age <= self._sensor.delay}
-        precise = {name for name in recent if heard[name].sigma_across <= _PRECISE}
-        for v in self._sensor.report(t, rows, seen, leaving_out=precise):
-            if v.id in recent:
-                heard[v.id] = replace(heard[v.id], x=v.x, y=v.y, sigma_along=0.0, sigma_across=0.0)
-            elif v.id in heard:
-                heard[v.id] = replace(v, events=heard[v.id].events, source="v2v")
-            else:
-                heard[v.id] = v
-        return list(heard.values())
+        precise = {name for name in heard if heard[name].sigma_across <= _PRECISE}
+        in_sight = {v.id: v for v in self._sensor.report(t, rows, seen, leaving_out=precise & recent)}
+        for name, told in heard.items():
+            if name in in_sight and name in recent:
+                v = in_sight.pop(name)
+                self._errors[name] = _Error(
+                    t, v.x - told.x, v.y - told.y, told.sigma_along, told.sigma_across
+                )
+                heard[name] = replace(told, x=v.x, y=v.y, sigma_along=0.0, sigma_across=0.0)
+            elif name in in_sight:
+                heard[name] = replace(in_sight.pop(name), events=told.events, source="v2v")
+            elif name in self._errors and name not in precise:
+                heard[name] = self._errors[name].taken_from(told, t)
+        return [*heard.values(), *in_sight.values()]
