@@ -11,7 +11,6 @@ from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["Perception"]
 
-_PRECISE = 0.1  # deviation up to which a sender's own word on its place is taken [m]
 _LASTING = 30.0  # time in which the error of a receiver's position forgets itself [s]
 
 
@@ -38,23 +37,20 @@ class _Error:
     def taken_from(self, heard: RemoteVehicle, t: float) -> RemoteVehicle:
         """Correct what the sender says now by what is left of the error, and grow what is not known."""
         left = math.exp((self.t - t) / _LASTING)
-        sigmas = (
-            math.sqrt(max(told * told - left * left * min(then, told) ** 2, 0.0))
-            for told, then in ((heard.sigma_along, self.along), (heard.sigma_across, self.across))
-        )
-        along, across = sigmas
         return replace(
-            heard, x=heard.x + left * self.x, y=heard.y + left * self.y, sigma_along=along, sigma_across=across
-        )
+            heard, x=heard.x + left * self.x, y=heard.y + left * self.y,
+            sigma_along=_rest(heard.sigma_along, left * self.along),
+            sigma_across=_rest(heard.sigma_across, left * self.across),
+        )  # fmt: skip
 
 
 class Perception:
     """Receiver and sensor of the ego.
 
-    With V2V it knows what it hears. Who does not send, and whose message is older than what the sensor tells,
-    is known by the sensor while in sight; the events that were heard of stay. Of who knows its own place
-    less well than the sensor does the place is the sensor's; out of sight it is what messages say, corrected
-    by what they were last wrong by. Without V2V it knows what it sees.
+    With V2V it knows what it hears. In sight everybody's place is the sensor's, and all else of who does not
+    send or whose message is older than what the sensor tells; the events that were heard of stay. Out of
+    sight the place is what messages say, corrected by what they were last wrong by. Without V2V it knows
+    what it sees.
 
     Parameters
     ----------
@@ -134,18 +130,21 @@ class Perception:
             For the planner; the source is ``"sensor"`` where nothing has been heard.
         """
         heard = {v.id: v for v in self._receiver.take(t, messages, ego)} if self._hears else {}
-        recent = {name for name, v in heard.items() if v.age <= self._sensor.delay}
-        precise = {name for name in heard if heard[name].sigma_across <= _PRECISE}
-        in_sight = {v.id: v for v in self._sensor.report(t, rows, seen, leaving_out=precise & recent)}
+        in_sight = {v.id: v for v in self._sensor.report(t, rows, seen)}
         for name, told in heard.items():
-            if name in in_sight and name in recent:
-                v = in_sight.pop(name)
-                self._errors[name] = _Error(
-                    t, v.x - told.x, v.y - told.y, told.sigma_along, told.sigma_across
-                )
+            v = in_sight.pop(name, None)
+            if v is None:
+                if name in self._errors:
+                    heard[name] = self._errors[name].taken_from(told, t)
+            elif told.age <= self._sensor.delay:
+                off = v.x - told.x, v.y - told.y
+                self._errors[name] = _Error(t, *off, told.sigma_along, told.sigma_across)
                 heard[name] = replace(told, x=v.x, y=v.y, sigma_along=0.0, sigma_across=0.0)
-            elif name in in_sight:
-                heard[name] = replace(in_sight.pop(name), events=told.events, source="v2v")
-            elif name in self._errors and name not in precise:
-                heard[name] = self._errors[name].taken_from(told, t)
+            else:
+                heard[name] = replace(v, events=told.events, source="v2v")
         return [*heard.values(), *in_sight.values()]
+
+
+def _rest(sigma: float, known: float) -> float:
+    """Deviation that is left of one [m] when a part of it is known."""
+    return math.sqrt(max(sigma * sigma - known * known, 0.0))

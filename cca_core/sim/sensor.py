@@ -3,7 +3,7 @@
 import cmath
 import math
 from collections import deque
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 
 from cca_core.geometry import wrap_angle
 from cca_core.sim.road_user import RoadUser
@@ -73,13 +73,7 @@ class Sensor:
             seen.append(visible_share(eye, ego.psi, self._half, body, hiding) >= _RECOGNISED)
         return seen
 
-    def report(
-        self,
-        t: float,
-        rows: Sequence[Sequence[float]],
-        seen: Sequence[bool],
-        leaving_out: Container[str] = (),
-    ) -> list[RemoteVehicle]:
+    def report(self, t: float, rows: Sequence[Sequence[float]], seen: Sequence[bool]) -> list[RemoteVehicle]:
         """Take in what is seen now, and report what was seen a delay ago.
 
         Parameters
@@ -91,8 +85,6 @@ class Sensor:
             so that they must not change afterwards.
         seen : sequence of bool
             Who is seen, as by `look`; kept likewise.
-        leaving_out : container of str
-            Road users of whom no report is wanted.
 
         Returns
         -------
@@ -106,7 +98,7 @@ class Sensor:
         if then > t - self.delay + 1e-9:
             return []
         users = zip(self._users, rows, seen, strict=True)
-        return [_moved(u, row, then, t) for u, row, is_seen in users if is_seen and u.id not in leaving_out]
+        return [_moved(u, row, then, t) for u, row, is_seen in users if is_seen]
 
 
 def visible_share(eye: complex, psi: float, half_angle: float, body: _Body, others: Sequence[_Body]) -> float:

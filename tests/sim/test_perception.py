@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cca_core import VehicleState
+from cca_core import RemoteVehicle, VehicleState
 from cca_core.path import Lane, LocalFrame, Road, interpolate_path
 from cca_core.sim import RoadUser, Scenario
 from cca_core.sim.eebl import CAR
@@ -26,7 +26,7 @@ def heard(t: float, x: float, y: float = 0.0, accuracy: float | None = None) -> 
     lat, lon = LocalFrame(*SCENARIO.origin).to_geodetic((x, y))
     return encode_bsm(
         Bsm(
-            msg_count=round(10.0 * t) % 128, id=sender_id(0), sec_mark=t, latitude_deg=float(lat),
+            msg_count=round(10.0 * t) % 128, id=sender_id(0), sec_mark=t % 60.0, latitude_deg=float(lat),
             longitude_deg=float(lon), speed=10.0, psi=0.0, a_x=0.0, r=0.0, width=1.8, length=4.5,
             events=BRAKES, accuracy=Accuracy(semi_major=accuracy, semi_minor=accuracy),
         )
@@ -54,7 +54,16 @@ def test_while_messages_are_young_they_count() -> None:
     assert len(young) == 150
     assert {source for _, source, _, _ in young} == {"v2v"}
     assert max(age for age, *_ in young) <= 0.1 + 1e-9
-    assert young == known(False, 3.0)
+    heard_alone = known(False, 3.0)
+    assert [(age, source, told) for age, source, _, told in young] == [
+        (age, source, told) for age, source, _, told in heard_alone
+    ]
+
+
+def test_in_sight_the_place_is_the_sensors() -> None:
+    places = np.array([x for _, _, x, _ in known(True, 3.0)])
+    assert places[-1] == pytest.approx(50.0)
+    assert [x for _, _, x, _ in known(False, 3.0)][-1] > 69.0
 
 
 def test_in_sight_nobody_falls_silent() -> None:
@@ -99,3 +108,38 @@ def test_the_sensor_knows_the_place_better_than_a_sender_with_a_poor_receiver(se
     assert (red.source, red.events) == ("v2v", BRAKES)
     assert red.age < 0.1
     assert red.sigma_across == (0.0 if seen else pytest.approx(0.5, abs=0.01))
+
+
+def lost_from_sight(y: float, accuracy: float, until: float) -> list[RemoteVehicle]:
+    """What is known each 0.1 s of one that drives at y = 0, says another y, and is in sight for 1 s."""
+    perception, found = Perception(SCENARIO), []
+    for k in range(round(until / 0.02)):
+        t = 0.02 * k
+        x = 40.0 + 10.0 * t
+        messages = [heard(t, x, y, accuracy)] if k % 5 == 0 else []
+        (red,) = perception.remotes(t, [(x, 0.0, 0.0, 10.0, 0.0, 0.0)], [t < 1.0], messages, EGO)
+        found += [red] if k % 5 == 0 else []
+    return found
+
+
+def test_out_of_sight_the_error_that_was_seen_is_taken_off_and_forgotten() -> None:
+    found = lost_from_sight(0.8, 0.5, 120.0)
+    assert max(abs(red.y) for red in found[5:30]) < 0.05
+    assert found[20].sigma_across < 0.15
+    across = [red.sigma_across for red in found[15:]]
+    assert np.diff(across).min() > -1e-3
+    assert across[-1] == pytest.approx(0.5, abs=0.01)
+    assert found[10 + 300].y == pytest.approx(0.8 * (1.0 - np.exp(-1.0)), abs=0.05)
+    assert found[-1].y == pytest.approx(0.8, abs=0.05)
+    assert {red.source for red in found} == {"v2v"}
+
+
+def test_never_is_more_known_than_what_was_told() -> None:
+    """The bounds hold whatever the error was; one that was never in sight keeps what it told."""
+    told = lost_from_sight(0.0, 0.3, 10.0)
+    assert all(red.sigma_across <= 0.31 for red in told)
+    perception = Perception(SCENARIO)
+    row = (40.0, 0.0, 0.0, 10.0, 0.0, 0.0)
+    (red,) = perception.remotes(0.0, [row], [False], [heard(0.0, 40.0, 0.8, 0.5)], EGO)
+    assert red.y == pytest.approx(0.8, abs=0.02)
+    assert red.sigma_across == pytest.approx(0.5, abs=0.01)
