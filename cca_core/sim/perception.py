@@ -11,6 +11,7 @@ from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["Perception"]
 
+_PRECISE = 0.1  # deviation up to which a sender's own word on its place is taken [m]
 _LASTING = 30.0  # time in which the error of a receiver's position forgets itself [s]
 
 
@@ -47,10 +48,10 @@ class _Error:
 class Perception:
     """Receiver and sensor of the ego.
 
-    With V2V it knows what it hears. In sight everybody's place is the sensor's, and all else of who does not
-    send or whose message is older than what the sensor tells; the events that were heard of stay. Out of
-    sight the place is what messages say, corrected by what they were last wrong by. Without V2V it knows
-    what it sees.
+    With V2V it knows what it hears. Who does not send, and whose message is older than what the sensor tells,
+    is known by the sensor while in sight; the events that were heard of stay. Of who knows its own place
+    less well than the sensor does the place is the sensor's; out of sight it is what messages say, corrected
+    by what they were last wrong by. Without V2V it knows what it sees.
 
     Parameters
     ----------
@@ -133,15 +134,15 @@ class Perception:
         in_sight = {v.id: v for v in self._sensor.report(t, rows, seen)}
         for name, told in heard.items():
             v = in_sight.pop(name, None)
-            if v is None:
-                if name in self._errors:
-                    heard[name] = self._errors[name].taken_from(told, t)
-            elif told.age <= self._sensor.delay:
+            recent, precise = told.age <= self._sensor.delay, told.sigma_across <= _PRECISE
+            if v is not None and not recent:
+                heard[name] = replace(v, events=told.events, source="v2v")
+            elif v is not None and not precise:
                 off = v.x - told.x, v.y - told.y
                 self._errors[name] = _Error(t, *off, told.sigma_along, told.sigma_across)
                 heard[name] = replace(told, x=v.x, y=v.y, sigma_along=0.0, sigma_across=0.0)
-            else:
-                heard[name] = replace(v, events=told.events, source="v2v")
+            elif not precise and name in self._errors:
+                heard[name] = self._errors[name].taken_from(told, t)
         return [*heard.values(), *in_sight.values()]
 
 
