@@ -18,11 +18,16 @@ from cca_core.geometry import Boxes
 from cca_core.path import Lane, Path, Road, detour_path
 from cca_core.predict import boxes_between
 from cca_core.scene import HORIZON, Ego, Neighbour
+from cca_core.settled import first_free, forgiven, resampled, settled
 
-__all__ = ["Evasion", "EvasionSettings", "boxes_of", "plan_evasion"]
+__all__ = ["GRIP_USED", "Evasion", "EvasionSettings", "boxes_of", "plan_evasion"]
+
+GRIP_USED = 0.8
+"""Share of the tyres' grip that a swerve may use when it cannot be given up any more."""
 
 _BEHIND = 2.0  # a window starts this far behind the car [m]
 _GROWTH = 2.0  # an end that would move on by less stays: it is an effect of rounding [m]
+_AS_BENT = 1.05  # by this more than it is bent already, what can hardly change may be bent
 _NODES = 140  # in a window, at most; never closer than 1 m
 _MANOEUVRING = 5.0  # slower than this the steering limits curvature, not the tyres [m/s]
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
@@ -37,11 +42,14 @@ class Evasion:
     side : {"left", "right"}
         Side of the route to which it swerves.
     start, end : float
-        Window on the route [m]; at both ends the band lies on the route.
+        Window on the route [m], at both ends of which the swerve lies on the route.
     band : Band
-        The bent route between them.
+        The bent route from the ego on; of a new swerve from `start` on.
+    displacement : ndarray, shape (n,)
+        Lateral coordinate at equal steps from `start` to `end` [m], left positive: what has been driven, then
+        the band.
     reference : Path
-        What the steering follows: the band, then the route.
+        What the steering follows: the same, then the route.
     candidate : Candidate
         The same for the choice of action.
     """
@@ -50,8 +58,14 @@ class Evasion:
     start: float
     end: float
     band: Band
+    displacement: Array
     reference: Path
     candidate: Candidate
+
+    @property
+    def places(self) -> Array:
+        """Path coordinates at which `displacement` is told [m]."""
+        return np.linspace(self.start, self.end, len(self.displacement))
 
     def offset_at(self, s: float) -> float:
         """Lateral coordinate of the swerve.
@@ -64,10 +78,9 @@ class Evasion:
         Returns
         -------
         d : float
-            Displacement of the band there [m], left positive; 0 outside the window.
+            Displacement there [m], left positive; 0 outside the window.
         """
-        u = self.band.displacement
-        return float(np.interp(s, np.linspace(self.start, self.end, len(u)), u))
+        return float(np.interp(s, self.places, self.displacement))
 
 
 def plan_evasion(
@@ -145,17 +158,32 @@ def plan_evasion(
         return Candidate(side=side, obstruction="the route ends before the pass does")
     beside_or_ahead = [o for o in others if not o.follows(ego, road.own_lane.right, road.own_lane.left)]
     n = 1 + min(_NODES, max(20, math.ceil(end - start)))
-    s = np.linspace(start, end, n)
-    t = ego.times(s)
+    whole = np.linspace(start, end, n)
+    # what has been driven stays as it is, and the band goes on from there
+    was = None if ongoing is None else resampled(whole, ongoing.places, ongoing.displacement)
+    k = 0 if was is None else first_free(whole, ego.s)
+    s, t = whole[k:], ego.times(whole[k:])
     right = road.own_lane.right if side == "left" or beside is None else beside.right
     left = road.own_lane.left if side == "right" or beside is None else beside.left
+    squared = np.maximum(_speeds(ego, s), _MANOEUVRING) ** 2
+    curvature_limit = settings.lateral_limit / squared
+    if ongoing is not None:
+        m = settled(t)
+        bent = _AS_BENT * np.abs(ongoing.reference.curvature(s[:m])).max()
+        most = GRIP_USED * ego.vehicle.mu * 9.81 / squared[:m]
+        curvature_limit[:m] = np.maximum(curvature_limit[:m], np.minimum(bent, most))
     draw = partial(
         relax_band, road.path.position(s), side=side, vehicle=ego.vehicle, clearance=settings.clearance,
-        corridor=(right, left),
-        curvature_limit=settings.lateral_limit / np.maximum(_speeds(ego, s), _MANOEUVRING) ** 2,
+        corridor=(right, left), curvature_limit=curvature_limit,
+        start=0.0 if was is None else was[k - 1 : k + 2],
     )  # fmt: skip
     passed = [boxes_of(road.path, s, b, t, settings, b is blockers[0]) for b in blockers]
     around = [boxes_of(road.path, s, o, t, settings, False) for o in beside_or_ahead]
+    if was is not None:
+        body = ego.swept(road.path, s[:m], was[k : k + m])
+        passed, around = (
+            [forgiven(box, body, t, settings.clearance) for box in boxes] for boxes in (passed, around)
+        )
     band = draw([*passed, *around], lead=[*leads, *(0.0 for _ in around)])
     found = band.status is Status.OK
     ways = [_outside(band.displacement, road.own_lane, half_width)] if found else []
@@ -181,9 +209,13 @@ def plan_evasion(
         side=side, obstruction=obstruction, lead_in=first, needed=needed,
         duration=until, zone=zone, cost=float(np.abs(band.displacement).max()),
     )  # fmt: skip
+    displacement, nodes = band.displacement, band.nodes
+    if was is not None:
+        displacement = np.append(was[:k], displacement)
+        nodes = np.vstack((road.path.to_cartesian(whole[:k], was[:k]), nodes))
     return Evasion(
-        side=side, start=start, end=end, band=band, candidate=candidate,
-        reference=detour_path(road.path, s, band.nodes),
+        side=side, start=start, end=end, band=band, displacement=displacement, candidate=candidate,
+        reference=detour_path(road.path, whole, nodes),
     )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ IN_THE_WAY = 0.3
 """Lateral gap to the route below which a vehicle blocks it [m]."""
 
 _STANDS = 1.0  # slower than this a vehicle stands; messages err by 0.2 [m/s]
+_STALE_AFTER = 1.0  # age from which on where one that comes towards the ego will be is a guess [s]
 _SOFTLY = 0.5  # time in which a creeping car comes to rest [s]
 _HOLD = 1.0  # further time that must lie between bodies until the ego goes on that waits already [s]
 _BRAKES = -2.0  # acceleration below which a hidden vehicle is braked for [m/s^2]
@@ -63,7 +64,7 @@ def leader_ahead(
     front = s + vehicle.box_offset + 0.5 * vehicle.length
     demanding: Leader | None = None
     between, follow = 0.0, math.inf
-    for n in (b for b in blockers if b.s > s):
+    for n in (b for b in blockers if b.s > s and not _keeps_to_its_side(b, vehicle)):
         gap = n.s - n.half_length - front - between
         hidden = between > 0.0
         alarming = n.v_s < _STANDS or n.remote.a_x < _BRAKES or "hard_braking" in n.remote.events
@@ -208,6 +209,14 @@ def _sooner(
         return leader
     follow = min(leader.follow_acceleration, -brakes.required_deceleration)
     return replace(brakes, follow_acceleration=follow)
+
+
+def _keeps_to_its_side(other: Neighbour, vehicle: VehicleParams) -> bool:
+    """Whether one that comes towards the ego was last heard too long ago to say that it is in its way."""
+    if other.v_s > -_STANDS or other.remote.age <= _STALE_AFTER:
+        return False
+    across = 2.0 * other.remote.sigma_across
+    return abs(other.d) + across > 0.5 * vehicle.width + IN_THE_WAY + other.half_width - across
 
 
 def _unsure(leader: Leader, v_x: float, speed: SpeedSettings) -> Leader:

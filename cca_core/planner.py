@@ -8,6 +8,7 @@ import logging
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from importlib import import_module
 from types import NoneType
 
 import numpy as np
@@ -105,6 +106,7 @@ class Planner:
         )
         # what is slow to import or to build is there before the first cycle
         interpolate_path([[0.0, 0.0], [1.0, 0.0]])
+        import_module("scipy.interpolate")
         self.road.path.project(self.road.path.position(self.road.path.start))
         self._t = -math.inf
         self._s: float | None = None
@@ -117,7 +119,6 @@ class Planner:
         self._decided = -math.inf
         self._decision = Decision(action=Action.KEEP, reason="starting")
         self._maneuver: Evasion | None = None
-        self._history: list[tuple[float, float]] = []
         self._inside = True
         self._retreating = False
         self._conflict: Conflict | None = None
@@ -184,22 +185,18 @@ class Planner:
         v_target = math.sqrt(max(float(np.interp(s, *self._cap)), 0.0))
         leader = self._leader(blockers, s, state.v_x)
         if self._maneuver is not None:
-            self._history.append((s, t))
             half = 0.5 * self.vehicle.width
             own = self.road.own_lane
             self._inside = self._inside and own.right < d - half and d + half < own.left
             if s >= self._maneuver.end:
-                self._maneuver, self._history, self._retreating = None, [], False
+                self._maneuver, self._retreating = None, False
                 self._status = Status.OK
                 self._decision = Decision(action=Action.KEEP, reason="back on the route")
                 self._decided = -math.inf
         if not self._decision.action.evades:
             self._status = Status.OK
         if self._is_news(t, neighbours):
-            ego = Ego(
-                vehicle=self.vehicle, s=s, v_x=max(state.v_x, 0.0), v_target=v_target, speed=self.speed,
-                history=np.array(self._history).reshape(-1, 2) - (0.0, t),
-            )  # fmt: skip
+            ego = Ego(vehicle=self.vehicle, s=s, v_x=max(state.v_x, 0.0), v_target=v_target, speed=self.speed)
             self._conflict = conflict_ahead(ego, self.road, neighbours, self._conflict)
             leader = self._leader(blockers, s, state.v_x)
             self._decide(ego, leader, blockers, neighbours)
@@ -291,8 +288,6 @@ class Planner:
         if self._decision.action.evades:
             side = "left" if self._decision.action is Action.EVADE_LEFT else "right"
             self._maneuver, self._inside, self._status = plans[side], True, status
-            run_up = max(ego.v_x, 1.0)
-            self._history = [(ego.s - run_up, self._t - 1.0), (ego.s, self._t)]
 
     def _renew(self, ego: Ego, maneuver: Evasion, leader: Leader | None, neighbours: list[Neighbour]) -> None:
         """Go on with the manoeuvre for what is known now, or give it up."""
@@ -310,8 +305,6 @@ class Planner:
         if now.reason:
             self._decision = Decision(action=Action.FOLLOW, reason=now.reason)
             self._retreating = now.maneuver is not None
-        if now.maneuver is None:
-            self._history = []
 
     def _acceleration(
         self, s: float, v_x: float, yaw_rate: float, leader: Leader | None, dt: float, most: float

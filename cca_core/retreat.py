@@ -75,7 +75,7 @@ def plan_retreat(
     first, last = ego.s + hold, ego.s + hold + length
     if last > road.path.end:
         return None
-    s = np.linspace(maneuver.start, last, len(maneuver.band.nodes))
+    s = np.linspace(maneuver.start, last, len(maneuver.displacement))
     u = np.array([maneuver.offset_at(x) for x in s.tolist()])
     # until it may return it goes out as the swerve did, but not back: what it drifts dies down
     sign, onward = (1.0 if maneuver.side == "left" else -1.0), s >= ego.s
@@ -91,7 +91,8 @@ def plan_retreat(
         maneuver.band, nodes=nodes, sixth=np.zeros_like(nodes), displacement=u, status=Status.FALLBACK,
         message=f"{_GIVEN_UP}{obstruction}",
     )  # fmt: skip
-    return replace(maneuver, end=last, band=band, reference=detour_path(road.path, s, nodes))
+    reference = detour_path(road.path, s, nodes)
+    return replace(maneuver, end=last, band=band, displacement=u, reference=reference)
 
 
 def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour]) -> Evasion:

@@ -10,6 +10,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.follow import SpeedSettings, arrival_times
+from cca_core.geometry import Boxes, boxes
 from cca_core.path import Path
 from cca_core.predict import reach, travel
 from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
@@ -151,8 +152,6 @@ class Ego:
         Speed now and wanted [m/s].
     speed : SpeedSettings
         How it accelerates.
-    history : ndarray, shape (n, 2)
-        Path coordinate [m] and time from now [s], both increasing, of where it has been in the manoeuvre.
     """
 
     vehicle: VehicleParams
@@ -160,10 +159,31 @@ class Ego:
     v_x: float
     v_target: float
     speed: SpeedSettings
-    history: Array
+
+    def swept(self, path: Path, s: Array, d: Array) -> Boxes:
+        """Its body along a displaced route.
+
+        Parameters
+        ----------
+        path : Path
+            The route.
+        s, d : ndarray, shape (n,)
+            Path coordinates and displacements [m]; at least 2.
+
+        Returns
+        -------
+        body : Boxes
+            One for each place.
+        """
+        x, y = path.to_cartesian(s, d).T
+        psi = np.arctan2(np.gradient(y), np.gradient(x))
+        offset = self.vehicle.box_offset
+        return boxes(
+            x + offset * np.cos(psi), y + offset * np.sin(psi), psi, self.vehicle.length, self.vehicle.width
+        )
 
     def times(self, s: Array) -> Array:
-        """When the ego is where on the route, in the past as recorded.
+        """When the ego is where on the route.
 
         Parameters
         ----------
@@ -175,11 +195,7 @@ class Ego:
         t : ndarray, shape (n,)
             Times from now [s].
         """
-        t = arrival_times(self.v_x, self.v_target, s - self.s, self.speed)
-        if len(self.history) > 1:
-            past = (s < self.s) & (s >= self.history[0, 0])
-            t[past] = np.interp(s[past], self.history[:, 0], self.history[:, 1])
-        return t
+        return arrival_times(self.v_x, self.v_target, s - self.s, self.speed)
 
 
 def locate(

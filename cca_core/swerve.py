@@ -4,14 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from cca_core.band import Side
 from cca_core.decide import Candidate
 from cca_core.errors import Status
-from cca_core.evasion import Evasion, boxes_of, plan_evasion
+from cca_core.evasion import GRIP_USED, Evasion, boxes_of, plan_evasion
 from cca_core.evasion_settings import EvasionSettings
-from cca_core.geometry import box_gap, boxes
+from cca_core.geometry import box_gap
 from cca_core.path import Road
 from cca_core.retreat import plan_retreat
 from cca_core.scene import Ego, Neighbour
@@ -20,7 +18,6 @@ from cca_core.vehicle import VehicleParams
 __all__ = ["Renewal", "renew", "swerves_of", "ways_around"]
 
 _SIDES: tuple[Side, Side] = ("left", "right")
-_GRIP_USED = 0.8  # share of the tyres' grip that a swerve may use when it cannot be given up any more
 _NARROW = 0.3  # clearance with which it is driven on then [m]
 _LEAD_TIME = 0.1  # time to contact at which it must be beside the other at the latest then [s]
 _SHARP = 3.5  # peak lateral acceleration that it aims at then, within half the grip [m/s^2]
@@ -65,7 +62,7 @@ def swerves_of(
         In comfort, with 80 % of the grip, and with that as narrow, late and sharp as it can be.
     """
     grip = vehicle.mu * 9.81
-    hard = replace(settings, lateral_limit=_GRIP_USED * grip)
+    hard = replace(settings, lateral_limit=GRIP_USED * grip)
     last = replace(
         hard, clearance=min(_NARROW, hard.clearance), lead_time=_LEAD_TIME,
         lateral_acceleration=min(_SHARP, 0.5 * grip),
@@ -194,16 +191,11 @@ def _room_on(
     ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], settings: EvasionSettings
 ) -> float:
     """Least distance between body and bounds [m] if a swerve is driven to its end as it is."""
-    s = np.linspace(maneuver.start, maneuver.end, len(maneuver.band.nodes))
-    left = s >= ego.s - _BEHIND
-    s, x, y = s[left], *maneuver.band.nodes[left].T
+    left = maneuver.places >= ego.s - _BEHIND
+    s = maneuver.places[left]
     if len(s) < 2:
         return math.inf
-    psi, t, vehicle = np.arctan2(np.gradient(y), np.gradient(x)), ego.times(s), ego.vehicle
-    body = boxes(
-        x + vehicle.box_offset * np.cos(psi), y + vehicle.box_offset * np.sin(psi), psi,
-        vehicle.length, vehicle.width,
-    )  # fmt: skip
+    t, body = ego.times(s), ego.swept(road.path, s, maneuver.displacement[left])
     near = [o for o in others if not o.follows(ego, road.own_lane.right, road.own_lane.left)]
     gaps = [box_gap(body, boxes_of(road.path, s, o, t, settings, o is near[0])).min() for o in near]
     return float(min(gaps, default=math.inf))

@@ -125,9 +125,9 @@ def examples() -> dict[str, Any]:
         Renewal(maneuver=None, reason="swerve given up"),
         Evasion(
             side="left", start=1.0, end=99.0, band=relax_band(ROUTE.sample(5.0), vehicle=CAR),
-            reference=ROUTE, candidate=candidate,
+            displacement=np.zeros(20), reference=ROUTE, candidate=candidate,
         ),
-        Ego(vehicle=CAR, s=1.0, v_x=20.0, v_target=20.0, speed=SpeedSettings(), history=np.empty((0, 2))),
+        Ego(vehicle=CAR, s=1.0, v_x=20.0, v_target=20.0, speed=SpeedSettings()),
         Neighbour.seen_from(OTHERS[0], 120.0, 0.0, 0.0, 0.0),
         Accuracy(), Brakes(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
         ChannelSettings(), Outcome(accepted=True, what="new", id="a", t=3.0), PlausibilitySettings(),

@@ -123,7 +123,7 @@ def decide(case: Situation, others: tuple[Other, ...]) -> Planner:
     if id(case.road) not in _PLANNERS:
         _PLANNERS[id(case.road)] = Planner(CAR, case.road, cruise_speed=40.0, evasion=SETTINGS)
     planner = copy.copy(_PLANNERS[id(case.road)])
-    planner._places, planner._history = {}, []
+    planner._places = {}
     planner.cruise_speed = case.cruise
     planner._cap = (planner._cap[0], np.minimum(planner._cap[1], case.cruise**2))
     x, y = case.road.path.position(START).tolist()

@@ -21,7 +21,7 @@ def at(gap: float, d: float, name: str) -> Neighbour:
 
 
 def obstruction(blocker: Neighbour, *others: Neighbour) -> str:
-    ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings(), history=np.empty((0, 2)))
+    ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
     return plan_evasion(ego, ROAD, [blocker], others, "left", SETTINGS, at_once=True).candidate.obstruction
 
 

@@ -518,9 +518,9 @@ class TestDanger:
         beside = Mover("L", gap, 3.5, 20.0)
         run = Drive(
             planner(), [Mover("R", 70.0, 0.0, 12.0), beside], 14.0,
-            heard=lambda t, known: [r for r in known if r.id != "L" or t > 3.7],
+            heard=lambda t, known: [r for r in known if r.id != "L" or t > 3.64],
         )  # fmt: skip
-        assert 0.5 < run.y[184] < 1.75 - 0.9
+        assert 0.5 < run.y[181] < 1.75 - 0.9
         assert run.hit is None
         assert run.gaps["L"] > 0.5
 

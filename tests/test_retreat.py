@@ -24,8 +24,7 @@ def at(gap: float, d: float, v: float, name: str = "R") -> Neighbour:
 def maneuver() -> Evasion:
     """Fully beside a slower vehicle's path, 25 m behind it."""
     ego = Ego(
-        vehicle=CAR, s=START - 60.0, v_x=20.0, v_target=20.0, speed=SpeedSettings(),
-        history=np.empty((0, 2)),
+        vehicle=CAR, s=START - 60.0, v_x=20.0, v_target=20.0, speed=SpeedSettings()
     )  # fmt: skip
     plan = plan_evasion(ego, ROAD, [at(0.0, 0.0, 12.0)], [], "left", SETTINGS, at_once=True)
     assert isinstance(plan, Evasion)
@@ -34,7 +33,7 @@ def maneuver() -> Evasion:
 
 
 def retreat(maneuver: Evasion, gap: float, *others: Neighbour) -> Evasion | None:
-    ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings(), history=np.empty((0, 2)))
+    ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
     return plan_retreat(ego, ROAD, maneuver, [at(gap, 0.0, 12.0), *others], "somebody comes")
 
 
@@ -71,9 +70,7 @@ def test_given_up_on_the_way_back_it_stays_beside(maneuver: Evasion) -> None:
     u = maneuver.band.displacement
     peak = int(u.argmax())
     s = np.linspace(maneuver.start, maneuver.end, len(u))[peak + int(np.argmax(u[peak:] < 0.8 * u.max()))]
-    ego = Ego(
-        vehicle=CAR, s=float(s), v_x=20.0, v_target=20.0, speed=SpeedSettings(), history=np.empty((0, 2))
-    )
+    ego = Ego(vehicle=CAR, s=float(s), v_x=20.0, v_target=20.0, speed=SpeedSettings())
     back = plan_retreat(ego, ROAD, maneuver, [at(float(s) - START + 2.0, 0.0, 12.0)], "somebody comes")
     assert back is not None
     assert maneuver.offset_at(s + 20.0) < 0.5 * maneuver.offset_at(s)
@@ -85,9 +82,7 @@ def test_who_has_not_fallen_back_as_counted_on_returns_later(maneuver: Evasion) 
     """A second later the brakes have hardly acted, and the other is still beside; or nobody is."""
     back = retreat(maneuver, 8.0)
     assert back is not None
-    late = Ego(
-        vehicle=CAR, s=START + 19.0, v_x=19.0, v_target=20.0, speed=SpeedSettings(), history=np.empty((0, 2))
-    )
+    late = Ego(vehicle=CAR, s=START + 19.0, v_x=19.0, v_target=20.0, speed=SpeedSettings())
     later = put_off(late, ROAD, back, [at(20.0, 0.0, 12.0)])
     assert later.end > back.end + 5.0
     assert later.band.message == back.band.message

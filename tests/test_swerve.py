@@ -1,6 +1,5 @@
 """Going on with a swerve: each rung of the ladder."""
 
-import numpy as np
 import pytest
 
 from cca_core import Status
@@ -21,7 +20,7 @@ def renewed(
     old: Evasion, *others: Neighbour, s: float = START, inside: bool = False, can_follow: bool = False
 ) -> Renewal:
     speed = SpeedSettings()
-    ego = Ego(vehicle=CAR, s=s, v_x=20.0, v_target=20.0, speed=speed, history=np.empty((0, 2)))
+    ego = Ego(vehicle=CAR, s=s, v_x=20.0, v_target=20.0, speed=speed)
     return renew(ego, ROAD, old, [SLOW], others, SWERVES, inside=inside, can_follow=can_follow)
 
 
@@ -68,7 +67,7 @@ def test_as_it_was_while_that_is_clear(maneuver: Evasion, monkeypatch: pytest.Mo
 def test_the_first_way_that_is_free_is_taken() -> None:
     """35 m behind a standing car at 25 m/s: comfort comes too late, more grip does not."""
     speed = SpeedSettings()
-    ego = Ego(vehicle=CAR, s=START, v_x=25.0, v_target=25.0, speed=speed, history=np.empty((0, 2)))
+    ego = Ego(vehicle=CAR, s=START, v_x=25.0, v_target=25.0, speed=speed)
     standing = [at(40.0, 0.0, 0.0)]
     plans, candidates, status = ways_around(ego, ROAD, standing, [], SWERVES[:1], at_once=False)
     assert all(c.obstruction for c in candidates)

@@ -153,10 +153,11 @@ class Band:
     def residual(self) -> float:
         """KKT residual of a single band: largest missing force, as the violation of a bound [m]."""
         band = self._single()
+        free = band.task.free[0]
         return float(
             kkt_residual(
-                band.displacement, lower=band.lower, upper=band.upper, spacing=band.spacing,
-                stiffness=band.task.stiffness,
+                band.displacement - free, lower=band.lower - free, upper=band.upper - free,
+                spacing=band.spacing, stiffness=band.task.stiffness,
             )
         )  # fmt: skip
 

@@ -108,7 +108,8 @@ def end_gaps(task: Task) -> Array:
         Lesser of the gaps to each obstacle at the first and the last node [m].
     """
     ends = slice(None), slice(None), [0, -1]
-    gaps = _gap(task.base[:, [0, -1]], task.tangents[:, [0, -1]], _at(task.corridor, ends), task.vehicle)
+    there = (task.base + 1j * task.tangents * task.free)[:, [0, -1]]
+    gaps = _gap(there, task.ahead, _at(task.corridor, ends), task.vehicle)
     least: Array = gaps.min(axis=2)
     return least
 

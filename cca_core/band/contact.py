@@ -43,7 +43,9 @@ def relaxed(task: Task, leading: tuple[int, ...], passes_left: Mask) -> Band:
     stuck, pinned = {}, {}
     if not room.all():
         stuck = {int(i): _no_room(task, passes_left, int(i)) for i in np.flatnonzero(~room)}
-    if (lower[:, [0, -1]] > 0.0).any() or (upper[:, [0, -1]] < 0.0).any():
+    free = task.free
+    ends = free[:, [0, -1]]
+    if (lower[:, [0, -1]] > ends).any() or (upper[:, [0, -1]] < ends).any():
         pinned = _blocked_ends(task)
         room[list(pinned)] = False
     if stuck or pinned:
@@ -51,7 +53,8 @@ def relaxed(task: Task, leading: tuple[int, ...], passes_left: Mask) -> Band:
     contact = task.stiffness.k_e * task.h
     stencil = task.stiffness.stencil(task.h)
     stiff = (_BEND[0] * task.stiffness.k_c + _BEND[1] * task.stiffness.k_b) / task.h**3
-    u, solves, settled = equilibrium(stencil, contact, lower, upper)
+    u, solves, settled = equilibrium(stencil, contact, lower - free, upper - free)
+    u += free
     found = certify(task, u)
     for at, o in pinned.items():
         reason = f"{found.gaps[o, at].min():.3f} m from obstacle {o}, which is at a pinned end"
@@ -86,8 +89,13 @@ def relaxed(task: Task, leading: tuple[int, ...], passes_left: Mask) -> Band:
             bends = np.full(u.shape, -math.inf), np.full(u.shape, math.inf)
         if bends is not None:
             bends[0][todo], bends[1][todo] = _unbent(task, found, todo, u, *bends)
-            held = Bends(stiff[todo], bends[0][todo], bends[1][todo])
-        u[todo], count, settled[todo] = equilibrium(stencil[todo], contact[todo], low, up, held)
+            bent = task.bend(free)[todo]
+            held = Bends(stiff[todo], bends[0][todo] - bent, bends[1][todo] - bent)
+        from_there = free[todo]
+        moved, count, settled[todo] = equilibrium(
+            stencil[todo], contact[todo], low - from_there, up - from_there, held
+        )
+        u[todo] = from_there + moved
         solves[todo] += count
         found.update(todo, certify(task.select(todo), u[todo]))
         todo = todo[settled[todo]]
@@ -125,7 +133,7 @@ def _unbent(
     """Bounds of the bending of some bands, pushed by what their curvature is over its limit."""
     squared = task.h[bands, None] ** 2
     curvature, limit = found.curvature[bands] * squared, task.curvature_limit[bands] * squared
-    bend = np.diff(u[bands], n=2, prepend=0.0, append=0.0)
+    bend = task.bend(u)[bands]
     before, now = curvature - bend, (1.0 - _SPARE) * limit
     over = np.maximum(np.abs(curvature) - now, 0.0)
     least, most = np.maximum(least[bands], -now - before), np.minimum(most[bands], now - before)

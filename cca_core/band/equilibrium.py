@@ -112,6 +112,37 @@ def equilibrium(
     return u.reshape(shape), solves.reshape(shape[:-1]), settled.reshape(shape[:-1])
 
 
+def undisturbed(stencil: Array, start: Array, n: int) -> Array:
+    """Displacement of bands that nothing but their start bends.
+
+    Parameters
+    ----------
+    stencil : ndarray, shape (bands, 4)
+        Row of the stiffness matrix from its diagonal on [N/m].
+    start : ndarray, shape (bands, 3)
+        Displacement at the node before the first and at the first two [m].
+    n : int
+        Nodes [-].
+
+    Returns
+    -------
+    u : ndarray, shape (bands, n)
+        Displacement of least energy [m], 0 at the last two nodes.
+    """
+    from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
+
+    row = np.asarray(stencil / stencil[:, :1], dtype=np.float64)
+    u = np.zeros((len(start), n))
+    u[:, :2] = start[:, 1:]
+    force = np.zeros((len(start), max(n - 4, 3)))
+    for k in range(3):  # what the held nodes pull at the first three that are free
+        force[:, k] = -(row[:, k + 1 :] * start[:, ::-1][:, : 3 - k]).sum(axis=1)
+    for i, (r, f) in enumerate(zip(row, force[:, : n - 4], strict=True)):
+        matrix = np.repeat(r[::-1, None], n - 4, axis=1)
+        u[i, 2:-2] = lapack.dpbsv(matrix, f)[1]
+    return u
+
+
 class _System:
     """Bands side by side: stiffness as one block-diagonal matrix in LAPACK's upper band storage.
 

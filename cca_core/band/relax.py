@@ -26,6 +26,7 @@ def relax_band(
     corridor: tuple[ArrayLike, ArrayLike] | None = None,
     curvature_limit: ArrayLike = math.inf,
     stiffness: BandStiffness | None = None,
+    start: ArrayLike = 0.0,
     previous: Band | None = None,
 ) -> Band:
     """Bend a stretch of the route around obstacles.
@@ -55,6 +56,10 @@ def relax_band(
         Largest curvature allowed along the band [1/m].
     stiffness : BandStiffness, optional
         Elasticity; the default is smooth in curvature.
+    start : array_like, shape (..., 3) or ()
+        Displacement [m] at which the band begins: a node before the first, at the first and at the second
+        node, which hold place, heading and curvature of what has been driven. By default it begins on the
+        route.
     previous : Band, optional
         Band of the cycle before. Where sides are chosen, its sides are kept unless others are much cheaper.
 
@@ -87,7 +92,15 @@ def relax_band(
     ('OK', 1.0)
     """
     task, leading = task_of(
-        nodes, obstacles, vehicle, clearance, lead, corridor, curvature_limit, stiffness or BandStiffness()
+        nodes,
+        obstacles,
+        vehicle,
+        clearance,
+        lead,
+        corridor,
+        curvature_limit,
+        stiffness or BandStiffness(),
+        start,
     )
     sides = cheapest_sides(task, previous) if side is None else given_sides(side, task)
     return relaxed(task, leading, sides)

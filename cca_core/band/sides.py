@@ -82,6 +82,7 @@ def cheapest_sides(task: Task, previous: Band | None) -> Mask:
         if choices.shape[1] > 1:
             alone = alone.select(np.flatnonzero(room))
             h = float(task.h[i])
+            lower, upper = lower - task.free[i], upper - task.free[i]
             u, _, _ = equilibrium(task.stiffness.stencil(h), task.stiffness.k_e * h, lower, upper)
             cost = band_energy(u, lower=lower, upper=upper, spacing=h, stiffness=task.stiffness)
             cost = cost * (1.0 + _TIE * (~choices).sum(axis=0))

@@ -68,6 +68,8 @@ def smooth_band(
         raise InputError(f"band must be a Band, was {type(band).__name__}")
     if band.nodes.ndim != 2:
         raise InputError("band must be a single band; choose one, as in band[0]")
+    if band.task.free.any():
+        raise InputError("band must begin on its route to be smoothed")
     weigh = check_array("weights", weights, (2,))
     if weigh.min() < 0.0 or not weigh.any():
         raise InputError(f"weights must not be negative and not both 0, were {weights!r}")

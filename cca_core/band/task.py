@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, Complex, Index, check_real
 from cca_core.band.corridor import Corridor, corridor_around
+from cca_core.band.equilibrium import undisturbed
 from cca_core.band.stiffness import BandStiffness
 from cca_core.errors import InputError
 from cca_core.geometry import Boxes
@@ -22,10 +23,16 @@ class Task:
     ----------
     base, tangents : ndarray of complex, shape (bands, n)
         Nodes x + iy of the undeformed route [m] and unit tangents there [-].
+    ahead : ndarray of complex, shape (bands, 2)
+        Heading of the band at its first and last node [-].
     ends : ndarray of complex, shape (bands, 2)
-        A sixth of the route's second derivative at its first and last node [1/m].
+        A sixth of its second derivative there [1/m].
     h : ndarray, shape (bands,)
         Distance between nodes [m].
+    free : ndarray, shape (bands, n)
+        Displacement that nothing but its start bends [m].
+    before : ndarray, shape (bands,)
+        Displacement a node before the first [m].
     corridor : Corridor
         Obstacles and edges.
     vehicle : VehicleParams
@@ -40,13 +47,21 @@ class Task:
 
     base: Complex
     tangents: Complex
+    ahead: Complex
     ends: Complex
     h: Array
+    free: Array
+    before: Array
     corridor: Corridor
     vehicle: VehicleParams
     clearance: float
     curvature_limit: Array
     stiffness: BandStiffness
+
+    def bend(self, u: Array) -> Array:
+        """Second difference of a displacement at the nodes [m], shape (bands, n)."""
+        bend: Array = np.diff(u, n=2, prepend=self.before[:, None], append=0.0)
+        return bend
 
     @property
     def curvature(self) -> Array:
@@ -59,8 +74,11 @@ class Task:
             self,
             base=self.base[bands],
             tangents=self.tangents[bands],
+            ahead=self.ahead[bands],
             ends=self.ends[bands],
             h=self.h[bands],
+            free=self.free[bands],
+            before=self.before[bands],
             corridor=self.corridor.select(bands),
             curvature_limit=self.curvature_limit[bands],
         )
@@ -148,6 +166,7 @@ def task_of(
     corridor: tuple[ArrayLike, ArrayLike] | None,
     curvature_limit: ArrayLike,
     stiffness: BandStiffness,
+    start: ArrayLike,
 ) -> tuple[Task, tuple[int, ...]]:
     """Check the arguments of `relax_band` and put every obstacle and edge into the frame of the nodes.
 
@@ -191,9 +210,23 @@ def task_of(
             f"neighbours are {steps.min():.3g} to {steps.max():.3g} m apart"
         )
     bent = np.array([(_end(*b[:4].tolist()), -_end(*b[:-5:-1].tolist())) for b in base])
+    ahead = tangents[:, [0, -1]]
+    held = np.zeros((len(base), 3))
+    try:
+        held[:] = np.reshape(np.broadcast_to(np.asarray(start, dtype=np.float64), (*shape[:-1], 3)), (-1, 3))
+    except (TypeError, ValueError):
+        raise InputError(f"start must have shape {(*shape[:-1], 3)}, had {np.shape(start)}") from None
+    if not np.isfinite(held).all():
+        raise InputError("start must be finite")
+    free = np.zeros(base.shape)
+    if held.any():
+        free = undisturbed(stiffness.stencil(h), held, n)
+        bent[:, 0] += (held[:, 0] - 2.0 * held[:, 1] + held[:, 2]) / h**2
+        turn = 1.0 + 0.5j * (held[:, 2] - held[:, 0]) / h
+        ahead[:, 0] *= turn / np.abs(turn)
     return Task(
-        base=base, tangents=tangents, h=h, ends=1j * bent * tangents[:, [0, -1]] / 6.0,
-        vehicle=vehicle, clearance=clearance,
+        base=base, tangents=tangents, h=h, ahead=ahead, ends=1j * bent * ahead / 6.0,
+        free=free, before=held[:, 0], vehicle=vehicle, clearance=clearance,
         corridor=corridor_around(
             base, tangents, obstacles, corridor, vehicle, clearance, lead, given.shape[:-2]
         ),

@@ -1,0 +1,102 @@
+"""What of a swerve can no longer change, and what is forgiven because of that."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.geometry import Boxes, box_gap
+
+__all__ = ["first_free", "forgiven", "resampled", "settled"]
+
+_LEAST_NODES = 6  # of a band
+_SETTLED = 0.5  # time in which what is steered along can hardly change [s]
+_REGAINED = 2.0  # and then the one in which a clearance that is lacking is gained [s]
+_SPARE = 0.05  # forgiven on top of what is lacking: bounds between nodes are looser than at nodes [m]
+
+
+def resampled(s: Array, places: Array, displacement: Array) -> Array:
+    """Tell a displacement at other places.
+
+    Parameters
+    ----------
+    s : ndarray, shape (m,)
+        Where [m].
+    places, displacement : ndarray, shape (n,)
+        Path coordinates, equally spaced, and the displacement there [m], 0 before and beyond.
+
+    Returns
+    -------
+    displacement : ndarray, shape (m,)
+        The same curve [m], continuous in curvature.
+    """
+    from scipy.interpolate import CubicSpline  # slow to import, and importing the library is to be quick
+
+    if len(s) == len(places) and s[-1] == places[-1]:
+        return displacement
+    inside = (s >= places[0]) & (s <= places[-1])
+    told: Array = np.where(inside, CubicSpline(places, displacement)(s), 0.0)
+    return told
+
+
+def first_free(s: Array, here: float) -> int:
+    """Find the node from which on a band is bent anew: the first in front of the ego.
+
+    Parameters
+    ----------
+    s : ndarray, shape (n,)
+        Path coordinates of the nodes of the whole swerve [m].
+    here : float
+        That of the ego [m].
+
+    Returns
+    -------
+    k : int
+        Its index, at least 1, with at least 6 nodes from there on.
+    """
+    return min(max(int(np.searchsorted(s, here)), 1), len(s) - _LEAST_NODES)
+
+
+def settled(t: Array) -> int:
+    """Count the nodes that the ego reaches so soon that what it steers along there can hardly change.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Times from now at which it is there [s], increasing.
+
+    Returns
+    -------
+    count : int
+        At least 3.
+    """
+    return max(int(np.searchsorted(t, _SETTLED)), 3)
+
+
+def forgiven(box: Boxes, body: Boxes, t: Array, clearance: float) -> Boxes:
+    """Shrink bounds by the clearance that is lacking already, less and less as there is time to gain it.
+
+    Parameters
+    ----------
+    box : Boxes
+        Bounds of another vehicle when the ego is at each of its n nodes.
+    body : Boxes
+        The ego at the first of these nodes, where nothing can be changed.
+    t : ndarray, shape (n,)
+        Times from now at which it is at the nodes [s].
+    clearance : float
+        Distance asked [m].
+
+    Returns
+    -------
+    box : Boxes
+        The same where nothing is lacking.
+    """
+    m = len(body.x)
+    first = Boxes(box.x[:m], box.y[:m], box.psi[:m], box.length[:m], box.width[:m])
+    lacks = clearance + _SPARE - float(box_gap(body, first).min())
+    if lacks <= 0.0:
+        return box
+    share = np.clip((t - _SETTLED) / _REGAINED, 0.0, 1.0)
+    less = 2.0 * lacks * (1.0 - share * share * (3.0 - 2.0 * share))
+    return replace(box, length=np.maximum(box.length - less, 0.0), width=np.maximum(box.width - less, 0.0))
