@@ -97,6 +97,27 @@ class TestSteady:
         assert len(changes(run)) <= 2
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_way_round_never_moves_under_the_car(seed: int) -> None:
+    """Bent anew ten times a second for what messages say, it goes on where the car is, as the car heads."""
+    movers = [Mover("R", 80.0, 0.0, 12.0), Mover("L", 140.0, 3.5 + 3.4, 12.0)]
+    run = Drive(planner(), movers, 22.0, heard=noisy(seed))
+    assert run.hit is None
+    assert max(run.y) > 2.5
+    moved, turned = [], []
+    for i, (before, now) in enumerate(itertools.pairwise(run.commands)):
+        if before.decision.action is now.decision.action is Action.EVADE_LEFT:
+            place = (run.x[i], run.y[i])
+            (s, d), (s_1, d_1) = (c.reference.project(place) for c in (before, now))
+            moved.append(abs(float(d_1 - d)))
+            turned.append(abs(float(now.reference.heading(s_1) - before.reference.heading(s))))
+    assert len(moved) > 300
+    assert max(moved) < 5e-3
+    assert max(turned) < 2e-3
+    steering = np.diff([c.delta for c in run.commands]) / CYCLE
+    assert np.abs(steering).max() < math.radians(12.0)
+
+
 def test_hidden_standing_car_without_noise() -> None:
     run = test_hazards.TestHiddenStanding().drive(13.9, 1.0)
     assert max(len(changes(run, since)) for since in (0.0, 2.0, 4.0)) <= 1

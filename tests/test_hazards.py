@@ -5,8 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from cca_core import Action, Lane, Path, Planner, Road
+from cca_core import Action, Lane, Path, Planner, RemoteVehicle, Road
+from cca_core.decide import Leader
 from cca_core.follow import SpeedSettings
+from cca_core.hazards import leader_ahead
+from cca_core.scene import Neighbour
 from tests.test_planner import ALL_KNOWN, CAR, CYCLE, START, Drive, Mover, straight
 
 
@@ -180,3 +183,27 @@ class TestUncertain:
 
     def test_whoever_follows_is_not_surprised(self) -> None:
         assert self.drive(1.0, behind=20.0).hit is None
+
+
+class TestOncoming:
+    """One that comes towards the ego on the lane beside, last heard with a little yaw rate."""
+
+    def leader(self, d: float, age: float, sigma: float, v: float = -20.0) -> Leader | None:
+        remote = RemoteVehicle(
+            id="A", x=0.0, y=0.0, psi=math.pi if v < 0.0 else 0.0, v_x=abs(v), age=age, sigma_across=sigma
+        )
+        at = Neighbour.seen_from(remote, 100.0, d, remote.psi, 0.0)
+        return leader_ahead([at], 0.0, 20.0, CAR, SpeedSettings())
+
+    def test_unheard_for_long_it_keeps_to_its_side(self) -> None:
+        assert self.leader(1.4, 4.0, 3.4) is None
+        assert self.leader(0.0, 4.0, 3.4) is None
+
+    @pytest.mark.parametrize(("d", "age", "sigma"), [(1.4, 0.3, 0.5), (0.0, 0.3, 0.5), (0.0, 1.5, 0.4)])
+    def test_heard_in_the_way_it_is_braked_for(self, d: float, age: float, sigma: float) -> None:
+        leader = self.leader(d, age, sigma)
+        assert leader is not None
+        assert leader.required_deceleration > 2.0
+
+    def test_one_that_drives_ahead_is_not_left_out(self) -> None:
+        assert self.leader(0.0, 4.0, 3.4, v=10.0) is not None

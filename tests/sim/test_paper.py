@@ -222,6 +222,8 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
         ("maneuver", 4, 3), ("maneuver", 4, 46), ("maneuver", 4, 58),  # a silent leader in sight, R1 behind
         ("maneuver", 6, 283),  # the way back is bent for the speed after falling back
         ("maneuver", 7, 56), ("maneuver", 7, 221),  # given up on the way back already, with others beside
+        ("maneuver", 8, 64),  # the band jumped where a car beside left the sensor's sight
+        ("maneuver", 8, 423),  # A unheard for seconds, dead-reckoned into the lane; R1 behind
     ],
 )  # fmt: skip
 def test_what_once_ended_in_a_contact(name: str, seed: int, index: int) -> None:
