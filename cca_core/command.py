@@ -23,7 +23,7 @@ class Command:
     decision : Decision
         The action with its reason.
     band : Band or None
-        The bent route while evading.
+        The bent route while evading, from the ego on.
     reference : Path
         The path that is steered along.
     status : Status

@@ -111,7 +111,8 @@ def plan_evasion(
     settings : EvasionSettings
         Clearance, comfort and caution.
     ongoing : Evasion, optional
-        The manoeuvre that is being driven: its window is kept, only its end may move on.
+        The manoeuvre that is being driven: its window is kept, only its end may move on, and what has been
+        driven of it stays.
     at_once : bool
         Whether the swerve begins now even if there would be time to drive on; of an ongoing one, whether it
         could still be given up, so that the lane beside must still be free.

@@ -14,7 +14,14 @@ from cca_core.path import Road
 from cca_core.scene import Ego, Neighbour
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["IN_THE_WAY", "conflict_ahead", "kept_behind", "leader_ahead", "leader_at"]
+__all__ = [
+    "IN_THE_WAY",
+    "conflict_ahead",
+    "keeps_to_its_side",
+    "kept_behind",
+    "leader_ahead",
+    "leader_at",
+]
 
 IN_THE_WAY = 0.3
 """Lateral gap to the route below which a vehicle blocks it [m]."""
@@ -64,7 +71,7 @@ def leader_ahead(
     front = s + vehicle.box_offset + 0.5 * vehicle.length
     demanding: Leader | None = None
     between, follow = 0.0, math.inf
-    for n in (b for b in blockers if b.s > s and not _keeps_to_its_side(b, vehicle)):
+    for n in (b for b in blockers if b.s > s):
         gap = n.s - n.half_length - front - between
         hidden = between > 0.0
         alarming = n.v_s < _STANDS or n.remote.a_x < _BRAKES or "hard_braking" in n.remote.events
@@ -211,8 +218,22 @@ def _sooner(
     return replace(brakes, follow_acceleration=follow)
 
 
-def _keeps_to_its_side(other: Neighbour, vehicle: VehicleParams) -> bool:
-    """Whether one that comes towards the ego was last heard too long ago to say that it is in its way."""
+def keeps_to_its_side(other: Neighbour, vehicle: VehicleParams) -> bool:
+    """Tell whether one that comes towards the ego was heard too long ago to say that it is on the route.
+
+    Parameters
+    ----------
+    other : Neighbour
+        A vehicle that may be on the route by its bounds.
+    vehicle : VehicleParams
+        The ego.
+
+    Returns
+    -------
+    keeps : bool
+        Whether it is oncoming, was last heard more than 1 s ago, and may just as well be beside the route:
+        then it is taken to keep to its lane, since braking for it would endanger those behind.
+    """
     if other.v_s > -_STANDS or other.remote.age <= _STALE_AFTER:
         return False
     across = 2.0 * other.remote.sigma_across

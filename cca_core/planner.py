@@ -27,7 +27,14 @@ from cca_core.follow import (
     profile_acceleration,
     squared_speed_limit,
 )
-from cca_core.hazards import IN_THE_WAY, conflict_ahead, kept_behind, leader_ahead, leader_at
+from cca_core.hazards import (
+    IN_THE_WAY,
+    conflict_ahead,
+    keeps_to_its_side,
+    kept_behind,
+    leader_ahead,
+    leader_at,
+)
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.retreat import put_off, slow_enough
 from cca_core.scene import Ego, Neighbour, locate, unusable
@@ -227,7 +234,11 @@ class Planner:
     def _blockers(self, neighbours: list[Neighbour], s: float) -> list[Neighbour]:
         """Vehicles on the route whose front is not behind the ego's rear, nearest first."""
         rear = s + self.vehicle.box_offset - 0.5 * self.vehicle.length
-        found = [n for n in neighbours if n.s + n.half_length > rear and self._blocks(n, 0.0)]
+        found = [
+            n
+            for n in neighbours
+            if n.s + n.half_length > rear and self._blocks(n, 0.0) and not keeps_to_its_side(n, self.vehicle)
+        ]
         return sorted(found, key=lambda n: n.s)
 
     def _blocks(self, other: Neighbour, d: float) -> bool:
@@ -320,6 +331,9 @@ class Planner:
         last = 0.0 if self._command is None else self._command.a_x
         emergency = wanted < -min(2.0 * self.speed.b_comfort, _HARD * self.speed.b_max)
         share = _GRIP_IN_NEED if emergency else _GRIP
+        if emergency and leader is not None:
+            grip = self.vehicle.mu * 9.81
+            share = min(max(leader.required_deceleration / grip, share), 1.0)  # all of it where less hits
         limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu, share=share)
         return jerk_limited(limited, last, dt, self.speed, emergency=emergency)
 

@@ -86,12 +86,8 @@ def plan_retreat(
         u += drift * run_out * (part - part**3 + 0.5 * part**4)
     share = np.clip((s - first) / length, 0.0, 1.0)
     u *= 1.0 - share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
-    nodes = road.path.to_cartesian(s, u)
-    band = replace(
-        maneuver.band, nodes=nodes, sixth=np.zeros_like(nodes), displacement=u, status=Status.FALLBACK,
-        message=f"{_GIVEN_UP}{obstruction}",
-    )  # fmt: skip
-    reference = detour_path(road.path, s, nodes)
+    band = replace(maneuver.band, status=Status.FALLBACK, message=f"{_GIVEN_UP}{obstruction}")
+    reference = detour_path(road.path, s, road.path.to_cartesian(s, u))
     return replace(maneuver, end=last, band=band, displacement=u, reference=reference)
 
 

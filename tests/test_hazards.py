@@ -5,12 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from cca_core import Action, Lane, Path, Planner, RemoteVehicle, Road
-from cca_core.decide import Leader
+from cca_core import Action, Command, Lane, Path, Planner, RemoteVehicle, Road
 from cca_core.follow import SpeedSettings
-from cca_core.hazards import leader_ahead
-from cca_core.scene import Neighbour
-from tests.test_planner import ALL_KNOWN, CAR, CYCLE, START, Drive, Mover, straight
+from tests.test_planner import ALL_KNOWN, CAR, CYCLE, START, Drive, Mover, state, straight
 
 
 class Swerver(Mover):
@@ -188,22 +185,22 @@ class TestUncertain:
 class TestOncoming:
     """One that comes towards the ego on the lane beside, last heard with a little yaw rate."""
 
-    def leader(self, d: float, age: float, sigma: float, v: float = -20.0) -> Leader | None:
+    def first(self, d: float, age: float, sigma: float, v: float = -20.0) -> Command:
         remote = RemoteVehicle(
-            id="A", x=0.0, y=0.0, psi=math.pi if v < 0.0 else 0.0, v_x=abs(v), age=age, sigma_across=sigma
-        )
-        at = Neighbour.seen_from(remote, 100.0, d, remote.psi, 0.0)
-        return leader_ahead([at], 0.0, 20.0, CAR, SpeedSettings())
+            id="A", x=START + 120.0, y=d, psi=math.pi if v < 0.0 else 0.0, v_x=abs(v), age=age,
+            sigma_across=sigma,
+        )  # fmt: skip
+        return ego().step(0.0, state(), [remote])
 
-    def test_unheard_for_long_it_keeps_to_its_side(self) -> None:
-        assert self.leader(1.4, 4.0, 3.4) is None
-        assert self.leader(0.0, 4.0, 3.4) is None
+    @pytest.mark.parametrize("d", [0.0, 1.4, -1.0])
+    def test_unheard_for_long_it_keeps_to_its_side(self, d: float) -> None:
+        command = self.first(d, 4.0, 3.4)
+        assert command.decision.action is Action.KEEP
+        assert command.a_x > -0.5
 
     @pytest.mark.parametrize(("d", "age", "sigma"), [(1.4, 0.3, 0.5), (0.0, 0.3, 0.5), (0.0, 1.5, 0.4)])
     def test_heard_in_the_way_it_is_braked_for(self, d: float, age: float, sigma: float) -> None:
-        leader = self.leader(d, age, sigma)
-        assert leader is not None
-        assert leader.required_deceleration > 2.0
+        assert self.first(d, age, sigma).decision.action is Action.BRAKE
 
     def test_one_that_drives_ahead_is_not_left_out(self) -> None:
-        assert self.leader(0.0, 4.0, 3.4, v=10.0) is not None
+        assert self.first(0.0, 4.0, 3.4, v=10.0).decision.action is not Action.KEEP

@@ -29,7 +29,7 @@ class Band:
     Parameters
     ----------
     nodes : ndarray, shape (..., n, 2)
-        Deformed nodes [m] (eq 10), first and last on the route.
+        Deformed nodes [m] (eq 10), the last on the route, and the first unless it begins off it.
     displacement : ndarray, shape (..., n)
         Lateral displacement u of each node [m], left positive.
     clearance : float or ndarray, shape (...)

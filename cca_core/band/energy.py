@@ -19,7 +19,8 @@ def band_energy(
     Parameters
     ----------
     u : array_like, shape (..., n)
-        Displacement [m]; the first and last two nodes are pinned, their values are not used.
+        Displacement [m]; the first and last two nodes are pinned, their values are not used. Of a band that
+        begins off its route: displacement and bounds less `Task.free`.
     lower, upper : array_like, shape (..., n) or ()
         Bounds of the displacement [m], infinite where there is none.
     spacing : float
@@ -61,7 +62,8 @@ def band_gradient(
     Parameters
     ----------
     u : array_like, shape (..., n)
-        Displacement [m]; the first and last two nodes are pinned, their values are not used.
+        Displacement [m]; the first and last two nodes are pinned, their values are not used. Of a band that
+        begins off its route: displacement and bounds less `Task.free`.
     lower, upper : array_like, shape (..., n) or ()
         Bounds of the displacement [m], infinite where there is none.
     spacing : float
@@ -93,7 +95,8 @@ def band_hessian(
     Parameters
     ----------
     u : array_like, shape (..., n)
-        Displacement [m]; the first and last two nodes are pinned, their values are not used.
+        Displacement [m]; the first and last two nodes are pinned, their values are not used. Of a band that
+        begins off its route: displacement and bounds less `Task.free`.
     lower, upper : array_like, shape (..., n) or ()
         Bounds of the displacement [m], infinite where there is none.
     spacing : float
@@ -129,7 +132,8 @@ def kkt_residual(
     Parameters
     ----------
     u : array_like, shape (..., n)
-        Displacement [m]; the first and last two nodes are pinned, their values are not used.
+        Displacement [m]; the first and last two nodes are pinned, their values are not used. Of a band that
+        begins off its route: displacement and bounds less `Task.free`.
     lower, upper : array_like, shape (..., n) or ()
         Bounds of the displacement [m], infinite where there is none.
     spacing : float

@@ -35,7 +35,8 @@ def relax_band(
     ----------
     nodes : array_like, shape (..., n, 2)
         Nodes of the undeformed route, equally spaced [m]; at least 5. Both ends are pinned, two nodes each:
-        there displacement, heading change and curvature change are zero. Leading axes are bands of their own.
+        there displacement, heading change and curvature change are zero, at the first end unless `start` says
+        otherwise. Leading axes are bands of their own.
     obstacles : sequence of Boxes
         Each obstacle's box at the time the ego arrives at each node (fields of shape (..., n)), or one box if
         it stands still (fields of shape ()). Sizes include whatever uncertainty is to be respected.

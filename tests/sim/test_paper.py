@@ -222,6 +222,7 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
         ("maneuver", 4, 3), ("maneuver", 4, 46), ("maneuver", 4, 58),  # a silent leader in sight, R1 behind
         ("maneuver", 6, 283),  # the way back is bent for the speed after falling back
         ("maneuver", 7, 56), ("maneuver", 7, 221),  # given up on the way back already, with others beside
+        ("eebl", 9, 445),  # full braking just helps, on 0.6 of friction
         ("maneuver", 8, 64),  # the band jumped where a car beside left the sensor's sight
         ("maneuver", 8, 423),  # A unheard for seconds, dead-reckoned into the lane; R1 behind
     ],
