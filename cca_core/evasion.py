@@ -27,7 +27,8 @@ GRIP_USED = 0.8
 
 _BEHIND = 2.0  # a window starts this far behind the car [m]
 _GROWTH = 2.0  # an end that would move on by less stays: it is an effect of rounding [m]
-_AS_BENT = 1.05  # by this more than it is bent already, what can hardly change may be bent
+_AS_BENT = 1.002  # as a multiple of how it is bent already, what can hardly change may be bent
+_BESIDE_EDGE = 0.05  # by which an edge is farther for what can hardly change: an effect of rounding [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
 _MANOEUVRING = 5.0  # slower than this the steering limits curvature, not the tyres [m/s]
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
@@ -161,21 +162,24 @@ def plan_evasion(
     n = 1 + min(_NODES, max(20, math.ceil(end - start)))
     whole = np.linspace(start, end, n)
     # what has been driven stays as it is, and the band goes on from there
-    was = None if ongoing is None else resampled(whole, ongoing.places, ongoing.displacement)
+    under_way = ongoing is not None and ego.s >= start
+    was = resampled(whole, ongoing.places, ongoing.displacement) if ongoing and under_way else None
     k = 0 if was is None else first_free(whole, ego.s)
     s, t = whole[k:], ego.times(whole[k:])
     right = road.own_lane.right if side == "left" or beside is None else beside.right
     left = road.own_lane.left if side == "right" or beside is None else beside.left
     squared = np.maximum(_speeds(ego, s), _MANOEUVRING) ** 2
-    curvature_limit = settings.lateral_limit / squared
-    if ongoing is not None:
-        m = settled(t)
-        bent = _AS_BENT * np.abs(ongoing.reference.curvature(s[:m])).max()
+    curvature_limit, room = settings.lateral_limit / squared, np.zeros(len(s))
+    if was is not None:
+        m = min(settled(t), len(s) - 1)
+        change = np.diff(was[k - 1 : k + m + 1], n=2) / (whole[1] - whole[0]) ** 2
+        bent = _AS_BENT * np.abs(road.path.curvature(s[:m]) + change)
         most = GRIP_USED * ego.vehicle.mu * 9.81 / squared[:m]
         curvature_limit[:m] = np.maximum(curvature_limit[:m], np.minimum(bent, most))
+        room[:m] = _BESIDE_EDGE
     draw = partial(
         relax_band, road.path.position(s), side=side, vehicle=ego.vehicle, clearance=settings.clearance,
-        corridor=(right, left), curvature_limit=curvature_limit,
+        corridor=(right - room, left + room), curvature_limit=curvature_limit,
         start=0.0 if was is None else was[k - 1 : k + 2],
     )  # fmt: skip
     passed = [boxes_of(road.path, s, b, t, settings, b is blockers[0]) for b in blockers]

@@ -17,10 +17,10 @@ from cca_core.vehicle import VehicleParams
 __all__ = [
     "IN_THE_WAY",
     "conflict_ahead",
-    "keeps_to_its_side",
     "kept_behind",
     "leader_ahead",
     "leader_at",
+    "oncoming_beside",
 ]
 
 IN_THE_WAY = 0.3
@@ -218,26 +218,37 @@ def _sooner(
     return replace(brakes, follow_acceleration=follow)
 
 
-def keeps_to_its_side(other: Neighbour, vehicle: VehicleParams) -> bool:
-    """Tell whether one that comes towards the ego was heard too long ago to say that it is on the route.
+def oncoming_beside(
+    neighbours: Sequence[Neighbour], vehicle: VehicleParams, met: dict[str, bool]
+) -> set[str]:
+    """Find those that come towards the ego beside its route, wherever they may be since they were heard.
 
     Parameters
     ----------
-    other : Neighbour
-        A vehicle that may be on the route by its bounds.
+    neighbours : sequence of Neighbour
+        All vehicles.
     vehicle : VehicleParams
         The ego.
+    met : dict
+        Whether each vehicle was on the route, without its bounds, when it was last heard, by id; kept up to
+        date here.
 
     Returns
     -------
-    keeps : bool
-        Whether it is oncoming, was last heard more than 1 s ago, and may just as well be beside the route:
-        then it is taken to keep to its lane, since braking for it would endanger those behind.
+    beside : set of str
+        Ids of those that were last heard beside the route more than 1 s ago. They are taken to keep to their
+        lanes: a yaw rate that is a little off moves them over, and braking would endanger those behind.
     """
-    if other.v_s > -_STANDS or other.remote.age <= _STALE_AFTER:
-        return False
-    across = 2.0 * other.remote.sigma_across
-    return abs(other.d) + across > 0.5 * vehicle.width + IN_THE_WAY + other.half_width - across
+    known, beside = dict(met), set()
+    met.clear()
+    for n in neighbours:
+        name, fresh = n.remote.id, n.remote.age <= _STALE_AFTER
+        body = n.half_width - 2.0 * n.remote.sigma_across
+        on_route = abs(n.d) < 0.5 * vehicle.width + IN_THE_WAY + body
+        met[name] = on_route if fresh else known.get(name, on_route)
+        if not (fresh or met[name]) and n.v_s < -_STANDS:
+            beside.add(name)
+    return beside
 
 
 def _unsure(leader: Leader, v_x: float, speed: SpeedSettings) -> Leader:

@@ -30,10 +30,10 @@ from cca_core.follow import (
 from cca_core.hazards import (
     IN_THE_WAY,
     conflict_ahead,
-    keeps_to_its_side,
     kept_behind,
     leader_ahead,
     leader_at,
+    oncoming_beside,
 )
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.retreat import put_off, slow_enough
@@ -131,6 +131,7 @@ class Planner:
         self._conflict: Conflict | None = None
         self._stopping: set[str] = set()
         self._kept: set[str] = set()
+        self._met: dict[str, bool] = {}
         self._status = Status.OK
 
     def __repr__(self) -> str:
@@ -234,10 +235,11 @@ class Planner:
     def _blockers(self, neighbours: list[Neighbour], s: float) -> list[Neighbour]:
         """Vehicles on the route whose front is not behind the ego's rear, nearest first."""
         rear = s + self.vehicle.box_offset - 0.5 * self.vehicle.length
+        beside = oncoming_beside(neighbours, self.vehicle, self._met)
         found = [
             n
             for n in neighbours
-            if n.s + n.half_length > rear and self._blocks(n, 0.0) and not keeps_to_its_side(n, self.vehicle)
+            if n.s + n.half_length > rear and self._blocks(n, 0.0) and n.remote.id not in beside
         ]
         return sorted(found, key=lambda n: n.s)
 

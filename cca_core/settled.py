@@ -12,6 +12,7 @@ __all__ = ["first_free", "forgiven", "resampled", "settled"]
 _LEAST_NODES = 6  # of a band
 _SETTLED = 0.5  # time in which what is steered along can hardly change [s]
 _REGAINED = 2.0  # and then the one in which a clearance that is lacking is gained [s]
+_NARROW = 0.3  # gap that must be left for a clearance to be regained in comfort [m]
 _SPARE = 0.05  # forgiven on top of what is lacking: bounds between nodes are looser than at nodes [m]
 
 
@@ -90,13 +91,16 @@ def forgiven(box: Boxes, body: Boxes, t: Array, clearance: float) -> Boxes:
     Returns
     -------
     box : Boxes
-        The same where nothing is lacking.
+        The same where nothing is lacking. Of a clearance above 0.3 m no more is forgiven than leaves that:
+        whoever is nearer is not passed as if nothing were.
     """
     m = len(body.x)
     first = Boxes(box.x[:m], box.y[:m], box.psi[:m], box.length[:m], box.width[:m])
     lacks = clearance + _SPARE - float(box_gap(body, first).min())
     if lacks <= 0.0:
         return box
-    share = np.clip((t - _SETTLED) / _REGAINED, 0.0, 1.0)
+    if clearance > _NARROW:
+        lacks = min(lacks, clearance - _NARROW + _SPARE)
+    share = np.clip((t - max(_SETTLED, t[m - 1])) / _REGAINED, 0.0, 1.0)
     less = 2.0 * lacks * (1.0 - share * share * (3.0 - 2.0 * share))
     return replace(box, length=np.maximum(box.length - less, 0.0), width=np.maximum(box.width - less, 0.0))

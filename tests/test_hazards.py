@@ -183,24 +183,39 @@ class TestUncertain:
 
 
 class TestOncoming:
-    """One that comes towards the ego on the lane beside, last heard with a little yaw rate."""
+    """One that comes towards the ego, heard at a place, and then no more: its bounds grow, it drifts."""
 
-    def first(self, d: float, age: float, sigma: float, v: float = -20.0) -> Command:
-        remote = RemoteVehicle(
-            id="A", x=START + 120.0, y=d, psi=math.pi if v < 0.0 else 0.0, v_x=abs(v), age=age,
-            sigma_across=sigma,
-        )  # fmt: skip
-        return ego().step(0.0, state(), [remote])
+    def then(self, heard_at: float, d: float, age: float, sigma: float, v: float = -20.0) -> Command:
+        planner = ego()
+        for t, x, y, old, error in ((0.0, 150.0, heard_at, 0.1, 0.1), (age, 120.0, d, age, sigma)):
+            remote = RemoteVehicle(
+                id="A", x=START + x, y=y, psi=math.pi if v < 0.0 else 0.0, v_x=abs(v), age=old,
+                sigma_across=error,
+            )  # fmt: skip
+            command = planner.step(t, state(), [remote])
+        return command
 
     @pytest.mark.parametrize("d", [0.0, 1.4, -1.0])
-    def test_unheard_for_long_it_keeps_to_its_side(self, d: float) -> None:
-        command = self.first(d, 4.0, 3.4)
+    def test_heard_beside_it_keeps_to_its_side(self, d: float) -> None:
+        command = self.then(3.5, d, 4.0, 3.4)
         assert command.decision.action is Action.KEEP
         assert command.a_x > -0.5
 
-    @pytest.mark.parametrize(("d", "age", "sigma"), [(1.4, 0.3, 0.5), (0.0, 0.3, 0.5), (0.0, 1.5, 0.4)])
-    def test_heard_in_the_way_it_is_braked_for(self, d: float, age: float, sigma: float) -> None:
-        assert self.first(d, age, sigma).decision.action is Action.BRAKE
+    @pytest.mark.parametrize("age", [1.1, 4.0, 10.0])
+    @pytest.mark.parametrize("sigma", [0.1, 1.1, 6.0])
+    def test_heard_on_the_route_it_is_still_there(self, age: float, sigma: float) -> None:
+        """Head-on: silence makes nobody vanish."""
+        assert self.then(0.0, 0.3, age, sigma).decision.action is Action.BRAKE
+
+    @pytest.mark.parametrize(("d", "age", "sigma"), [(1.4, 0.3, 0.5), (0.0, 0.3, 0.5)])
+    def test_heard_to_come_over_it_is_braked_for(self, d: float, age: float, sigma: float) -> None:
+        assert self.then(3.5, d, age, sigma).decision.action is Action.BRAKE
 
     def test_one_that_drives_ahead_is_not_left_out(self) -> None:
-        assert self.first(0.0, 4.0, 3.4, v=10.0).decision.action is not Action.KEEP
+        assert self.then(3.5, 0.0, 4.0, 3.4, v=10.0).decision.action is not Action.KEEP
+
+    def test_first_known_by_an_old_message_it_is_where_that_says(self) -> None:
+        remote = RemoteVehicle(
+            id="A", x=START + 120.0, y=0.0, psi=math.pi, v_x=20.0, age=4.0, sigma_across=3.4
+        )
+        assert ego().step(0.0, state(), [remote]).decision.action is Action.BRAKE

@@ -22,7 +22,7 @@ def beside(d: float) -> Boxes:
     return boxes(S, np.full(N, d), np.zeros(N), np.full(N, 4.5), np.full(N, 1.8))
 
 
-@given(d=st.floats(2.0, 6.0))
+@given(d=st.floats(2.15, 6.0))
 def test_forgiven_is_what_is_lacking_and_no_longer_than_needed(d: float) -> None:
     m = settled(T)
     box = forgiven(beside(d), ego(0.0, m), T, 1.0)
@@ -35,12 +35,25 @@ def test_forgiven_is_what_is_lacking_and_no_longer_than_needed(d: float) -> None
         assert box.width is beside(d).width or (box.width == 1.8).all()
 
 
-def test_where_bodies_overlap_already_the_bounds_shrink_to_nothing() -> None:
-    box = forgiven(beside(0.0), ego(0.0, 4), T, 1.0)
-    assert box.width[0] == 0.0
-    assert box.width.min() >= 0.0
-    assert box.length.min() >= 0.0
-    assert box.width[-1] == 1.8
+def test_who_is_nearer_than_that_is_not_passed_as_if_nothing_were() -> None:
+    box = forgiven(beside(1.3), ego(0.0, 4), T, 1.0)
+    assert box.width[0] == pytest.approx(1.8 - 2.0 * 0.75)
+    assert box_gap(ego(0.0, N), box)[:4].min() < 1.0
+    narrow = forgiven(beside(1.3), ego(0.0, 4), T, 0.3)
+    assert box_gap(ego(0.0, N), narrow)[:4].min() >= 0.3
+    assert narrow.width[-1] == box.width[-1] == 1.8
+
+
+def test_bounds_do_not_turn_inside_out() -> None:
+    thin = boxes(S, np.full(N, 1.0), np.zeros(N), np.full(N, 0.4), np.full(N, 0.2))
+    box = forgiven(thin, ego(0.0, 4), T, 0.3)
+    assert box.width.min() == box.length.min() == 0.0
+
+
+def test_a_creeping_ego_is_forgiven_as_long_as_its_next_nodes_take() -> None:
+    slow = S / 2.0
+    box = forgiven(beside(2.4), ego(0.0, 3), slow, 1.0)
+    assert box_gap(ego(0.0, N), box)[:3].min() >= 1.0
 
 
 @pytest.mark.parametrize(("here", "k"), [(-5.0, 1), (0.0, 1), (0.5, 1), (10.2, 11), (11.0, 11), (99.0, 95)])

@@ -13,12 +13,11 @@ from cca_core.band.certificate import Certificate
 from cca_core.band.corridor import Side
 from cca_core.band.energy import kkt_residual
 from cca_core.band.picture import marks_of
-from cca_core.band.task import Task
+from cca_core.band.task import FARTHEST, Task
 from cca_core.errors import InfeasibleError, InputError, Status
 from cca_core.path import Path
 from cca_core.path.interpolate import cubics_along
 
-_FARTHEST = 30.0  # swerve beyond which a band is none of a road [m]
 _EXACT = 1e-9  # rounding error that is forgiven [m]
 
 
@@ -257,7 +256,7 @@ def judged(
             outcome = Status.INFEASIBLE, reason, nearest
         elif edge[i] < -_EXACT:
             outcome = Status.INFEASIBLE, f"the body crosses the {closest} by {-edge[i]:.3f} m", closest
-        elif farthest[i] > _FARTHEST:
+        elif farthest[i] > FARTHEST:
             outcome = Status.INFEASIBLE, f"it would swerve by {farthest[i]:.0f} m", nearest
         elif bent[i] > 1.0 + _EXACT:
             reason = f"curvature {curvature[i]:.4f} 1/m is {bent[i]:.2f} times the limit"

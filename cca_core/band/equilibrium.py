@@ -14,6 +14,7 @@ _SECANTS = 12
 _FLAT = 1e-3  # share of the first slope that is flat enough
 _STIFF = 1e5  # stiffness per contact stiffness above which digits are lost that corrections win back
 _CORRECTIONS = 3
+_LONG = 200  # nodes from which on a band that nothing bends is corrected likewise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,15 +132,18 @@ def undisturbed(stencil: Array, start: Array, n: int) -> Array:
     """
     from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
-    row = np.asarray(stencil / stencil[:, :1], dtype=np.float64)
+    unit = stencil / stencil[:, :1]
+    row = np.asarray(unit, dtype=np.float64)
     u = np.zeros((len(start), n))
     u[:, :2] = start[:, 1:]
     force = np.zeros((len(start), max(n - 4, 3)))
     for k in range(3):  # what the held nodes pull at the first three that are free
         force[:, k] = -(row[:, k + 1 :] * start[:, ::-1][:, : 3 - k]).sum(axis=1)
-    for i, (r, f) in enumerate(zip(row, force[:, : n - 4], strict=True)):
-        matrix = np.repeat(r[::-1, None], n - 4, axis=1)
-        u[i, 2:-2] = lapack.dpbsv(matrix, f)[1]
+    for i, f in enumerate(force[:, : n - 4]):
+        matrix, rest = np.repeat(row[i, ::-1, None], n - 4, axis=1), f
+        for _ in range(1 + _CORRECTIONS * (n > _LONG)):
+            u[i, 2:-2] += lapack.dpbsv(matrix, rest)[1]
+            rest = (f - internal(unit[i], u[i, 2:-2])).astype(np.float64)
     return u
 
 

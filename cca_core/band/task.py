@@ -6,13 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, Complex, Index, check_real
+from cca_core._checks import Array, Complex, Index, check_any, check_real
 from cca_core.band.corridor import Corridor, corridor_around
 from cca_core.band.equilibrium import undisturbed
 from cca_core.band.stiffness import BandStiffness
 from cca_core.errors import InputError
 from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
+
+FARTHEST = 30.0
+"""Swerve beyond which a band is none of a road [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -148,6 +151,18 @@ def spline_along(nodes: Complex, ends: Complex) -> tuple[Complex, Array, Complex
     return along, 6.0 * (along.conj() * sixth).imag / (speed * speed), sixth
 
 
+def _held(start: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Displacement at the node before the first and at the first two, (bands, 3), checked."""
+    given = check_any("start", start)
+    try:
+        held = np.broadcast_to(given, (*shape[:-1], 3)).reshape(-1, 3)
+    except ValueError:
+        raise InputError(f"start must have shape {(*shape[:-1], 3)}, had {given.shape}") from None
+    if np.abs(held).max() > FARTHEST:
+        raise InputError(f"start must be within {FARTHEST:g} m, was {np.abs(held).max():g}")
+    return held
+
+
 def _end(a: complex, b: complex, c: complex, d: complex) -> float:
     """Curvature at the first of nodes that begin so, drawn on from the circles through three of them."""
 
@@ -210,20 +225,20 @@ def task_of(
             f"neighbours are {steps.min():.3g} to {steps.max():.3g} m apart"
         )
     bent = np.array([(_end(*b[:4].tolist()), -_end(*b[:-5:-1].tolist())) for b in base])
+    held, free = _held(start, shape), np.zeros(base.shape)
+    off = held.any(axis=1)
+    # the chord between the first two nodes is turned against the tangent at the first
+    tangents[off, 0] *= np.exp(-0.5j * h[off] * bent[off, 0])
     ahead = tangents[:, [0, -1]]
-    held = np.zeros((len(base), 3))
-    try:
-        held[:] = np.reshape(np.broadcast_to(np.asarray(start, dtype=np.float64), (*shape[:-1], 3)), (-1, 3))
-    except (TypeError, ValueError):
-        raise InputError(f"start must have shape {(*shape[:-1], 3)}, had {np.shape(start)}") from None
-    if not np.isfinite(held).all():
-        raise InputError("start must be finite")
-    free = np.zeros(base.shape)
-    if held.any():
-        free = undisturbed(stiffness.stencil(h), held, n)
-        bent[:, 0] += (held[:, 0] - 2.0 * held[:, 1] + held[:, 2]) / h**2
-        turn = 1.0 + 0.5j * (held[:, 2] - held[:, 0]) / h
-        ahead[:, 0] *= turn / np.abs(turn)
+    if off.any():
+        free[off] = undisturbed(stiffness.stencil(h[off]), held[off], n)
+        before, at, after = held[off].T
+        slope, change = 0.5 * (after - before) / h[off], (after - 2.0 * at + before) / h[off] ** 2
+        kappa = bent[off, 0]
+        along = 1.0 - kappa * at
+        speed = np.hypot(along, slope)
+        bent[off, 0] = (along * (change + kappa * along) + 2.0 * kappa * slope**2) / speed**3
+        ahead[off, 0] *= (along + 1j * slope) / speed
     return Task(
         base=base, tangents=tangents, h=h, ahead=ahead, ends=1j * bent * ahead / 6.0,
         free=free, before=held[:, 0], vehicle=vehicle, clearance=clearance,

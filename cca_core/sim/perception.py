@@ -12,6 +12,7 @@ from cca_core.vehicle import RemoteVehicle, VehicleState
 __all__ = ["Perception"]
 
 _PRECISE = 0.1  # deviation up to which a sender's own word on its place is taken [m]
+_CREDIBLE = 3.0  # deviations beyond which an error is not one of a receiver, and is not counted on
 _LASTING = 30.0  # time in which the error of a receiver's position forgets itself [s]
 
 
@@ -132,6 +133,7 @@ class Perception:
         """
         heard = {v.id: v for v in self._receiver.take(t, messages, ego)} if self._hears else {}
         in_sight = {v.id: v for v in self._sensor.report(t, rows, seen)}
+        self._errors = {name: error for name, error in self._errors.items() if name in heard}
         for name, told in heard.items():
             v = in_sight.pop(name, None)
             recent, precise = told.age <= self._sensor.delay, told.sigma_across <= _PRECISE
@@ -139,7 +141,10 @@ class Perception:
                 heard[name] = replace(v, events=told.events, source="v2v")
             elif v is not None and not precise:
                 off = v.x - told.x, v.y - told.y
-                self._errors[name] = _Error(t, *off, told.sigma_along, told.sigma_across)
+                if math.hypot(*off) <= _CREDIBLE * math.hypot(told.sigma_along, told.sigma_across):
+                    self._errors[name] = _Error(t, *off, told.sigma_along, told.sigma_across)
+                else:
+                    self._errors.pop(name, None)
                 heard[name] = replace(told, x=v.x, y=v.y, sigma_along=0.0, sigma_across=0.0)
             elif not precise and name in self._errors:
                 heard[name] = self._errors[name].taken_from(told, t)
