@@ -7,7 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from cca_core import Action, Lane, Planner, RemoteVehicle, Road
+from cca_core import Action, Lane, Planner, RemoteVehicle, Road, Status, VehicleState
+from cca_core.path import interpolate_path
+from cca_core.sim import SingleTrackPlant
 from tests import test_hazards
 from tests.test_planner import ALL_KNOWN, CAR, CYCLE, Drive, Mover, planner, straight
 
@@ -116,6 +118,33 @@ def test_the_way_round_never_moves_under_the_car(seed: int) -> None:
     assert max(turned) < 2e-3
     steering = np.diff([c.delta for c in run.commands]) / CYCLE
     assert np.abs(steering).max() < math.radians(12.0)
+
+
+@pytest.mark.parametrize(("radius", "v"), [(100.0, 14.0), (-150.0, 15.0), (-400.0, 24.0)])
+def test_nor_on_a_bend(radius: float, v: float) -> None:
+    """Past a parked car without noise: nothing is new, and the steering goes out, over and back."""
+    phi = np.arange(0.0, 451.0, 2.0) / abs(radius)
+    path = interpolate_path(
+        np.column_stack((np.sin(phi), math.copysign(1.0, radius) * (1.0 - np.cos(phi)))) * abs(radius)
+    )
+    p = Planner(CAR, Road(path, (Lane(d=0.0), Lane(d=3.5))), cruise_speed=v, evasion=ALL_KNOWN)
+    x, y = path.position(60.0).tolist()
+    plant = SingleTrackPlant(CAR, VehicleState(x=x, y=y, psi=float(path.heading(60.0)), v_x=v))
+    x, y = path.position(180.0).tolist()
+    parked = RemoteVehicle(id="P", x=x, y=y, psi=float(path.heading(180.0)), v_x=0.0)
+    deltas, statuses = [], []
+    for k in range(round(150.0 / v / CYCLE)):
+        command = p.step(k * CYCLE, plant.state, [parked])
+        plant.step(command.delta, command.a_x, CYCLE)
+        if command.decision.action.evades:
+            deltas.append(command.delta)
+            statuses.append(command.status)
+    assert len(deltas) > 100
+    steps = np.diff(deltas)
+    turns = np.sign(steps[np.abs(steps) > 1e-5])
+    assert np.count_nonzero(np.diff(turns)) <= 12
+    assert np.abs(steps).max() / CYCLE < math.radians(8.0)
+    assert statuses.count(Status.OK) >= len(statuses) - 10
 
 
 def test_hidden_standing_car_without_noise() -> None:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cca_core.band import relax_band, smooth_band
+from cca_core.band import BandStiffness, relax_band, smooth_band
 from cca_core.errors import InputError, Status
 from cca_core.geometry import Boxes, boxes
 from tests.band.scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
@@ -43,8 +43,6 @@ def test_it_goes_on_as_the_whole_band_does(nodes: np.ndarray, k: int) -> None:
 def test_that_holds_for_moving_obstacles_and_other_stiffnesses(
     d: float, v: float, met: float, k: int, k_s: float
 ) -> None:
-    from cca_core.band import BandStiffness
-
     nodes, stiffness = straight(), BandStiffness(k_s=k_s)
     car = moving(nodes, met, (80.0, d), (v, 0.0), psi=0.0)
     whole = relax_band(nodes, [car], side="left", vehicle=CAR, stiffness=stiffness)
@@ -69,6 +67,31 @@ def test_its_curve_begins_with_place_heading_and_curvature() -> None:
     assert turn == pytest.approx(0.085, abs=0.01)
     kappa = (first[0] * second[1] - first[1] * second[0]) / np.hypot(*first) ** 3
     assert kappa == pytest.approx(1 / 300.0 + 0.01, abs=5e-4)
+
+
+@pytest.mark.parametrize("radius", [60.0, -100.0, 400.0])
+@pytest.mark.parametrize("k", [30, 55, 75])
+def test_on_a_bend_its_curve_is_that_of_the_whole(radius: float, k: int) -> None:
+    nodes = bend(radius)
+    whole = relax_band(nodes, [on(nodes, 75, 0.0)], side="left", vehicle=CAR)
+    part = relax_band(
+        nodes[k:], [on(nodes, 75, 0.0)], side="left", vehicle=CAR, start=whole.displacement[k - 1 : k + 2]
+    )
+    np.testing.assert_allclose(part.nodes[0], whole.nodes[k], atol=2e-4)
+    before, after = whole.path(), part.path()
+    s, _ = before.project(part.nodes[:6])
+    s_1, _ = after.project(part.nodes[:6])
+    bent = before.curvature(s)
+    assert np.abs(after.curvature(s_1) - bent).max() < 0.02 * np.abs(bent).max()
+    assert np.abs(after.heading(s_1) - before.heading(s)).max() < 1e-3
+
+
+def test_long_bands_keep_their_digits() -> None:
+    nodes = straight(3000.0)
+    stiffness = BandStiffness(k_s=0.0)
+    whole = relax_band(nodes, vehicle=CAR, stiffness=stiffness, start=(3.0, 3.0, 3.0))
+    part = relax_band(nodes[500:], vehicle=CAR, stiffness=stiffness, start=whole.displacement[499:502])
+    np.testing.assert_allclose(part.displacement, whole.displacement[500:], atol=1e-3)
 
 
 def test_without_obstacles_it_returns_to_the_route() -> None:
@@ -129,7 +152,8 @@ def test_many_begin_each_where_it_is() -> None:
 
 
 @pytest.mark.parametrize(
-    "start", [(1.0, 2.0), "far out", (1.0, np.nan, 1.0), np.zeros((2, 3)), (1.0, np.inf, 0.0)]
+    "start",
+    [(1.0, 2.0), "far out", (1.0, np.nan, 1.0), np.zeros((2, 3)), (1.0, np.inf, 0.0), (0.0, 0.0, 1e308)],
 )
 def test_misuse(start: object) -> None:
     with pytest.raises(InputError, match="start must"):
