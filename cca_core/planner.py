@@ -337,7 +337,9 @@ class Planner:
             grip = self.vehicle.mu * 9.81
             share = min(max(leader.required_deceleration / grip, share), 1.0)  # all of it where less hits
         limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu, share=share)
-        return jerk_limited(limited, last, dt, self.speed, emergency=emergency)
+        # brakes let go slowly would make the ego slower on its way around than that is meant for
+        lets_go = self._maneuver is not None and last < min(limited, 0.0)
+        return jerk_limited(limited, last, dt, self.speed, emergency=emergency or lets_go)
 
     def _give_up(self, reason: str) -> Command:
         """Hold the steering and brake: the lowest rung of the ladder."""

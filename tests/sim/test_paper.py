@@ -224,6 +224,7 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
         ("maneuver", 7, 56), ("maneuver", 7, 221),  # given up on the way back already, with others beside
         ("eebl", 9, 445),  # full braking just helps, on 0.6 of friction
         ("maneuver", 8, 64),  # the band jumped where a car beside left the sensor's sight
+        ("maneuver", 9, 511),  # brakes let go slowly while swerving out in front of R2
         ("maneuver", 8, 423),  # A unheard for seconds, dead-reckoned into the lane; R1 behind
     ],
 )  # fmt: skip
