@@ -10,6 +10,7 @@ import numpy as np
 
 from cca_core._checks import Array, Mask
 from cca_core.band import Band, Side, relax_band
+from cca_core.band.task import displaced_curve
 from cca_core.beside import lane_beside
 from cca_core.decide import Candidate
 from cca_core.errors import Status
@@ -28,7 +29,7 @@ GRIP_USED = 0.8
 _BEHIND = 2.0  # a window starts this far behind the car [m]
 _GROWTH = 2.0  # an end that would move on by less stays: it is an effect of rounding [m]
 _AS_BENT = 1.002  # as a multiple of how it is bent already, what can hardly change may be bent
-_BESIDE_EDGE = 0.05  # by which an edge is farther for what can hardly change: an effect of rounding [m]
+_BESIDE_EDGE = 0.05  # by which an edge is farther for what can hardly change [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
 _MANOEUVRING = 5.0  # slower than this the steering limits curvature, not the tyres [m/s]
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
@@ -162,8 +163,9 @@ def plan_evasion(
     n = 1 + min(_NODES, max(20, math.ceil(end - start)))
     whole = np.linspace(start, end, n)
     # what has been driven stays as it is, and the band goes on from there
-    under_way = ongoing is not None and ego.s >= start
-    was = resampled(whole, ongoing.places, ongoing.displacement) if ongoing and under_way else None
+    was = None
+    if ongoing is not None and ego.s >= start:
+        was = resampled(whole, ongoing.places, ongoing.displacement)
     k = 0 if was is None else first_free(whole, ego.s)
     s, t = whole[k:], ego.times(whole[k:])
     right = road.own_lane.right if side == "left" or beside is None else beside.right
@@ -172,11 +174,11 @@ def plan_evasion(
     curvature_limit, room = settings.lateral_limit / squared, np.zeros(len(s))
     if was is not None:
         m = min(settled(t), len(s) - 1)
-        change = np.diff(was[k - 1 : k + m + 1], n=2) / (whole[1] - whole[0]) ** 2
-        bent = _AS_BENT * np.abs(road.path.curvature(s[:m]) + change)
+        h, three = whole[1] - whole[0], np.stack([was[k + i : k + i + m] for i in (-1, 0, 1)])
+        bent = _AS_BENT * np.abs(displaced_curve(road.path.curvature(s[:m]), three, h)[1])
         most = GRIP_USED * ego.vehicle.mu * 9.81 / squared[:m]
         curvature_limit[:m] = np.maximum(curvature_limit[:m], np.minimum(bent, most))
-        room[:m] = _BESIDE_EDGE
+        room[: m + math.ceil(ego.vehicle.length / h)] = _BESIDE_EDGE  # nodes that the body reaches
     draw = partial(
         relax_band, road.path.position(s), side=side, vehicle=ego.vehicle, clearance=settings.clearance,
         corridor=(right - room, left + room), curvature_limit=curvature_limit,

@@ -28,6 +28,7 @@ IN_THE_WAY = 0.3
 
 _STANDS = 1.0  # slower than this a vehicle stands; messages err by 0.2 [m/s]
 _STALE_AFTER = 1.0  # age from which on where one that comes towards the ego will be is a guess [s]
+_OUTLOOK = 2.0  # for which it is taken to go on across the route as it heads [s]
 _SOFTLY = 0.5  # time in which a creeping car comes to rest [s]
 _HOLD = 1.0  # further time that must lie between bodies until the ego goes on that waits already [s]
 _BRAKES = -2.0  # acceleration below which a hidden vehicle is braked for [m/s^2]
@@ -230,21 +231,23 @@ def oncoming_beside(
     vehicle : VehicleParams
         The ego.
     met : dict
-        Whether each vehicle was on the route, without its bounds, when it was last heard, by id; kept up to
-        date here.
+        Whether each vehicle was on the route, without its bounds, or headed for it within 2 s, when it was
+        last known well, by id; kept up to date here.
 
     Returns
     -------
     beside : set of str
-        Ids of those that were last heard beside the route more than 1 s ago. They are taken to keep to their
-        lanes: a yaw rate that is a little off moves them over, and braking would endanger those behind.
+        Ids of those that have not been heard for more than 1 s and were neither on the route nor headed for
+        it by then. They are taken to keep to their lanes: a yaw rate that is a little off moves them over,
+        and braking would endanger those behind.
     """
     known, beside = dict(met), set()
     met.clear()
     for n in neighbours:
         name, fresh = n.remote.id, n.remote.age <= _STALE_AFTER
-        body = n.half_width - 2.0 * n.remote.sigma_across
-        on_route = abs(n.d) < 0.5 * vehicle.width + IN_THE_WAY + body
+        reach = 0.5 * vehicle.width + IN_THE_WAY + n.half_width - 2.0 * n.remote.sigma_across
+        then = n.d + _OUTLOOK * n.remote.v_x * math.sin(n.angle)
+        on_route = min(n.d, then) < reach and max(n.d, then) > -reach
         met[name] = on_route if fresh else known.get(name, on_route)
         if not (fresh or met[name]) and n.v_s < -_STANDS:
             beside.add(name)

@@ -24,7 +24,7 @@ def resampled(s: Array, places: Array, displacement: Array) -> Array:
     s : ndarray, shape (m,)
         Where [m].
     places, displacement : ndarray, shape (n,)
-        Path coordinates, equally spaced, and the displacement there [m], 0 before and beyond.
+        Path coordinates, equally spaced and beginning as `s`, and the displacement there [m], 0 beyond.
 
     Returns
     -------
@@ -35,8 +35,7 @@ def resampled(s: Array, places: Array, displacement: Array) -> Array:
 
     if len(s) == len(places) and s[-1] == places[-1]:
         return displacement
-    inside = (s >= places[0]) & (s <= places[-1])
-    told: Array = np.where(inside, CubicSpline(places, displacement)(s), 0.0)
+    told: Array = np.where(s <= places[-1], CubicSpline(places, displacement)(s), 0.0)
     return told
 
 

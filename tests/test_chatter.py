@@ -120,7 +120,7 @@ def test_the_way_round_never_moves_under_the_car(seed: int) -> None:
     assert np.abs(steering).max() < math.radians(12.0)
 
 
-@pytest.mark.parametrize(("radius", "v"), [(100.0, 14.0), (-150.0, 15.0), (-400.0, 24.0)])
+@pytest.mark.parametrize(("radius", "v"), [(60.0, 9.0), (100.0, 14.0), (-150.0, 15.0), (-400.0, 24.0)])
 def test_nor_on_a_bend(radius: float, v: float) -> None:
     """Past a parked car without noise: nothing is new, and the steering goes out, over and back."""
     phi = np.arange(0.0, 451.0, 2.0) / abs(radius)

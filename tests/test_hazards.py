@@ -185,11 +185,13 @@ class TestUncertain:
 class TestOncoming:
     """One that comes towards the ego, heard at a place, and then no more: its bounds grow, it drifts."""
 
-    def then(self, heard_at: float, d: float, age: float, sigma: float, v: float = -20.0) -> Command:
+    def then(
+        self, heard_at: float, d: float, age: float, sigma: float, v: float = -20.0, turn: float = 0.0
+    ) -> Command:
         planner = ego()
         for t, x, y, old, error in ((0.0, 150.0, heard_at, 0.1, 0.1), (age, 120.0, d, age, sigma)):
             remote = RemoteVehicle(
-                id="A", x=START + x, y=y, psi=math.pi if v < 0.0 else 0.0, v_x=abs(v), age=old,
+                id="A", x=START + x, y=y, psi=math.pi + turn if v < 0.0 else 0.0, v_x=abs(v), age=old,
                 sigma_across=error,
             )  # fmt: skip
             command = planner.step(t, state(), [remote])
@@ -210,6 +212,12 @@ class TestOncoming:
     @pytest.mark.parametrize(("d", "age", "sigma"), [(1.4, 0.3, 0.5), (0.0, 0.3, 0.5)])
     def test_heard_to_come_over_it_is_braked_for(self, d: float, age: float, sigma: float) -> None:
         assert self.then(3.5, d, age, sigma).decision.action is Action.BRAKE
+
+    def test_heard_to_head_for_the_route_it_is_taken_to_come(self) -> None:
+        """At 1 m/s to the side it is in the lane two seconds later."""
+        assert self.then(3.5, 0.2, 3.0, 2.5, turn=0.05).decision.action is Action.BRAKE
+        assert self.then(3.5, 0.2, 3.0, 2.5, turn=-0.05).decision.action is Action.KEEP
+        assert self.then(3.5, 0.2, 3.0, 2.5, turn=0.01).decision.action is Action.KEEP
 
     def test_one_that_drives_ahead_is_not_left_out(self) -> None:
         assert self.then(3.5, 0.0, 4.0, 3.4, v=10.0).decision.action is not Action.KEEP

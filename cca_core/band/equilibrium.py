@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array, Index, Mask
+from cca_core.errors import InputError
 
 __all__ = ["Bends", "equilibrium"]
 
@@ -129,6 +130,11 @@ def undisturbed(stencil: Array, start: Array, n: int) -> Array:
     -------
     u : ndarray, shape (bands, n)
         Displacement of least energy [m], 0 at the last two nodes.
+
+    Raises
+    ------
+    InputError
+        If there are too many nodes for the digits of the machine.
     """
     from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
@@ -142,7 +148,10 @@ def undisturbed(stencil: Array, start: Array, n: int) -> Array:
     for i, f in enumerate(force[:, : n - 4]):
         matrix, rest = np.repeat(row[i, ::-1, None], n - 4, axis=1), f
         for _ in range(1 + _CORRECTIONS * (n > _LONG)):
-            u[i, 2:-2] += lapack.dpbsv(matrix, rest)[1]
+            _, solution, info = lapack.dpbsv(matrix, rest)
+            if info:
+                raise InputError(f"nodes must be fewer where a band begins off its route, were {n}")
+            u[i, 2:-2] += solution
             rest = (f - internal(unit[i], u[i, 2:-2])).astype(np.float64)
     return u
 

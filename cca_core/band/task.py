@@ -151,6 +151,32 @@ def spline_along(nodes: Complex, ends: Complex) -> tuple[Complex, Array, Complex
     return along, 6.0 * (along.conj() * sixth).imag / (speed * speed), sixth
 
 
+def displaced_curve(kappa: Array, u: Array, h: float | Array) -> tuple[Complex, Array]:
+    """Describe a curve that runs beside a route.
+
+    Parameters
+    ----------
+    kappa : ndarray, shape (n,)
+        Curvature of the route [1/m], left positive, taken to change slowly.
+    u : ndarray, shape (3, n)
+        Displacement a node before, at and after each place [m], left positive.
+    h : float or ndarray, shape (n,)
+        Distance between nodes along the route [m].
+
+    Returns
+    -------
+    turn : ndarray of complex, shape (n,)
+        Its unit tangents relative to those of the route [-].
+    curvature : ndarray, shape (n,)
+        Its curvature [1/m].
+    """
+    slope, change = 0.5 * (u[2] - u[0]) / h, (u[2] - 2.0 * u[1] + u[0]) / (h * h)
+    along = 1.0 - kappa * u[1]
+    speed = np.hypot(along, slope)
+    curvature: Array = (along * (change + kappa * along) + 2.0 * kappa * slope**2) / speed**3
+    return (along + 1j * slope) / speed, curvature
+
+
 def _held(start: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Displacement at the node before the first and at the first two, (bands, 3), checked."""
     given = check_any("start", start)
@@ -232,13 +258,8 @@ def task_of(
     ahead = tangents[:, [0, -1]]
     if off.any():
         free[off] = undisturbed(stiffness.stencil(h[off]), held[off], n)
-        before, at, after = held[off].T
-        slope, change = 0.5 * (after - before) / h[off], (after - 2.0 * at + before) / h[off] ** 2
-        kappa = bent[off, 0]
-        along = 1.0 - kappa * at
-        speed = np.hypot(along, slope)
-        bent[off, 0] = (along * (change + kappa * along) + 2.0 * kappa * slope**2) / speed**3
-        ahead[off, 0] *= (along + 1j * slope) / speed
+        turn, bent[off, 0] = displaced_curve(bent[off, 0], held[off].T, h[off])
+        ahead[off, 0] *= turn
     return Task(
         base=base, tangents=tangents, h=h, ahead=ahead, ends=1j * bent * ahead / 6.0,
         free=free, before=held[:, 0], vehicle=vehicle, clearance=clearance,

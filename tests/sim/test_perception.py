@@ -134,3 +134,28 @@ def test_never_is_more_known_than_what_was_told() -> None:
     (red,) = perception.remotes(0.0, [row], [False], [heard(0.0, 40.0, 0.8, 0.5)], EGO)
     assert red.y == pytest.approx(0.8, abs=0.02)
     assert red.sigma_across == pytest.approx(0.5, abs=0.01)
+
+
+def test_who_lies_in_sight_is_not_corrected_by_its_lie() -> None:
+    perception = Perception(SCENARIO)
+    for k in range(150):
+        t = 0.02 * k
+        x = 40.0 + 10.0 * t
+        lie = 0.0 if t > 1.0 else 12.0
+        messages = [heard(t, x, lie, 0.3)] if k % 5 == 0 else []
+        (red,) = perception.remotes(t, [(x, 0.0, 0.0, 10.0, 0.0, 0.0)], [t < 1.0], messages, EGO)
+    assert abs(red.y) < 0.1
+    assert red.sigma_across == pytest.approx(0.3, abs=0.02)
+
+
+def test_an_error_is_forgotten_with_its_sender() -> None:
+    perception = Perception(SCENARIO)
+    for k in range(50):
+        t = 0.02 * k
+        messages = [heard(t, 40.0, 0.8, 0.5)] if k % 5 == 0 else []
+        perception.remotes(t, [(40.0, 0.0, 0.0, 10.0, 0.0, 0.0)], [True], messages, EGO)
+    row = (200.0, 0.0, 0.0, 10.0, 0.0, 0.0)
+    for k in range(2000):
+        perception.remotes(1.0 + 0.02 * k, [row], [False], [], EGO)
+    (red,) = perception.remotes(50.0, [row], [False], [heard(50.0, 200.0, 0.8, 0.5)], EGO)
+    assert red.y == pytest.approx(0.8, abs=0.02)
