@@ -1,4 +1,8 @@
-"""Ways around what stands in the way: where to swerve, the band to drive, whether the lane beside is free."""
+"""Ways around what stands in the way: where to swerve, the band to drive, whether the lane beside is free.
+
+Where to swerve, what is kept of a swerve under way and whether the lane beside is free are one decision about
+one band, so this module is a little longer than others.
+"""
 
 import math
 import re

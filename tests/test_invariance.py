@@ -71,7 +71,9 @@ def test_turned_and_shifted(plain: tuple[str, Log], angle: float, shift: tuple[f
     assert [t for t, _, _ in other.decisions] == pytest.approx(
         [t for t, _, _ in log.decisions], abs=ONE_CYCLE
     )
-    assert moved(log.ego[:, :2], angle, shift) == pytest.approx(other.ego[:, :2], abs=0.1)
+    # what early, rounded messages said of a bend stays in what has been driven
+    apart = 0.05 if kind == "straight" else 0.085
+    assert moved(log.ego[:, :2], angle, shift) == pytest.approx(other.ego[:, :2], abs=apart)
     assert other.gaps() == pytest.approx(log.gaps(), abs=0.05)
 
 

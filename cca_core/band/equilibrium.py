@@ -1,4 +1,8 @@
-"""Equilibrium of bands against one-sided bounds: a handful of banded solves."""
+"""Equilibrium of bands against one-sided bounds: a handful of banded solves.
+
+The system, its contacts, the steps towards its minimum and the band without contacts share one stiffness and
+one way to keep its digits, so this module is a little longer than others.
+"""
 
 from dataclasses import dataclass
 
