@@ -186,10 +186,11 @@ class TestOncoming:
     """One that comes towards the ego, heard at a place, and then no more: its bounds grow, it drifts."""
 
     def then(
-        self, heard_at: float, d: float, age: float, sigma: float, v: float = -20.0, turn: float = 0.0
-    ) -> Command:
+        self, heard_at: float, d: float, age: float, sigma: float, v: float = -20.0, turn: float = 0.0,
+        heard_to: float = 0.1,
+    ) -> Command:  # fmt: skip
         planner = ego()
-        for t, x, y, old, error in ((0.0, 150.0, heard_at, 0.1, 0.1), (age, 120.0, d, age, sigma)):
+        for t, x, y, old, error in ((0.0, 150.0, heard_at, 0.1, heard_to), (age, 120.0, d, age, sigma)):
             remote = RemoteVehicle(
                 id="A", x=START + x, y=y, psi=math.pi + turn if v < 0.0 else 0.0, v_x=abs(v), age=old,
                 sigma_across=error,
@@ -218,6 +219,11 @@ class TestOncoming:
         assert self.then(3.5, 0.2, 3.0, 2.5, turn=0.05).decision.action is Action.BRAKE
         assert self.then(3.5, 0.2, 3.0, 2.5, turn=-0.05).decision.action is Action.KEEP
         assert self.then(3.5, 0.2, 3.0, 2.5, turn=0.01).decision.action is Action.KEEP
+
+    def test_where_it_was_heard_is_known_well_or_not(self) -> None:
+        """Its bounds reached into the lane when it was heard: where it said to be counts, not they."""
+        assert self.then(3.5, 1.4, 4.0, 3.4, heard_to=1.0).decision.action is Action.KEEP
+        assert self.then(1.9, 1.4, 4.0, 3.4, heard_to=1.0).decision.action is Action.BRAKE
 
     def test_one_that_drives_ahead_is_not_left_out(self) -> None:
         assert self.then(3.5, 0.0, 4.0, 3.4, v=10.0).decision.action is not Action.KEEP
