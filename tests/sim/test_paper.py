@@ -1,12 +1,14 @@
 """The paper's first three scenarios: what a driver cannot avoid, and what messages make of it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
+from cca_core import Action, Command, Decision, RemoteVehicle, VehicleState
 from cca_core.errors import InputError
 from cca_core.sim import (
     CURBSIDE_CASES,
@@ -45,6 +47,23 @@ def drive(name: str, case: str, ego: str = "v2v", seed: int = 1, plant: str = "s
     scenario = maker(case) if name == "eebl" else maker(case, ego=ego)
     assert scenario.ego == ego
     return simulate(scenario, seed=seed, plant=plant)
+
+
+class BrakesFully:
+    """The planner, but with all that the brakes give from the first sight of somebody braking on."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.planner, self.a_x, self.begun = make_planner(scenario), 0.0, False
+
+    def step(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle], **kwargs: Any) -> Command:
+        seen = list(remotes)
+        command = self.planner.step(t, state, seen, **kwargs)
+        self.begun = self.begun or any(remote.a_x <= -0.25 for remote in seen)
+        if not self.begun:
+            return command
+        self.a_x = max(self.a_x - 12.65 * 0.02, -7.0)
+        braking = Decision(action=Action.BRAKE, reason="somebody brakes")
+        return replace(command, a_x=self.a_x, decision=braking)
 
 
 def gap(log: Log, ahead: int, behind: int | None) -> Any:
@@ -152,6 +171,18 @@ class TestEebl:
         assert not log.heard[:, 0].any()
         assert log.heard[:, 1].any()
         assert log.time_of("brakes") < log.time_of("brakes", "yellow")
+
+    @pytest.mark.parametrize(
+        ("delay", "planner", "full"),
+        [(0.0, 1.9, 9.4), (0.1, -1.7, 6.4), (0.2, -4.1, 3.5), (0.3, -4.7, 0.6), (0.4, -5.4, -4.1)],
+    )
+    def test_what_a_sensor_can_do(self, delay: float, planner: float, full: float) -> None:
+        """The table of the page on simulation: gap at rest [m], or minus the speed of contact [m/s]."""
+        scenario = replace(eebl("sensor"), sensor_delay=delay)
+        for pilot, told in ((None, planner), (BrakesFully(scenario), full)):
+            log = simulate(scenario, planner=pilot)
+            found = -log.closing_speed() if log.summary()["collided"] else float(log.gaps().min())
+            assert found == pytest.approx(told, abs=0.06)
 
     @pytest.mark.parametrize("seed", [1, 2])
     @pytest.mark.parametrize(("v_x", "headway"), [(20.0, 0.5), (33.0, 0.5), (29.06, 0.7)])
