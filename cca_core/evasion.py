@@ -37,6 +37,8 @@ _BESIDE_EDGE = 0.05  # by which an edge is farther for what can hardly change [m
 _NODES = 140  # in a window, at most; never closer than 1 m
 _MANOEUVRING = 5.0  # slower than this the steering limits curvature, not the tyres [m/s]
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
+_TIMES = 24  # at which the lane beside is looked at
+_AHEAD = np.arange(-_BEHIND, HORIZON, 1.0)  # distances at which the ego is looked at beside others [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -130,7 +132,8 @@ def plan_evasion(
     evasion : Evasion or Candidate
         The swerve; a bare candidate with its obstruction where no band could be drawn.
     """
-    leads, contact = zip(*(_contact(ego, b, settings, b is blockers[0]) for b in blockers), strict=True)
+    soon = ego.times(ego.s + _AHEAD)
+    leads, contact = zip(*(_contact(ego, b, settings, soon, b is blockers[0]) for b in blockers), strict=True)
     first, last = contact[0]
     if ongoing is None and not first < last < HORIZON:
         return Candidate(
@@ -141,10 +144,8 @@ def plan_evasion(
     half_width = 0.5 * ego.vehicle.width
     offset = blockers[0].half_width + half_width + settings.clearance
     offset += blockers[0].d if side == "left" else -blockers[0].d
-    if (
-        beside is None
-        and offset > (road.own_lane.left if side == "left" else -road.own_lane.right) - half_width
-    ):
+    room_aside = (road.own_lane.left if side == "left" else -road.own_lane.right) - half_width
+    if beside is None and offset > room_aside:
         return Candidate(side=side, obstruction="there is no lane")
     bend = np.abs(road.path.curvature(np.linspace(ego.s, ego.s + min(last, HORIZON), 20))).max()
     spare = settings.lateral_acceleration - max(ego.v_x, ego.v_target) ** 2 * float(bend)
@@ -163,6 +164,15 @@ def plan_evasion(
             end = until
     if end > road.path.end:
         return Candidate(side=side, obstruction="the route ends before the pass does")
+    free = partial(
+        lane_beside, ego, road, beside, [*others, *blockers[1:]], x_safety=settings.x_safety,
+        known_range=min(settings.known_range, known_range), stale_after=settings.stale_after,
+        braking=settings.braking, acceleration=settings.acceleration,
+    )  # fmt: skip
+    if at_once and ongoing is None and offset > room_aside:  # no band is needed to see who is there now
+        zone, obstruction = free(np.linspace(0.0, float(np.interp(last, _AHEAD, soon)), _TIMES))
+        if obstruction:
+            return Candidate(side=side, obstruction=obstruction, lead_in=first, needed=needed, zone=zone)
     beside_or_ahead = [o for o in others if not o.follows(ego, road.own_lane.right, road.own_lane.left)]
     n = 1 + min(_NODES, max(20, math.ceil(end - start)))
     whole = np.linspace(start, end, n)
@@ -188,19 +198,18 @@ def plan_evasion(
         corridor=(right - room, left + room), curvature_limit=curvature_limit,
         start=0.0 if was is None else was[k - 1 : k + 2],
     )  # fmt: skip
-    passed = [boxes_of(road.path, s, b, t, settings, b is blockers[0]) for b in blockers]
-    around = [boxes_of(road.path, s, o, t, settings, False) for o in beside_or_ahead]
+    bounds = boxes_of(road.path, s, [*blockers, *beside_or_ahead], t, settings)
     if was is not None:
-        body = ego.swept(road.path, s[:m], was[k : k + m])
-        passed, around = (
-            [forgiven(box, body, t, settings.clearance) for box in boxes] for boxes in (passed, around)
-        )
-    band = draw([*passed, *around], lead=[*leads, *(0.0 for _ in around)])
+        bounds = forgiven(bounds, ego.swept(road.path, s[:m], was[k : k + m]), t, settings.clearance)
+    each = zip(bounds.x, bounds.y, bounds.psi, bounds.length, bounds.width, strict=True)
+    boxes = [Boxes(*fields) for fields in each]
+    band = draw(boxes, lead=[*leads, *(0.0 for _ in beside_or_ahead)])
     found = band.status is Status.OK
     ways = [_outside(band.displacement, road.own_lane, half_width)] if found else []
-    if found and around and ongoing is None:
+    if found and beside_or_ahead and ongoing is None:
         # who is known less well pushes the band back sooner, which must not make the lane free
-        ways.append(_outside(draw(passed, lead=leads).displacement, road.own_lane, half_width))
+        alone = draw(boxes[: len(blockers)], lead=leads)
+        ways.append(_outside(alone.displacement, road.own_lane, half_width))
     outside = np.any(ways, axis=0) if found else _between(s - ego.s, first, last)
     leaves = bool(outside.any())
     until = float(t[np.flatnonzero(outside)[-1]]) + ego.vehicle.length / max(v_back, 1.0) if leaves else 0.0
@@ -208,12 +217,7 @@ def plan_evasion(
     if leaves and (ongoing is None or at_once):
         # a waiting ego goes only when the lane is free now, a driving one must find it free on entering it
         begins = 0.0 if at_once and ongoing is None else max(float(t[np.argmax(outside)]), 0.0)
-        span = np.linspace(begins, until, 24)
-        zone, obstruction = lane_beside(
-            ego, road, beside, [*others, *blockers[1:]], span,
-            x_safety=settings.x_safety, known_range=min(settings.known_range, known_range),
-            stale_after=settings.stale_after, braking=settings.braking, acceleration=settings.acceleration,
-        )  # fmt: skip
+        zone, obstruction = free(np.linspace(begins, until, _TIMES))
     if not found:
         obstruction = obstruction or _named(band.message, [*blockers, *beside_or_ahead], s - ego.s)
     candidate = Candidate(
@@ -237,9 +241,13 @@ def _span(other: Neighbour, t: Array, settings: EvasionSettings, passed: bool) -
 
 
 def boxes_of(
-    path: Path, s: Array, other: Neighbour, t: Array, settings: EvasionSettings, passed: bool
+    path: Path,
+    s: Array,
+    others: Sequence[Neighbour],
+    t: Array,
+    settings: EvasionSettings,
 ) -> Boxes:
-    """Bounds of another vehicle at the times at which the ego is at places on the route.
+    """Bounds of other vehicles at the times at which the ego is at places on the route.
 
     Parameters
     ----------
@@ -247,34 +255,33 @@ def boxes_of(
         The route.
     s : ndarray, shape (n,)
         Places of the ego [m].
-    other : Neighbour
-        The vehicle.
+    others : sequence of Neighbour
+        The vehicles, first the one that is passed first.
     t : ndarray, shape (n,)
         Times from now at which the ego is there [s].
     settings : EvasionSettings
         What others are held capable of.
-    passed : bool
-        Whether it is the one that is passed first.
 
     Returns
     -------
     boxes : Boxes
-        One box for each place.
+        For each vehicle one box for each place, shape (m, n).
     """
-    rear, front = _span(other, t, settings, passed)
-    return boxes_between(path, s, rear, front, other.d, other.half_width)
+    rear, front = np.array([_span(o, t, settings, o is others[0]) for o in others]).transpose(1, 0, 2)
+    d, half_width = np.array([(o.d, o.half_width) for o in others]).T[:, :, None]
+    return boxes_between(path, s, rear, front, d, half_width)
 
 
 def _contact(
-    ego: Ego, other: Neighbour, settings: EvasionSettings, passed: bool
+    ego: Ego, other: Neighbour, settings: EvasionSettings, t: Array, passed: bool
 ) -> tuple[float, tuple[float, float]]:
-    """Find where the ego must be beside the other.
+    """Find where the ego, which is `_AHEAD` at times t, must be beside the other.
 
     How far behind it already, at the speed that the ego has by then, and the first and last distance ahead;
     infinite if nowhere.
     """
-    x = np.arange(-_BEHIND, HORIZON, 1.0)
-    rear, front = _span(other, ego.times(ego.s + x), settings, passed)
+    x = _AHEAD
+    rear, front = _span(other, t, settings, passed)
     middle = ego.s + x + ego.vehicle.box_offset
     reach = 0.5 * ego.vehicle.length + settings.clearance
     not_past, ahead = front >= middle - reach, rear - middle - reach

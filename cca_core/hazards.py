@@ -98,7 +98,9 @@ def leader_ahead(
             if demanding is None or leader.required_deceleration > demanding.required_deceleration:
                 demanding = leader
         between += 2.0 * n.half_length + speed.standstill_gap
-    return None if demanding is None else replace(demanding, follow_acceleration=follow)
+    if demanding is None or demanding.follow_acceleration == follow:
+        return demanding
+    return replace(demanding, follow_acceleration=follow)
 
 
 def kept_behind(blockers: Sequence[Neighbour], leader: Leader, ego: Ego) -> list[Neighbour]:

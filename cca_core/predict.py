@@ -94,7 +94,7 @@ def reach(
 
 
 def boxes_between(
-    path: Path, s: ArrayLike, rear: ArrayLike, front: ArrayLike, d: float, half_width: float
+    path: Path, s: ArrayLike, rear: ArrayLike, front: ArrayLike, d: ArrayLike, half_width: ArrayLike
 ) -> Boxes:
     """Boxes that cover a stretch of the road beside places on it.
 
@@ -102,13 +102,13 @@ def boxes_between(
     ----------
     path : Path
         The road.
-    s : array_like, shape (n,)
+    s : array_like, shape (..., n)
         Places [m], one box for each.
-    rear, front : array_like, shape (n,)
+    rear, front : array_like, shape (..., n)
         Ends of the stretch that is covered when the ego is at each place [m].
-    d : float
+    d : array_like, shape (..., n) or (..., 1)
         Its lateral coordinate [m], left positive.
-    half_width : float
+    half_width : array_like, shape (..., n) or (..., 1)
         Half its width [m].
 
     Returns
@@ -117,7 +117,7 @@ def boxes_between(
         What of the stretch lies within 15 m of each place, or its end that is nearest; wider by what the
         road bends away from the box.
     """
-    s, rear, front = (np.asarray(a, dtype=np.float64) for a in (s, rear, front))
+    s, rear, front, d, half_width = (np.asarray(a, dtype=np.float64) for a in (s, rear, front, d, half_width))
     first = np.minimum(np.maximum(rear, s - _WINDOW), front)
     last = np.maximum(np.minimum(front, s + _WINDOW), rear)
     first, last = np.minimum(first, last), np.maximum(first, last)

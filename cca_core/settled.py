@@ -73,13 +73,13 @@ def settled(t: Array) -> int:
     return max(int(np.searchsorted(t, _SETTLED)), 3)
 
 
-def forgiven(box: Boxes, body: Boxes, t: Array, clearance: float) -> Boxes:
+def forgiven(boxes: Boxes, body: Boxes, t: Array, clearance: float) -> Boxes:
     """Shrink bounds by the clearance that is lacking already, less and less as there is time to gain it.
 
     Parameters
     ----------
-    box : Boxes
-        Bounds of another vehicle when the ego is at each of its n nodes.
+    boxes : Boxes
+        Bounds of other vehicles when the ego is at each of its n nodes, shape (..., n).
     body : Boxes
         The ego at the first of these nodes, where nothing can be changed.
     t : ndarray, shape (n,)
@@ -89,17 +89,16 @@ def forgiven(box: Boxes, body: Boxes, t: Array, clearance: float) -> Boxes:
 
     Returns
     -------
-    box : Boxes
+    boxes : Boxes
         The same where nothing is lacking. Of a clearance above 0.3 m no more is forgiven than leaves that:
         whoever is nearer is not passed as if nothing were.
     """
     m = len(body.x)
-    first = Boxes(box.x[:m], box.y[:m], box.psi[:m], box.length[:m], box.width[:m])
-    lacks = clearance + _SPARE - float(box_gap(body, first).min())
-    if lacks <= 0.0:
-        return box
+    first = Boxes(*(f[..., :m] for f in (boxes.x, boxes.y, boxes.psi, boxes.length, boxes.width)))
+    lacks = np.maximum(clearance + _SPARE - box_gap(body, first).min(axis=-1), 0.0)
     if clearance > _NARROW:
-        lacks = min(lacks, clearance - _NARROW + _SPARE)
+        lacks = np.minimum(lacks, clearance - _NARROW + _SPARE)
     share = np.clip((t - max(_SETTLED, t[m - 1])) / _REGAINED, 0.0, 1.0)
-    less = 2.0 * lacks * (1.0 - share * share * (3.0 - 2.0 * share))
-    return replace(box, length=np.maximum(box.length - less, 0.0), width=np.maximum(box.width - less, 0.0))
+    less = 2.0 * lacks[..., None] * (1.0 - share * share * (3.0 - 2.0 * share))
+    length, width = np.maximum(boxes.length - less, 0.0), np.maximum(boxes.width - less, 0.0)
+    return replace(boxes, length=length, width=width)

@@ -197,5 +197,6 @@ def _room_on(
         return math.inf
     t, body = ego.times(s), ego.swept(road.path, s, maneuver.displacement[left])
     near = [o for o in others if not o.follows(ego, road.own_lane.right, road.own_lane.left)]
-    gaps = [box_gap(body, boxes_of(road.path, s, o, t, settings, o is near[0])).min() for o in near]
-    return float(min(gaps, default=math.inf))
+    if not near:
+        return math.inf
+    return float(box_gap(body, boxes_of(road.path, s, near, t, settings)).min())

@@ -86,10 +86,8 @@ def detour_path(path: Path, s: Array, nodes: Array) -> Path:
     ahead = np.arange(s[-1] + 2.0, s[-1] + _TAIL, 2.0)
     position, tangent, _ = path.derivatives(np.append(before, ahead))
     n = len(before)
-    return interpolate_path(
-        np.vstack((position[:n], nodes, position[n:])),
-        start=float(before[0]), start_tangent=tangent[0], end_tangent=tangent[-1],
-    )  # fmt: skip
+    first, last = ((x / math.hypot(x, y), y / math.hypot(x, y)) for x, y in tangent[[0, -1]].tolist())
+    return spline_through(np.vstack((position[:n], nodes, position[n:])), float(before[0]), first, last)
 
 
 def spline_through(

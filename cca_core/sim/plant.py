@@ -53,12 +53,13 @@ class SingleTrackPlant:
         ]
         self.a_y = 0.0
         grip = vehicle.mu * _G
-        # the front axle's share of load and drive, loads of both axles, grip and hardest drive, lags
+        # the front axle's share of load and drive, loads of both axles, grip and hardest drive, the body
         self._constants = (
-            vehicle, vehicle.l_r / vehicle.wheelbase, vehicle.m * vehicle.l_r / vehicle.wheelbase,
+            vehicle.l_r / vehicle.wheelbase, vehicle.m * vehicle.l_r / vehicle.wheelbase,
             vehicle.m * vehicle.l_f / vehicle.wheelbase, grip, 0.99 * grip,
-            max(vehicle.steering_lag, 1e-3), max(self.drive_lag, 1e-3),
+            vehicle.m, vehicle.I_z, vehicle.l_f, vehicle.l_r, vehicle.C_f, vehicle.C_r,
         )  # fmt: skip
+        self._actuators = vehicle.delta_rate_max, max(vehicle.steering_lag, 1e-3), max(self.drive_lag, 1e-3)
 
     @property
     def state(self) -> VehicleState:
@@ -116,7 +117,7 @@ class SingleTrackPlant:
 
     def _stand(self, delta: float, dt: float) -> None:
         """Hold the brakes: only the wheels turn."""
-        turn = (delta - self._x[6]) * -math.expm1(-dt / self._constants[6])
+        turn = (delta - self._x[6]) * -math.expm1(-dt / self._actuators[1])
         most = self.vehicle.delta_rate_max * dt
         self._x[6] += min(max(turn, -most), most)
         self._x[4] = self._x[5] = self._x[7] = self.a_y = 0.0
@@ -141,28 +142,29 @@ class SingleTrackPlant:
         a_x: float,
     ) -> tuple[float, float, float, float, float, float, float, float]:
         """Rates of change of the eight states; the first two, the place, do not matter for them."""
-        p, front, load_f, load_r, grip, hardest, steering_lag, drive_lag = self._constants
+        front, load_f, load_r, grip, hardest, m, i_z, l_f, l_r, c_f, c_r = self._constants
+        fastest, steering_lag, drive_lag = self._actuators
         rate = (delta - angle) / steering_lag
-        rate = min(max(rate, -p.delta_rate_max), p.delta_rate_max)
+        rate = min(max(rate, -fastest), fastest)
         drive = (min(max(a_x, -hardest), hardest) - force) / drive_lag
         cos, sin = math.cos(psi), math.sin(psi)
         if v_x < _KINEMATIC:
             return v_x * cos - v_y * sin, v_x * sin + v_y * cos, r, force, 0.0, 0.0, rate, drive
         side = math.sqrt(max(grip * grip - force * force, (0.1 * grip) ** 2))
         cos_d, sin_d = math.cos(angle), math.sin(angle)
-        v_f, v_r = v_y + p.l_f * r, v_y - p.l_r * r
+        v_f, v_r = v_y + l_f * r, v_y - l_r * r
         slip_f = (v_f * cos_d - v_x * sin_d) / max(abs(v_x * cos_d + v_f * sin_d), 1e-6)
-        f_f = _fiala(p.C_f, slip_f, load_f * side)
-        f_r = _fiala(p.C_r, v_r / v_x, load_r * side)
-        pull = p.m * front * force  # of the front axle, along its wheels
+        f_f = _fiala(c_f, slip_f, load_f * side)
+        f_r = _fiala(c_r, v_r / v_x, load_r * side)
+        pull = m * front * force  # of the front axle, along its wheels
         front_x, front_y = pull * cos_d - f_f * sin_d, pull * sin_d + f_f * cos_d
         return (
             v_x * cos - v_y * sin,
             v_x * sin + v_y * cos,
             r,
-            force * (1.0 - front) + front_x / p.m + v_y * r,
-            (front_y + f_r) / p.m - v_x * r,
-            (p.l_f * front_y - p.l_r * f_r) / p.I_z,
+            force * (1.0 - front) + front_x / m + v_y * r,
+            (front_y + f_r) / m - v_x * r,
+            (l_f * front_y - l_r * f_r) / i_z,
             rate,
             drive,
         )

@@ -3,7 +3,6 @@
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -56,7 +55,7 @@ class Receiver:
         """
         for data in messages:
             self.tracker.update(data, t)
-        return [replace(v, id=self._names.get(v.id, v.id)) for v in self.tracker.vehicles(t, ego)]
+        return list(self.tracker.vehicles(t, ego, self._names))
 
 
 class Radio:

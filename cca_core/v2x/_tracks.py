@@ -72,8 +72,8 @@ class Track:
             return "duplicate"
         return "out_of_order" if ahead >= 64 or (timed and measured <= last) else ""
 
-    def vehicle(self, t: float, shared: float, agreed: float) -> RemoteVehicle:
-        """Where it is at a time.
+    def vehicle(self, t: float, name: str, shared: float, agreed: float) -> RemoteVehicle:
+        """Where it is at a time, under a name.
 
         `shared` is a standard deviation that is added [m]; a doubted place that was told for `agreed`
         seconds lies within the bounds too.
@@ -93,7 +93,7 @@ class Track:
             along = max(along, abs(far_x * cos + far_y * sin) + more[0])
             across = max(across, abs(far_y * cos - far_x * sin) + more[1])
         return RemoteVehicle(
-            id=self.id, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, age=age, length=self.length, width=self.width,
+            id=name, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, age=age, length=self.length, width=self.width,
             sigma_along=min(math.hypot(0.5 * along, shared), 1e3),
             sigma_across=min(math.hypot(0.5 * across, shared), 1e3),
             events=self.events,

@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter, deque
+from collections.abc import Mapping
 
 from cca_core._checks import check_real
 from cca_core.errors import InputError
@@ -109,7 +110,9 @@ class Tracker:
             self._dropped.append(outcome)
         return outcome
 
-    def vehicles(self, t: float, ego: VehicleState | None = None) -> tuple[RemoteVehicle, ...]:
+    def vehicles(
+        self, t: float, ego: VehicleState | None = None, names: Mapping[str, str] | None = None
+    ) -> tuple[RemoteVehicle, ...]:
         """Tell where all senders are; forget those that do not matter any more.
 
         Parameters
@@ -120,6 +123,8 @@ class Tracker:
             Own place and speed. A silent track is forgotten once it is, with its bounds, out of reach of
             the stopping distance that the ego has, or had when it was last fast; and where there are too many
             senders, those heard for long and the nearest are kept.
+        names : mapping of str to str, optional
+            Ids under which senders are told, by their temporary identities; all others keep their own.
 
         Returns
         -------
@@ -136,11 +141,12 @@ class Tracker:
             self._ego = ego.x, ego.y
             slower = self._speed[0] - _CALMING * max(t - self._speed[1], 0.0)
             self._speed = max(ego.v_x, slower), t
-        known = []
+        known, settings = [], self.settings
         for track in tuple(self._tracks.by_id.values()):
-            vehicle = track.vehicle(t, self.settings.sigma_position, self.settings.readmit_after)
+            name = track.id if names is None else names.get(track.id, track.id)
+            vehicle = track.vehicle(t, name, settings.sigma_position, settings.readmit_after)
             silent = t - track.fix.t
-            if silent > STALE_AFTER and is_over(vehicle, silent, ego, self._speed[0], self.settings):
+            if silent > STALE_AFTER and is_over(vehicle, silent, ego, self._speed[0], settings):
                 self._tracks.remove(track)
             else:
                 known.append(vehicle)
