@@ -19,7 +19,8 @@ help:
 	@echo "make bench     run times and budgets, into docs/performance.md (10 minutes)"
 	@echo "make table1    the planning methods of the paper's Table 1 compared, into docs/table1.md (10 minutes)"
 	@echo "make validate  the tests with the full number of random cases, into docs/validation.md (long)"
-	@echo "make package   build wheel and sdist; install and test them in clean environments (needs the network)"
+	@echo "make package   check that wheel and sdist build, install and pass the tests in clean environments;"
+	@echo "               keeps neither (needs the network)"
 	@echo "make clean     remove what was built; .venv stays"
 
 demo: .venv/demo.stamp

@@ -27,7 +27,8 @@ class Command:
     reference : Path
         The path that is steered along.
     status : Status
-        `Status.OK`, or how far down the ladder this command is.
+        `Status.OK`; `FALLBACK` for a swerve that is driven otherwise than in comfort, or given up; or
+        `INVALID_INPUT`. To follow and to brake, however hard, is `OK`: `decision` says what is done.
     dropped : tuple of (str, str)
         Remote vehicles that could not be used, each with the reason.
     """

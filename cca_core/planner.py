@@ -201,7 +201,7 @@ class Planner:
                 self._status = Status.OK
                 self._decision = Decision(action=Action.KEEP, reason="back on the route")
                 self._decided = -math.inf
-        if not self._decision.action.evades:
+        if not (self._decision.action.evades or self._retreating):
             self._status = Status.OK
         if self._is_news(t, neighbours):
             ego = Ego(vehicle=self.vehicle, s=s, v_x=max(state.v_x, 0.0), v_target=v_target, speed=self.speed)

@@ -1,4 +1,4 @@
-"""Give up a swerve whose lane beside is no longer free: fall back and return behind the vehicle in front."""
+"""Leave a lane beside that is no longer free: in front of those that are passed already, else behind them."""
 
 import math
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from cca_core.evasion import Evasion
 from cca_core.path import Lane, Path, Road, detour_path
 from cca_core.scene import Ego, Neighbour
 
-__all__ = ["plan_retreat", "put_off", "slow_enough"]
+__all__ = ["plan_retreat", "plan_shortcut", "put_off", "slow_enough"]
 
 _BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
 _LAG = 0.3  # until it is there: half the time in which brakes build up, and their lag [s]
@@ -21,6 +21,11 @@ _RUN_OUT = 0.6  # in which it stops to drift back too early [s]
 _LATERAL = 4.0  # lateral acceleration of the return [m/s^2]
 _GIVEN_UP = "given up: "
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
+_HEADWAY = 2.0  # to the next one in front of those passed: behind a nearer one the ego falls back [s]
+_LEAST_LENGTH = 15.0  # of a return [m]
+_STEEP = 2.5  # as a multiple of how far it would go straight on, the longest return that does not overshoot
+_ASIDE = 0.2  # between bodies where one is passed on a shortcut [m]
+_SOON = 3.0  # until a shortcut begins to return, at the latest [s]
 
 
 def plan_retreat(
@@ -47,11 +52,9 @@ def plan_retreat(
         The way back; None beyond the point of no return: where braking no longer brings the ego behind, or
         into the way of those that come from behind on either lane.
     """
-    d = maneuver.offset_at(ego.s)
     front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
     rear = front - ego.vehicle.length
-    own = road.own_lane
-    ahead = [n for n in others if n.s + n.half_length > rear and _on(n, own)]
+    ahead = [n for n in others if not _is_behind(n, rear) and _on(n, road.own_lane)]
     if not ahead:
         return None
     leader = min(ahead, key=lambda n: n.s)
@@ -68,24 +71,90 @@ def plan_retreat(
     v_then = ego.v_x - _BRAKE * float(braked[behind[0]])
     for n in others:
         left = rear + hold - (n.s + n.half_length + n.v_s * moment)
-        from_behind = n.s + n.half_length <= rear and n.v_s > 0.0
-        if from_behind and left < _following(n.v_s, min(v_then, leader.v_s)):
+        if _is_behind(n, rear) and n.v_s > 0.0 and left < _following(n.v_s, min(v_then, leader.v_s)):
             return None
-    length = max(v_then * math.sqrt(_QUINTIC * max(abs(d), 0.5) / _LATERAL), 15.0)
-    first, last = ego.s + hold, ego.s + hold + length
+    return _way_back(ego, road, maneuver, hold, v_then, obstruction, goes_out=True)
+
+
+def plan_shortcut(
+    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], obstruction: str
+) -> Evasion | None:
+    """Return to the own lane sooner than was planned, in front of those that are passed by then.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego, somewhere in the manoeuvre; it keeps its speed.
+    road : Road
+        Route and lanes.
+    maneuver : Evasion
+        What can no longer be driven to its end.
+    others : sequence of Neighbour
+        All other vehicles.
+    obstruction : str
+        Why.
+
+    Returns
+    -------
+    shortcut : Evasion or None
+        The way back; None if the own lane does not have the room within 3 s, or somebody is met beside it
+        before the ego is back.
+    """
+    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    rear, v, d = front - ego.vehicle.length, max(ego.v_x, 1.0), maneuver.offset_at(ego.s)
+    t = np.linspace(0.0, _SOON, 31)
+    returns, free = _length(d, v) / v, np.ones(len(t), dtype=np.bool_)
+    for n in others:
+        before = n.s - n.half_length + n.v_s * t - (front + v * t)
+        apart = abs(n.d - d) - 0.5 * ego.vehicle.width
+        if _on(n, road.own_lane):
+            past = rear + v * t - (n.s + n.half_length + n.v_s * t) >= _following(n.v_s, v)
+            far = max(_ROOM + max(v - n.v_s, 0.0) ** 2 / (2.0 * _BRAKE), _HEADWAY * v)
+            free &= (before >= far) | (past if n.s <= ego.s or apart >= _body(n) + _ASIDE else False)
+        elif n.s > ego.s and apart < n.half_width:
+            free &= before + (n.v_s - v) * returns >= _ROOM
+    if not free.any():
+        return None
+    hold = v * float(t[np.argmax(free)])
+    return _way_back(ego, road, maneuver, hold, v, obstruction, goes_out=False)
+
+
+def _length(d: float, v: float) -> float:
+    """Length of a return from a displacement at a speed [m]."""
+    return max(v * math.sqrt(_QUINTIC * max(abs(d), 0.5) / _LATERAL), _LEAST_LENGTH)
+
+
+def _way_back(
+    ego: Ego, road: Road, maneuver: Evasion, hold: float, v_then: float, obstruction: str, *, goes_out: bool
+) -> Evasion | None:
+    """Stay out for `hold` metres, then return at a speed; None where the route ends before."""
+    d, before = maneuver.offset_at(ego.s), maneuver.offset_at(ego.s - 1.0)
+    drift, first = maneuver.offset_at(ego.s + 1.0) - d, ego.s + hold
+    length, returning = _length(d, v_then), drift * d < 0.0
+    if returning and hold == 0.0:
+        length = min(length, max(_STEEP * abs(d / drift), _LEAST_LENGTH))
+    last = first + length
     if last > road.path.end:
         return None
     s = np.linspace(maneuver.start, last, len(maneuver.displacement))
-    u = np.array([maneuver.offset_at(x) for x in s.tolist()])
-    # until it may return it goes out as the swerve did, but not back: what it drifts dies down
-    sign, onward = (1.0 if maneuver.side == "left" else -1.0), s >= ego.s
-    u[onward] = sign * np.maximum.accumulate(np.maximum(sign * u[onward], sign * d))
-    drift, run_out = maneuver.offset_at(ego.s + 1.0) - d, max(_RUN_OUT * ego.v_x, 1.0)
-    if sign * drift < 0.0:
-        part = np.clip((s - ego.s) / run_out, 0.0, 1.0)
-        u += drift * run_out * (part - part**3 + 0.5 * part**4)
-    share = np.clip((s - first) / length, 0.0, 1.0)
-    u *= 1.0 - share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    u, onward = np.interp(s, maneuver.places, maneuver.displacement), s >= ego.s
+    x = np.clip((s - first) / length, 0.0, 1.0)
+    if returning and hold == 0.0:  # on from its slope and curvature
+        bent = drift - (d - before)
+        back = d * (1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x * x))
+        back += drift * length * (x - x**3 * (6.0 - 8.0 * x + 3.0 * x * x))
+        back += 0.5 * bent * length**2 * (x * x * (1.0 - x) ** 3)
+        u[onward] = back[onward]
+    else:
+        sign = 1.0 if maneuver.side == "left" else -1.0
+        # until it may return it goes out as the swerve did, but not back
+        out = np.maximum.accumulate(np.maximum(sign * u[onward], sign * d)) if goes_out else sign * d
+        u[onward] = sign * out
+        if returning or not goes_out:  # what it drifts dies down
+            run_out = max(_RUN_OUT * ego.v_x, 1.0)
+            part = np.clip((s[onward] - ego.s) / run_out, 0.0, 1.0)
+            u[onward] += drift * run_out * (part - part**3 + 0.5 * part**4)
+        u *= 1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
     band = replace(maneuver.band, status=Status.FALLBACK, message=f"{_GIVEN_UP}{obstruction}")
     reference = detour_path(road.path, s, road.path.to_cartesian(s, u))
     return replace(maneuver, end=last, band=band, displacement=u, reference=reference)
@@ -108,16 +177,19 @@ def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour])
     Returns
     -------
     retreat : Evasion
-        A later one while somebody is beside the ego on the own lane, if there is one; else the same.
+        A later one while somebody is beside the ego on the own lane or close behind it, or one in front of
+        whoever has fallen behind meanwhile, if there is one; else the same.
     """
     front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
     rear = front - ego.vehicle.length
-    for n in others:
-        if _on(n, road.own_lane) and rear < n.s + n.half_length and n.s - n.half_length < front + _ROOM:
-            why = retreat.band.message.removeprefix(_GIVEN_UP)
-            later = plan_retreat(ego, road, retreat, others, why)
-            return later if later is not None and later.end > retreat.end else retreat
-    return retreat
+    beside = [n for n in others if _on(n, road.own_lane) and n.s - n.half_length < front + _ROOM]
+    if not any(n.s + n.half_length > rear - _following(n.v_s, ego.v_x) for n in beside):
+        return retreat
+    why = retreat.band.message.removeprefix(_GIVEN_UP)
+    later = plan_retreat(ego, road, retreat, others, why)
+    if later is None:
+        return plan_shortcut(ego, road, retreat, others, why) or retreat
+    return later if later.end > retreat.end else retreat
 
 
 def slow_enough(way: Path, s: float, v_x: float) -> float:
@@ -145,7 +217,17 @@ def slow_enough(way: Path, s: float, v_x: float) -> float:
 
 
 def _on(other: Neighbour, lane: Lane) -> bool:
-    return other.d - other.half_width < lane.left and other.d + other.half_width > lane.right
+    """Whether it is on a lane, as far as is known best: bounds would put one that is unheard on both."""
+    return other.d - _body(other) < lane.left and other.d + _body(other) > lane.right
+
+
+def _body(other: Neighbour) -> float:
+    """Half its width without bounds [m]."""
+    return other.half_width - 2.0 * other.remote.sigma_across
+
+
+def _is_behind(other: Neighbour, rear: float) -> bool:
+    return other.s + other.half_length - 2.0 * other.remote.sigma_along <= rear
 
 
 def _following(v: float, v_ahead: float) -> float:

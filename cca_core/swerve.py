@@ -11,7 +11,7 @@ from cca_core.evasion import GRIP_USED, Evasion, boxes_of, plan_evasion
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.geometry import box_gap
 from cca_core.path import Road
-from cca_core.retreat import plan_retreat
+from cca_core.retreat import plan_retreat, plan_shortcut
 from cca_core.scene import Ego, Neighbour
 from cca_core.vehicle import VehicleParams
 
@@ -165,8 +165,8 @@ def renew(
     -------
     renewal : Renewal
         The swerve in comfort; else, inside the own lane, given up if the ego can follow; else driven harder
-        or narrower; else as it was while that stays clear; else the way back behind what was to be passed;
-        and where there is none, as it was.
+        or narrower; else as it was while that stays clear; else back sooner, in front of those passed by
+        then; else the way back behind what was to be passed; and where there is none, as it was.
     """
     obstruction = ""
     for settings, status in swerves:
@@ -181,6 +181,9 @@ def renew(
             return Renewal(maneuver=None, reason=f"swerve given up: {obstruction}")
     everybody = sorted((*passing, *others), key=lambda n: n.s)
     if not inside and _room_on(ego, road, maneuver, everybody, swerves[0][0]) < _TOUCHES:
+        sooner = plan_shortcut(ego, road, maneuver, everybody, obstruction)
+        if sooner is not None:
+            return Renewal(maneuver=sooner, status=Status.FALLBACK)
         back = plan_retreat(ego, road, maneuver, everybody, obstruction)
         if back is not None:
             return Renewal(maneuver=back, status=Status.FALLBACK, reason=f"returning: {obstruction}")

@@ -40,7 +40,8 @@ def noisy(seed: int) -> Callable[[float, list[RemoteVehicle]], list[RemoteVehicl
 
 
 def changes(run: Drive, since: float = 0.0, until: float = math.inf) -> list[Action]:
-    """Actions after the first one within a stretch of time."""
+    """Actions after the first one within a stretch of time, of a run without contact."""
+    assert run.hit is None
     actions = [
         c.decision.action for i, c in enumerate(run.commands) if since <= i * CYCLE < min(until, since + 10.0)
     ]
@@ -83,7 +84,6 @@ class TestSteady:
     def test_waiting_behind_a_standing_car(self, seed: int) -> None:
         run = Drive(planner(None), [Mover("R", 7.5, 0.0, 0.0)], 10.0, v=0.0, heard=noisy(seed))
         assert len(changes(run)) <= 1
-        assert run.hit is None
 
     def test_braking_for_a_hidden_standing_car(self, seed: int) -> None:
         movers = [Mover("Y", 45.0, 0.0, 13.9), Mover("R", 170.0, -1.05, 0.0)]
@@ -93,7 +93,6 @@ class TestSteady:
     def test_waiting_for_a_crossing_car(self, seed: int) -> None:
         crosser = test_hazards.Crosser("X", 120.0, -60.0, 10.0, psi=0.5 * math.pi)
         run = Drive(planner(None), [crosser], 10.0, heard=noisy(seed))
-        assert run.hit is None
         # it comes and goes: wait, and drive on
         assert len(changes(run, until=5.0)) <= 1
         assert len(changes(run)) <= 2
@@ -142,7 +141,7 @@ def test_nor_on_a_bend(radius: float, v: float) -> None:
     assert len(deltas) > 100
     steps = np.diff(deltas)
     turns = np.sign(steps[np.abs(steps) > 1e-5])
-    assert np.count_nonzero(np.diff(turns)) <= 12
+    assert np.count_nonzero(np.diff(turns)) <= 8
     assert np.abs(steps).max() / CYCLE < math.radians(8.0)
     assert statuses.count(Status.OK) >= len(statuses) - 10
 

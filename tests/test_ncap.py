@@ -31,7 +31,6 @@ def impact(kmh: float, target: float, gap: float, a: Callable[[float], float] = 
     run = Drive(
         Planner(CAR, straight(1500.0), cruise_speed=v), [mover], seconds, v=v,
         done=lambda s: s.v_x < max(v_target if mover.a is steady else 0.0, 0.05) + 0.05,
-        heard=lambda t, known: [r for r in known if gap + (v_target - v) * t < KNOWN + 1.0],
     )  # fmt: skip
     assert run.v[-1] <= max(v_target, 0.5) + 1.0 or run.hit
     return 3.6 * (run.v[-1] - mover.v) if run.hit else 0.0

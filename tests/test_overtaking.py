@@ -28,15 +28,16 @@ class Pass:
         seconds: float = 40.0,
     ) -> None:  # fmt: skip
         self.planner = Planner(CAR, ROAD, cruise_speed=20.0, evasion=ALL_KNOWN)
-        self.began = False
+        self.began, self.room = False, 0.0  # room: between the others when the pass begins [m]
         self.slow = Mover("R", ahead, 0.0, SLOW, a=lambda t: passed * self.has_begun())
-        other = Mover("O", gap, 3.5, v, psi=np.pi, a=lambda t: oncoming * self.has_begun())
-        self.run = Drive(self.planner, [self.slow, other], seconds, done=self.is_over)
+        self.other = Mover("O", gap, 3.5, v, psi=np.pi, a=lambda t: oncoming * self.has_begun())
+        self.run = Drive(self.planner, [self.slow, self.other], seconds, done=self.is_over)
         self.ahead = self.run.x[-1] > self.slow.x + 4.5
         self.inside = abs(self.run.y[-1]) + 0.5 * CAR.width < 1.75
 
     def has_begun(self) -> bool:
-        self.began = self.began or self.planner._maneuver is not None
+        if not self.began and self.planner._maneuver is not None:
+            self.began, self.room = True, self.other.x - self.slow.x
         return self.began
 
     def is_over(self, ego: VehicleState) -> bool:
@@ -59,14 +60,22 @@ def test_gap_to_an_oncoming_car(gap: float, v: float) -> None:
 
 
 def test_some_go_at_once_and_some_wait() -> None:
+    if sum(TALLY.values()) < len(GAPS) * len(SPEEDS):
+        pytest.skip("counts what the whole test before it has driven")
     print(TALLY)  # noqa: T201  # with -s
     assert min(TALLY["waited"], TALLY["at once"]) >= 0.2 * sum(TALLY.values())
 
 
-@pytest.mark.parametrize("v", SPEEDS if FULL else (10.0, 30.0))
-@pytest.mark.parametrize("gap", GAPS if FULL else (320.0, 470.0))
+@pytest.mark.parametrize(
+    ("gap", "v"),
+    [(gap, v) for gap in GAPS for v in SPEEDS]
+    if FULL
+    else [(320.0, 10.0), (470.0, 10.0), (450.0, 30.0), (470.0, 30.0)],
+)
 def test_oncoming_car_accelerates_when_the_pass_has_begun(gap: float, v: float) -> None:
+    """Nearer than 235 m and 7 s of its way, it may have gone by before the pass begins."""
     attempt = Pass(gap, v, oncoming=3.0)
+    assert attempt.room > 0.0 or gap < 235.0 + 7.0 * v
     assert attempt.run.hit is None
     assert attempt.inside
     assert attempt.run.gaps["O"] > 0.5

@@ -8,7 +8,7 @@ from cca_core.evasion import Evasion, plan_evasion
 from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import SpeedSettings
 from cca_core.path import Path, interpolate_path
-from cca_core.retreat import plan_retreat, put_off, slow_enough
+from cca_core.retreat import plan_retreat, plan_shortcut, put_off, slow_enough
 from cca_core.scene import Ego, Neighbour
 from tests.test_planner import CAR, START, car, straight
 
@@ -90,6 +90,88 @@ def test_who_has_not_fallen_back_as_counted_on_returns_later(maneuver: Evasion) 
     assert put_off(late, ROAD, back, [at(60.0, 0.0, 12.0)]) is back  # nobody is beside
     assert put_off(late, ROAD, back, [at(20.0, 3.5, 12.0)]) is back  # not on the own lane
     assert put_off(late, ROAD, back, []) is back
+
+
+def test_who_is_passed_by_now_is_not_fallen_back_behind(maneuver: Evasion) -> None:
+    """It has dropped behind while the ego was to drop behind it: back in front of it, without brakes."""
+    back = retreat(maneuver, 8.0)
+    assert back is not None
+    late = Ego(vehicle=CAR, s=START + 40.0, v_x=18.0, v_target=20.0, speed=SpeedSettings())
+    sooner = put_off(late, ROAD, back, [at(35.0, 0.0, 12.0)])
+    assert sooner is not back
+    assert sooner.offset_at(late.s) == pytest.approx(back.offset_at(late.s), abs=0.05)
+    assert slow_enough(sooner.reference, late.s, late.v_x) < 1.0
+    assert put_off(late, ROAD, back, [at(20.0, 0.0, 12.0)]) is back  # far enough behind
+
+
+@pytest.mark.parametrize("age", [0.0, 2.0])
+def test_those_behind_are_behind_however_little_is_known(maneuver: Evasion, age: float) -> None:
+    """The bounds of a stale one reach to the ego, which does not make it one to fall back behind."""
+    remote = car(START - 15.0, 3.5, 26.0, id="A", age=age, sigma_along=2.5 * age, sigma_across=0.3 * age)
+    stale = Neighbour.seen_from(remote, START - 15.0, 3.5, 0.0, 0.0)
+    assert retreat(maneuver, 15.0, stale) is None
+
+
+class TestShortcut:
+    """Back in front of those that are passed by then."""
+
+    def back(
+        self,
+        maneuver: Evasion,
+        gap: float,
+        *others: tuple[float, float, float],
+        v: float = 20.0,
+        out: float = 60.0,
+    ) -> Evasion | None:
+        """At `out`, 60 m where it is 2.9 m to the left; others by gap, d and speed."""
+        ego = Ego(vehicle=CAR, s=START + out, v_x=v, v_target=v, speed=SpeedSettings())
+        all_of_them = [at(out + x, d, v_x, str(x)) for x, d, v_x in ((gap, 0.0, 12.0), *others)]
+        return plan_shortcut(ego, ROAD, maneuver, all_of_them, "somebody comes")
+
+    @pytest.mark.parametrize("gap", [-12.0, -5.0, 0.0, 5.0])
+    def test_returns_with_room_behind(self, maneuver: Evasion, gap: float) -> None:
+        """Body by body: 2 m to the one passed from where both overlap to the side on."""
+        way = self.back(maneuver, gap)
+        assert way is not None
+        t = np.linspace(0.0, 8.0, 400)
+        s = START + 60.0 + 20.0 * t
+        d = np.array([way.offset_at(x) for x in s.tolist()])
+        rear = s + CAR.box_offset - 0.5 * CAR.length
+        beside = d < 0.95 * d[0]
+        assert (rear - (START + 60.0 + gap + 12.0 * t + 2.25))[beside].min() >= 1.9
+        assert d[-1] == pytest.approx(0.0, abs=1e-9)
+        assert way.band.status.name == "FALLBACK"
+        assert "somebody comes" in way.band.message
+
+    def test_not_when_it_takes_too_long_to_be_past(self, maneuver: Evasion) -> None:
+        assert self.back(maneuver, 25.0) is None
+        assert self.back(maneuver, 0.0, v=13.0) is None
+
+    def test_not_past_one_that_is_not_cleared_to_the_side(self, maneuver: Evasion) -> None:
+        assert self.back(maneuver, 5.0, out=10.0) is None
+
+    def test_not_close_behind_the_next_one(self, maneuver: Evasion) -> None:
+        assert self.back(maneuver, -12.0, (30.0, 0.0, 12.0)) is None
+        assert self.back(maneuver, -12.0, (60.0, 0.0, 12.0)) is not None
+
+    def test_not_where_somebody_is_met_first(self, maneuver: Evasion) -> None:
+        """The return takes 2 s: 40 m, and as far as the other comes by then."""
+        assert self.back(maneuver, -12.0, (30.0, 3.5, 0.0)) is None
+        assert self.back(maneuver, -12.0, (80.0, 3.5, 0.0)) is not None
+        assert self.back(maneuver, -12.0, (80.0, 3.5, -20.0)) is None
+        assert self.back(maneuver, -12.0, (160.0, 3.5, -20.0)) is not None
+
+    def test_not_in_front_of_one_that_is_faster(self, maneuver: Evasion) -> None:
+        assert self.back(maneuver, -12.0, (-20.0, 0.0, 25.0)) is None
+        assert self.back(maneuver, -12.0, (-80.0, 0.0, 25.0)) is not None
+
+    def test_on_its_way_back_it_goes_on_without_a_kink(self, maneuver: Evasion) -> None:
+        way = self.back(maneuver, -12.0, out=115.0)
+        assert way is not None
+        s = START + 115.0 + np.arange(-6.0, 50.0, 0.5)
+        kappa = way.reference.curvature(s)
+        assert 400.0 * np.abs(kappa).max() < 4.2
+        assert 400.0 * np.abs(np.diff(kappa)).max() < 0.4
 
 
 def bend_after(straight_on: float, radius: float) -> Path:

@@ -259,7 +259,8 @@ def judged(
         elif farthest[i] > FARTHEST:
             outcome = Status.INFEASIBLE, f"it would swerve by {farthest[i]:.0f} m", nearest
         elif bent[i] > 1.0 + _EXACT:
-            reason = f"curvature {curvature[i]:.4f} 1/m is {bent[i]:.2f} times the limit"
+            how = f"{bent[i]:.2f} times the limit" if bent[i] >= 1.005 else "just above the limit"
+            reason = f"curvature {curvature[i]:.4f} 1/m is {how}"
             outcome = Status.INFEASIBLE, reason, "curvature"
         outcomes.append(outcome)
     nodes = task.base + 1j * task.tangents * u

@@ -55,7 +55,7 @@ class Log:
         How many messages the others sent, how many were delivered to the ego, and the same for those of the
         ego to the others.
     fallback : ndarray of bool, shape (n,)
-        Whether the command was less than what was wished.
+        Whether the command's status was not `OK`.
     cycle_us : ndarray, shape (n,)
         Wall-clock time of each planner cycle [us]; the only field that differs between equal runs.
     wall_s : float

@@ -125,7 +125,6 @@ def test_what_is_no_trajectory() -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_agrees_with_an_independent_judge(name: str) -> None:
-    pytest.importorskip("shapely")
     task = CASES[name]
     plan = MotionPrimitives().plan(task)
     gap, edge = independent.judge(task, plan)

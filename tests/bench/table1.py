@@ -130,9 +130,9 @@ def main() -> int:
     )  # fmt: skip
     folder = DOCS / "table1"
     folder.mkdir(exist_ok=True)
+    sys.stdout.write(write(rows, growth, drives) + "\n")
     for name in FILES:
         shutil.move(OUT / name, folder / name)
-    sys.stdout.write(write(rows, growth, drives) + "\n")
     told(f"wrote {DOCS / 'table1.md'}")
     return 0
 

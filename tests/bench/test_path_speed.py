@@ -1,24 +1,13 @@
 """Run times of paths, scaled by a reference timed in the same run; `make bench`."""
 
-import time
-from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.linalg import solve_banded
 
 from cca_core.path import LocalFrame, Path, clean_route, fit_path, read_waypoints
-
-_REFERENCE_US = 16.6  # solve_banded, n = 100, two right-hand sides, on the machine the targets are for
-
-
-@pytest.fixture(scope="module")
-def slowness() -> float:
-    """How much slower than that machine this one is now."""
-    matrix, right = np.repeat(np.array([[-1.0], [2.0], [-1.0]]), 100, axis=1), np.ones((100, 2))
-    return max(1.0, 1e6 * _median(lambda: solve_banded((1, 1), matrix, right), 2000) / _REFERENCE_US)
+from tests.bench.conftest import Budget, median_us
 
 
 @pytest.fixture(scope="module")
@@ -27,16 +16,7 @@ def road() -> Path:
     return fit_path(np.column_stack((x, 150.0 * np.sin(x / 600.0))), tolerance=0.05)
 
 
-def _median(run: Callable[[], Any], rounds: int) -> float:
-    times = []
-    for _ in range(rounds):
-        begun = time.perf_counter()
-        run()
-        times.append(time.perf_counter() - begun)
-    return float(np.median(times))
-
-
-def test_motorway_of_650_km(benchmark: Any, data_dir: FilePath, slowness: float) -> None:
+def test_motorway_of_650_km(benchmark: Any, data_dir: FilePath, slowness: float, budget: Budget) -> None:
     """10 000 vertices cleaned, and each part fitted, in 1 s."""
     found = read_waypoints(data_dir / "gps" / "I_80_Eastbound_Vertices.csv")
     middle = len(found.lat) // 2
@@ -46,26 +26,27 @@ def test_motorway_of_650_km(benchmark: Any, data_dir: FilePath, slowness: float)
         return [fit_path(p, tolerance=0.5, curvature_limit=1.0 / 300.0) for p in clean_route(xy).parts]
 
     benchmark.pedantic(fit, rounds=3, iterations=1, warmup_rounds=1)
-    assert benchmark.stats.stats.min < 1.0 * slowness
+    budget(benchmark.stats.stats.min, "s", most=slowness)
 
 
-def test_fit_costs_are_linear() -> None:
+def test_fit_costs_are_linear(budget: Budget) -> None:
+    """Eight times the points cost at most 16 times as much."""
     x = np.arange(0.0, 160_000.0, 10.0)
     xy = np.column_stack((x, 150.0 * np.sin(x / 600.0)))
-    short, long = (_median(lambda n=n: fit_path(xy[:n], tolerance=0.1), 3) for n in (2000, 16_000))
-    assert long < 8.0 * 2.0 * short
+    short, long = (median_us(lambda n=n: fit_path(xy[:n], tolerance=0.1), 3) for n in (2000, 16_000))
+    budget(long / short, "times", most=8.0 * 2.0)
 
 
-def test_a_million_warm_foot_points(benchmark: Any, road: Path, slowness: float) -> None:
+def test_a_million_warm_foot_points(benchmark: Any, road: Path, slowness: float, budget: Budget) -> None:
     rng = np.random.default_rng(0)
     s = rng.uniform(road.start, road.end, 1_000_000)
     xy, near = road.to_cartesian(s, rng.uniform(-5.0, 5.0, len(s))), s + rng.uniform(-3.0, 3.0, len(s))
     benchmark.pedantic(road.project, args=(xy, near), rounds=3, iterations=1)
-    assert benchmark.stats.stats.min < 1.0 * slowness
+    budget(benchmark.stats.stats.min, "s", most=slowness)
 
 
-def test_one_warm_foot_point(benchmark: Any, road: Path, slowness: float) -> None:
+def test_one_warm_foot_point(benchmark: Any, road: Path, slowness: float, budget: Budget) -> None:
     x, y = road.to_cartesian(700.0, 1.0).tolist()
     s, _, _, _ = benchmark(road.foot_point, x, y, 699.6)
     assert s == pytest.approx(700.0, abs=1e-6)
-    assert benchmark.stats.stats.median * 1e6 < 15.0 * slowness
+    budget(1e6 * benchmark.stats.stats.median, "µs", most=15.0 * slowness)

@@ -1,6 +1,5 @@
 """The linear single track against a Jacobian, hand values and steady-state formulas."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -252,10 +251,6 @@ def test_bad_gains(changes: dict, words: str) -> None:
     good = {"speeds": (10.0, 20.0), "k_p": (0.4, 0.2), "k_d": (0.04, 0.0), "l_s": (5.0, 15.0)}
     with pytest.raises(InputError, match=words):
         PreviewGains(**{**good, **changes})
-
-
-def test_replacing_a_preset_keeps_the_others() -> None:
-    assert dataclasses.replace(UNDERSTEER, m=1000.0).C_f == UNDERSTEER.C_f
 
 
 # --- discrete and kinematic; an independent single track -------------------------------------------------

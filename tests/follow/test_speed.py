@@ -329,14 +329,8 @@ def test_jerk_is_limited(wanted: float, last: float, dt: float, emergency: bool)
 @given(st.floats(-20.0, 20.0), st.floats(-12.0, 12.0), st.floats(0.1, 1.2))
 def test_what_is_left_lies_in_the_friction_circle(a_x: float, a_y: float, mu: float) -> None:
     a = friction_limited(a_x, a_y, mu)
-    most = 0.9 * mu * 9.81
-    assert abs(a) <= abs(a_x)
-    assert a * a_x >= 0.0
-    if abs(a_y) < most:
-        assert math.hypot(a, a_y) <= most + 1e-9 or a == a_x
-        assert a == a_x or math.hypot(a, a_y) == pytest.approx(most, rel=1e-9)
-    else:
-        assert a == 0.0
+    left = math.sqrt(max((0.9 * mu * 9.81) ** 2 - a_y**2, 0.0))
+    assert a == pytest.approx(math.copysign(min(abs(a_x), left), a_x), abs=1e-12)
 
 
 @pytest.mark.parametrize("amplitude", [0.0, 5.0, 15.0])

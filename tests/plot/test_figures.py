@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cca_core import InputError, fit_path
+from cca_core import InputError
 from cca_core.plot import (
     awaited,
     contact,
@@ -19,29 +19,24 @@ from cca_core.plot import (
     story,
     telling_frames,
 )
-from cca_core.sim import Log, maneuver, simulate
+from cca_core.sim import Log
 
 pytestmark = pytest.mark.requires("matplotlib")
 
 
-def drive(case: str, v2v: bool = True) -> Log:
-    x = np.arange(0.0, 1500.0, 15.0)
-    return simulate(maneuver(case, fit_path(np.column_stack((x, x**2 / 2000.0))), start=210.0, v2v=v2v))
+@pytest.fixture
+def waiting(run: Callable[..., Log]) -> Log:
+    return run("maneuver", "2", "v2v")
 
 
-@pytest.fixture(scope="module")
-def waiting() -> Log:
-    return drive("2")
+@pytest.fixture
+def stuck(run: Callable[..., Log]) -> Log:
+    return run("maneuver", "2", "sensor")
 
 
-@pytest.fixture(scope="module")
-def stuck() -> Log:
-    return drive("2", v2v=False)
-
-
-@pytest.fixture(scope="module")
-def tunings() -> tuple[Log, Log]:
-    return drive("1-fast"), drive("1-smooth")
+@pytest.fixture
+def tunings(run: Callable[..., Log]) -> tuple[Log, Log]:
+    return run("maneuver", "1-fast", "v2v"), run("maneuver", "1-smooth", "v2v")
 
 
 def boxes_of(axis: object) -> dict[str, np.ndarray]:
@@ -149,11 +144,7 @@ def test_the_leader_is_the_nearest_in_front_on_the_route(waiting: Log) -> None:
     assert np.isnan(speeds[-1])
 
 
-def test_figures_without_other_vehicles(stuck: Log) -> None:
-    alone = replace(
-        stuck, scenario=replace(stuck.scenario, users=()), users=stuck.users[:, :0],
-        user_places=stuck.user_places[:, :0], decisions=((0.0, "KEEP", "the lane ahead is free"),),
-    )  # fmt: skip
+def test_figures_without_other_vehicles(alone: Log) -> None:
     assert len(boxes_of(plot_traffic(alone).axes[1])) == 1
     assert np.isnan(leader_speed(alone)).all()
     plot_time_series(alone)

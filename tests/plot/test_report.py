@@ -12,6 +12,7 @@ from tests.plot.browser import SIZES, faults, find_browser, look
 pytestmark = pytest.mark.requires("matplotlib")
 
 Run = Callable[[str, str, str], Log]
+BROWSER = find_browser()
 VOID = {"meta", "img", "input", "br", "circle", "rect", "path"}
 
 
@@ -159,11 +160,10 @@ def test_a_report_of_a_run_without_others(alone: Log, tmp_path: Path) -> None:
     assert Page((tmp_path / "report.html").read_text(encoding="utf-8")).open == []
 
 
-if (BROWSER := find_browser()) is not None:
-
-    @pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}px")
-    def test_in_a_browser_without_network(file: Path, size: tuple[int, int]) -> None:
-        found = look(BROWSER, file, size, still=size == SIZES[0])
-        assert faults(found) == []
-        assert found["top"][0] < 50.0
-        assert "what V2V changed" in found["text"]
+@pytest.mark.skipif(BROWSER is None, reason="needs Chromium or Chrome")
+@pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}px")
+def test_in_a_browser_without_network(file: Path, size: tuple[int, int]) -> None:
+    found = look(BROWSER, file, size, still=size == SIZES[0])
+    assert faults(found) == []
+    assert found["top"][0] < 50.0
+    assert "what V2V changed" in found["text"]

@@ -10,8 +10,6 @@ from cca_core.errors import InputError
 from cca_core.path import interpolate_path
 from cca_core.sim import Log, curbside, eebl, ima, load_log, maneuver, replay, save_log, simulate
 
-ARRAYS = [f.name for f in dataclasses.fields(Log) if "ndarray" in str(f.type) or f.type in ("Array", "Mask")]
-
 
 @pytest.fixture(scope="module", params=["eebl-B", "eebl-A", "ima-v2v", "curbside-sensor", "maneuver"])
 def log(request: pytest.FixtureRequest) -> Log:

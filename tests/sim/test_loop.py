@@ -91,7 +91,6 @@ class TestPaced:
         begun = time.perf_counter()
         log = simulate(scenario, pace=True)
         assert time.perf_counter() - begun >= 0.6
-        assert 0 <= log.missed <= len(log.t)
         free = simulate(scenario)
         assert free.missed == 0
         assert log.command.tobytes() == free.command.tobytes()

@@ -470,9 +470,11 @@ class TestExecutors:
         script, path = tmp_path / "script.py", tmp_path / "a.jsonl"
         script.write_text(SCRIPT)
         process = subprocess.Popen([sys.executable, str(script), str(path)], start_new_session=True)
+        deadline = time.monotonic() + 60.0
         while not path.exists() or path.read_bytes().count(b"\n") < 2:
             time.sleep(0.01)
             assert process.poll() is None
+            assert time.monotonic() < deadline, "no run ends"
         time.sleep(float(np.random.default_rng(seed).uniform(0.0, 1.0)))
         process.send_signal(signal.SIGKILL)
         process.wait()

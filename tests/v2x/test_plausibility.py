@@ -8,22 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cca_core import InputError, LocalFrame
+from cca_core import InputError
 from cca_core.v2x import PLAUSIBILITY_CHECKS, Bsm, PlausibilitySettings, Tracker, TrackerSettings
-
-FRAME = LocalFrame(41.0, -104.0)
-T0 = 6000.0
-
-
-def bsm(t: float, x: float = 0.0, y: float = 0.0, **more: Any) -> Bsm:
-    """Message of a car that drives along +x at 20 m/s."""
-    lat, lon = FRAME.to_geodetic((x, y))
-    values: dict[str, Any] = {
-        "msg_count": round(t * 10.0) % 128, "id": "00000001", "sec_mark": t % 60.0,
-        "latitude_deg": float(lat), "longitude_deg": float(lon), "speed": 20.0, "psi": 0.0,
-        "a_x": 0.0, "r": 0.0, "length": 4.5, "width": 1.8,
-    }  # fmt: skip
-    return Bsm(**(values | more))
+from tests.v2x.test_tracker import FRAME, T0, bsm
 
 
 def heard(checks: PlausibilitySettings | None = None) -> Tracker:
