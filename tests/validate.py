@@ -30,8 +30,10 @@ ROOT = Path(__file__).resolve().parents[1]
 STATE = ROOT / ".validate"
 PAGE = ROOT / "docs" / "validation.md"
 FIGURE = ROOT / "docs" / "study.png"
+BENCH = ROOT / "tests" / "bench"
+LENDING = "test_planner.py", "test_retreat.py", "test_crossing.py", "test_tracker.py"  # to other test files
 AVOIDABLE = 2000
-SEED = 21  # definitions and the planner were changed after looking at runs of seeds 1 to 12
+SEED = 23  # definitions and the planner were changed after looking at runs of smaller seeds
 BOUND = 0.002  # on the rate of avoidable collisions with V2V, one-sided at 95 %
 
 
@@ -45,17 +47,18 @@ def main() -> int:
     known = json.loads(memory.read_text()) if memory.exists() else {}
     rows = {}
     files = sorted(p for p in (ROOT / "tests").rglob("test_*.py") if "bench" not in p.parts)
-    library = digest(sorted((ROOT / "cca_core").rglob("*.py")))
+    tests = [p for p in (ROOT / "tests").rglob("*.py") if p.parent != BENCH and p != Path(__file__).resolve()]
+    shared = [p for p in tests if p not in files or p.name in LENDING]
+    code = digest(sorted([*(ROOT / "cca_core").rglob("*.py"), *shared]))
     for i, file in enumerate(files, 1):
         name = file.relative_to(ROOT).as_posix()
-        code = f"{library} {digest([file, ROOT / 'tests' / 'conftest.py'])}"
-        if name not in known or known[name]["code"] != code:
+        if name not in known or known[name]["code"] != f"{code} {digest([file])}":
             print(f"[{i}/{len(files)}] {name}", flush=True)
             result = run(name)
             if result["failed"]:
                 print(f"{name} failed", file=sys.stderr)
                 return 1
-            known[name] = {**result, "code": code}
+            known[name] = {**result, "code": f"{code} {digest([file])}"}
             memory.write_text(json.dumps(known, indent=1))
         rows[name] = known[name]
         write(commit, rows, len(files))
@@ -76,11 +79,14 @@ def digest(files: Iterable[Path]) -> str:
 def run(name: str) -> dict[str, int]:
     """Run one file with the full profile; count its tests."""
     report = STATE / "report.xml"
+    report.unlink(missing_ok=True)
     begun = time.perf_counter()
-    subprocess.run(
+    done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", name, f"--junitxml={report}"],
         cwd=ROOT, env=os.environ | {"CCA_HYPOTHESIS_PROFILE": "full"}, check=False,
     )  # fmt: skip
+    if done.returncode not in (0, 1, 5) or not report.exists():  # it did not run to its end
+        return {"tests": 0, "skipped": 0, "failed": 1, "seconds": round(time.perf_counter() - begun)}
     suite = ElementTree.parse(report).getroot().find("testsuite")
     counts = {key: int(suite.get(key, "0")) for key in ("tests", "failures", "errors", "skipped")}
     return {
@@ -162,8 +168,9 @@ def write(commit: str, rows: dict[str, dict[str, Any]], files: int, more: list[s
     lines = [
         "# Validation",
         "",
-        "Every test with the full number of random cases: 1000 per property instead of 50, the seed of each",
-        "fixed by its name. Made by `make validate`, which resumes where it was stopped.",
+        "Every test with the full number of random cases: 1000 per property instead of 50 (less where one",
+        "case is a whole drive or a fit), the seed of each fixed by its name. Made by `make validate`, which",
+        "resumes where it was stopped.",
         "",
         f"Commit {commit}, {today}: {len(rows)} of {files} test files, {total} tests, none failed.",
         "",
