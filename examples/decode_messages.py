@@ -28,5 +28,5 @@ for t in (2.0, 3.0, 4.0):
     for car in tracker.vehicles(t):
         print(
             f"{t:.1f} s: {car.id} at {car.x:.1f} m east, {car.y:.1f} m north, {car.v_x:.1f} m/s, "
-            f"known for {car.age:.1f} s to {2.0 * car.sigma_along:.1f} m along, {sorted(car.events)}"
+            f"heard {car.age:.1f} s ago, known to {2.0 * car.sigma_along:.1f} m along, {sorted(car.events)}"
         )
