@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.integrate import trapezoid
 
 from cca_core._checks import Array, Index
 
@@ -153,13 +154,13 @@ def _between(lattice: Lattice, offsets: Array, change: int) -> list[tuple[int, i
     found = []
     for steps in sorted({round(q * k) for k in _LONGER} | {q + 1} if change else {1}):
         span = steps * lattice.step
-        lateral = float(np.trapezoid(second**2, unit)) * delta**2 / span**3 * v_x**3
+        lateral = float(trapezoid(second**2, unit)) * delta**2 / span**3 * v_x**3
         jerk = 2.0 * _RAMP * _JERK**2 * delta**2 / span**5 * v_x**5
         for i, begin in enumerate(offsets.tolist()):
             for j in {i - change, i + change} if steps <= lattice.longest else ():
                 if 0 <= j < len(offsets):
                     square = (
-                        float(np.trapezoid((begin + (offsets[j] - begin) * blend) ** 2, unit)) * span / v_x
+                        float(trapezoid((begin + (offsets[j] - begin) * blend) ** 2, unit)) * span / v_x
                     )
                     cost = sum(w * c for w, c in zip(lattice.weights, (lateral, jerk, square), strict=True))
                     found.append((j, i, steps, cost))

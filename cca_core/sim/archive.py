@@ -40,7 +40,7 @@ def save_log(log: Log, path: str | FilePath) -> None:
     data = [message for _, message in log.received]
     with FilePath(path).open("wb") as file:
         np.savez_compressed(
-            file, allow_pickle=False, meta=np.frombuffer(text.encode(), dtype=np.uint8),
+            file, meta=np.frombuffer(text.encode(), dtype=np.uint8),
             received_rows=np.array(rows, dtype=np.int64),
             received_sizes=np.array([len(message) for message in data], dtype=np.int64),
             received_bytes=np.frombuffer(b"".join(data), dtype=np.uint8),

@@ -134,6 +134,7 @@ def test_rows_are_the_same_when_read_again(tmp_path: Path) -> None:
     assert read_rows(tmp_path / "other.csv", Row) == []
 
 
+@pytest.mark.requires("matplotlib")
 def test_growth_is_timed_and_kept(tmp_path: Path) -> None:
     steps = [
         Step(method="band", axis="cars", value=n, make=RelaxedBand, problem=parked(n, 200.0)) for n in (1, 2)
