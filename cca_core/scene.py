@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Self
 
@@ -93,6 +93,21 @@ class Neighbour:
         if late <= 0.0 or self.v_s <= 0.0:
             return self.v_s
         return max(self.v_s - _UNHEARD_BRAKING * late, 0.0)
+
+    def likely(self) -> "Neighbour":
+        """Tell where and how fast it is most likely, instead of what must be reckoned with.
+
+        Returns
+        -------
+        likely : Neighbour
+            The same without bounds, as if it had just been heard.
+        """
+        cos, sin = abs(math.cos(self.angle)), abs(math.sin(self.angle))
+        length, width = 0.5 * self.remote.length, 0.5 * self.remote.width
+        return replace(
+            self, remote=replace(self.remote, age=0.0, sigma_along=0.0, sigma_across=0.0),
+            half_length=length * cos + width * sin, half_width=length * sin + width * cos,
+        )  # fmt: skip
 
     def follows(self, ego: "Ego", right: float, left: float) -> bool:
         """Tell whether it is behind the ego on its lane: keeping the distance is its own duty.

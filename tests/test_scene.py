@@ -90,3 +90,15 @@ def test_what_is_no_number_is_named(value: Any) -> None:
     defect = RemoteVehicle(id="a", x=0.0, y=0.0, psi=0.0, v_x=10.0, age=value).defect
     assert defect is not None
     assert defect.startswith("age is not a finite number")
+
+
+def test_likely_is_without_bounds_and_as_fast_as_told() -> None:
+    told = RemoteVehicle(
+        id="A", x=80.0, y=0.0, psi=0.3, v_x=14.0, age=5.0, sigma_along=30.0, sigma_across=5.0
+    )
+    known = replace(told, age=0.0, sigma_along=0.0, sigma_across=0.0)
+    vague, sure = (Neighbour.seen_from(remote, 80.0, 0.0, 0.3, 0.0) for remote in (told, known))
+    assert vague.likely() == sure
+    assert sure.likely() == sure
+    assert vague.v_least == 0.0
+    assert vague.likely().v_least == sure.v_s

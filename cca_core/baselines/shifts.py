@@ -159,9 +159,7 @@ def _between(lattice: Lattice, offsets: Array, change: int) -> list[tuple[int, i
         for i, begin in enumerate(offsets.tolist()):
             for j in {i - change, i + change} if steps <= lattice.longest else ():
                 if 0 <= j < len(offsets):
-                    square = (
-                        float(trapezoid((begin + (offsets[j] - begin) * blend) ** 2, unit)) * span / v_x
-                    )
+                    square = float(trapezoid((begin + (offsets[j] - begin) * blend) ** 2, unit)) * span / v_x
                     cost = sum(w * c for w, c in zip(lattice.weights, (lateral, jerk, square), strict=True))
                     found.append((j, i, steps, cost))
     return found

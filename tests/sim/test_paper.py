@@ -256,6 +256,8 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
         ("maneuver", 9, 511),  # brakes let go slowly while swerving out in front of R2
         # falling back from beside a slower one that by then was behind; braking in front of A, stale behind
         ("maneuver", 21, 106), ("maneuver", 21, 125), ("maneuver", 21, 1221),
+        # R2 unheard for seconds, 100 m ahead: braked for fully because of its bounds, in front of R1
+        ("maneuver", 22, 858), ("maneuver", 22, 1650),
         ("maneuver", 8, 423),  # A unheard for seconds, dead-reckoned into the lane; R1 behind
     ],
 )  # fmt: skip
