@@ -291,7 +291,7 @@ class Planner:
                 helpless = leader.required_deceleration > brakes
                 ways = (self._swerves[0], self._swerves[-1]) if helpless else self._swerves[:1]
                 plans, candidates, status = ways_around(
-                    ego, self.road, ahead, others, ways, at_once=waiting,
+                    ego, self.road, ahead, others, ways, at_once=waiting, helpless=helpless,
                     known_range=self._known_range,
                 )  # fmt: skip
         self._decision = choose_action(

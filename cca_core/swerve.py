@@ -78,6 +78,7 @@ def ways_around(
     swerves: Sequence[tuple[EvasionSettings, Status]],
     *,
     at_once: bool,
+    helpless: bool = False,
     known_range: float = math.inf,
 ) -> tuple[dict[str, Evasion], list[Candidate], Status]:
     """Plan swerves to both sides, in the first way of driving in which one is free.
@@ -96,6 +97,8 @@ def ways_around(
         Ways to drive, the best first; those that are to be tried.
     at_once : bool
         Whether a swerve begins now even if there would be time to drive on.
+    helpless : bool
+        Whether those in the way are hit for certain otherwise: at last they are where they most likely are.
     known_range : float
         Distance up to which all vehicles are known now [m].
 
@@ -109,12 +112,15 @@ def ways_around(
         How it would be driven.
     """
     found: list[tuple[dict[str, Evasion], list[Candidate], Status]] = []
-    for settings, status in swerves:
+    tries = [(settings, status, blockers) for settings, status in swerves]
+    if helpless:
+        tries.append((*swerves[-1], [b.likely() for b in blockers]))
+    for settings, status, passed in tries:
         plans: dict[str, Evasion] = {}
         candidates = []
         for side in _SIDES:
             plan = plan_evasion(
-                ego, road, blockers, others, side, settings, at_once=at_once, known_range=known_range
+                ego, road, passed, others, side, settings, at_once=at_once, known_range=known_range
             )
             if isinstance(plan, Evasion):
                 plans[side] = plan

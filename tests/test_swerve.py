@@ -7,7 +7,7 @@ from cca_core.evasion import Evasion
 from cca_core.follow import SpeedSettings
 from cca_core.scene import Ego, Neighbour
 from cca_core.swerve import Renewal, renew, swerves_of, ways_around
-from tests.test_planner import CAR, START
+from tests.test_planner import CAR, START, car
 from tests.test_retreat import ROAD, SETTINGS, at, maneuver
 
 __all__ = ["maneuver"]  # the fixture
@@ -76,3 +76,16 @@ def test_the_first_way_that_is_free_is_taken() -> None:
     assert not candidates[0].obstruction
     assert plans["left"].band.status is Status.OK
     assert candidates[1].obstruction
+
+
+def test_at_last_past_where_somebody_most_likely_is() -> None:
+    """His bounds leave no room on the road, and to hit him is certain otherwise."""
+    ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
+    remote = car(START + 50.0, 0.5, 0.0, id="R", sigma_along=0.5, sigma_across=1.0)
+    vague = Neighbour.seen_from(remote, START + 50.0, 0.5, 0.0, 0.0)
+    plans, candidates, _ = ways_around(ego, ROAD, [vague], [], SWERVES, at_once=True)
+    assert all(c.obstruction for c in candidates)
+    plans, candidates, status = ways_around(ego, ROAD, [vague], [], SWERVES, at_once=True, helpless=True)
+    assert not all(c.obstruction for c in candidates)
+    assert status is Status.FALLBACK
+    assert plans["left"].band.clearance > 0.29

@@ -247,6 +247,7 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
     ("name", "seed", "index"),
     [
         ("curbside", 3, 268),  # heard 26 m ahead: only a swerve at the limit helps
+        ("curbside", 21, 602),  # heard 40 m ahead, told to be known to 0.9 m: no room beside its bounds
         ("curbside", 3, 646), ("curbside", 5, 1392),  # noise says that red is not in the way
         ("maneuver", 4, 3), ("maneuver", 4, 46), ("maneuver", 4, 58),  # a silent leader in sight, R1 behind
         ("maneuver", 6, 283),  # the way back is bent for the speed after falling back
