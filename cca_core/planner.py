@@ -36,7 +36,7 @@ from cca_core.hazards import (
     oncoming_beside,
 )
 from cca_core.path import Path, Road, interpolate_path
-from cca_core.retreat import put_off, slow_enough
+from cca_core.retreat import is_beside, put_off, slow_enough
 from cca_core.scene import Ego, Neighbour, locate, unusable
 from cca_core.swerve import renew, swerves_of, ways_around
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -218,7 +218,11 @@ class Planner:
                 kept += [replace(n, d=n.d - at(n.s)) for n in likely if self._blocks(n, at(n.s))]
             leader = self._leader(sorted(kept, key=lambda n: n.s), s, state.v_x)
         reference = path if self._maneuver is None else self._maneuver.reference
-        most = -slow_enough(reference, s, state.v_x) if self._retreating else math.inf
+        most = math.inf
+        if self._retreating:
+            most = -slow_enough(reference, s, state.v_x)
+            if is_beside(self.vehicle, self.road, s, state.v_x, neighbours):
+                most = min(most, 0.0)
         a_x = self._acceleration(s, state.v_x, state.r, leader, dt, most)
         delta = self._controller.steer(state, reference, dt, near=s)
         return self._given(Command(

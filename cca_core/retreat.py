@@ -10,8 +10,9 @@ from cca_core.errors import Status
 from cca_core.evasion import Evasion
 from cca_core.path import Lane, Path, Road, detour_path
 from cca_core.scene import Ego, Neighbour
+from cca_core.vehicle import VehicleParams
 
-__all__ = ["plan_retreat", "plan_shortcut", "put_off", "slow_enough"]
+__all__ = ["is_beside", "plan_retreat", "plan_shortcut", "put_off", "slow_enough"]
 
 _BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
 _LAG = 0.3  # until it is there: half the time in which brakes build up, and their lag [s]
@@ -180,16 +181,37 @@ def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour])
         A later one while somebody is beside the ego on the own lane or close behind it, or one in front of
         whoever has fallen behind meanwhile, if there is one; else the same.
     """
-    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
-    rear = front - ego.vehicle.length
-    beside = [n for n in others if _on(n, road.own_lane) and n.s - n.half_length < front + _ROOM]
-    if not any(n.s + n.half_length > rear - _following(n.v_s, ego.v_x) for n in beside):
+    if not is_beside(ego.vehicle, road, ego.s, ego.v_x, others):
         return retreat
     why = retreat.band.message.removeprefix(_GIVEN_UP)
     later = plan_retreat(ego, road, retreat, others, why)
     if later is None:
         return plan_shortcut(ego, road, retreat, others, why) or retreat
     return later if later.end > retreat.end else retreat
+
+
+def is_beside(vehicle: VehicleParams, road: Road, s: float, v_x: float, others: Sequence[Neighbour]) -> bool:
+    """Tell whether the ego must not return yet: somebody is beside it on the own lane, or close behind.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        The ego.
+    road : Road
+        Route and lanes.
+    s, v_x : float
+        Where the ego is on the route [m], and its speed [m/s].
+    others : sequence of Neighbour
+        All other vehicles.
+
+    Returns
+    -------
+    beside : bool
+        Whether somebody is.
+    """
+    front = s + vehicle.box_offset + 0.5 * vehicle.length
+    near = [n for n in others if _on(n, road.own_lane) and n.s - n.half_length < front + _ROOM]
+    return any(n.s + n.half_length > front - vehicle.length - _following(n.v_s, v_x) for n in near)
 
 
 def slow_enough(way: Path, s: float, v_x: float) -> float:
@@ -209,11 +231,12 @@ def slow_enough(way: Path, s: float, v_x: float) -> float:
     Returns
     -------
     deceleration : float
-        Least constant one with which it asks for no more than 4 m/s^2 to the side anywhere [m/s^2].
+        Least constant one with which it asks for no more than 4 m/s^2 to the side anywhere [m/s^2]; negative
+        where the car may become faster.
     """
     x = np.arange(1.0, 2.0 + v_x * v_x / (2.0 * _BRAKE), 1.0)
     squared = _LATERAL / np.maximum(np.abs(way.curvature(s + x)), 1e-6)
-    return max(float(np.max((v_x * v_x - squared) / (2.0 * x))), 0.0)
+    return float(np.max((v_x * v_x - squared) / (2.0 * x)))
 
 
 def _on(other: Neighbour, lane: Lane) -> bool:
