@@ -221,7 +221,7 @@ class Planner:
         most = math.inf
         if self._retreating:
             most = -slow_enough(reference, s, state.v_x)
-            if is_beside(self.vehicle, self.road, s, state.v_x, neighbours):
+            if is_beside(self.vehicle, self.road, s, neighbours):
                 most = min(most, 0.0)
         a_x = self._acceleration(s, state.v_x, state.r, leader, dt, most)
         delta = self._controller.steer(state, reference, dt, near=s)

@@ -181,7 +181,10 @@ def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour])
         A later one while somebody is beside the ego on the own lane or close behind it, or one in front of
         whoever has fallen behind meanwhile, if there is one; else the same.
     """
-    if not is_beside(ego.vehicle, road, ego.s, ego.v_x, others):
+    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    rear = front - ego.vehicle.length
+    near = [n for n in others if _on(n, road.own_lane) and n.s - n.half_length < front + _ROOM]
+    if not any(n.s + n.half_length > rear - _following(n.v_s, ego.v_x) for n in near):
         return retreat
     why = retreat.band.message.removeprefix(_GIVEN_UP)
     later = plan_retreat(ego, road, retreat, others, why)
@@ -190,8 +193,8 @@ def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour])
     return later if later.end > retreat.end else retreat
 
 
-def is_beside(vehicle: VehicleParams, road: Road, s: float, v_x: float, others: Sequence[Neighbour]) -> bool:
-    """Tell whether the ego must not return yet: somebody is beside it on the own lane, or close behind.
+def is_beside(vehicle: VehicleParams, road: Road, s: float, others: Sequence[Neighbour]) -> bool:
+    """Tell whether somebody is beside the ego on the own lane, whom it lets pass on its way back.
 
     Parameters
     ----------
@@ -199,19 +202,19 @@ def is_beside(vehicle: VehicleParams, road: Road, s: float, v_x: float, others: 
         The ego.
     road : Road
         Route and lanes.
-    s, v_x : float
-        Where the ego is on the route [m], and its speed [m/s].
+    s : float
+        Where the ego is on the route [m].
     others : sequence of Neighbour
         All other vehicles.
 
     Returns
     -------
     beside : bool
-        Whether somebody is.
+        Whether somebody is; who is behind is not.
     """
     front = s + vehicle.box_offset + 0.5 * vehicle.length
     near = [n for n in others if _on(n, road.own_lane) and n.s - n.half_length < front + _ROOM]
-    return any(n.s + n.half_length > front - vehicle.length - _following(n.v_s, v_x) for n in near)
+    return not all(_is_behind(n, front - vehicle.length) for n in near)
 
 
 def slow_enough(way: Path, s: float, v_x: float) -> float:
