@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cca_core._checks import Array
 from cca_core.errors import Status
 from cca_core.evasion import Evasion
 from cca_core.path import Lane, Path, Road, detour_path
@@ -25,6 +26,7 @@ _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 _HEADWAY = 2.0  # to the next one in front of those passed: behind a nearer one the ego falls back [s]
 _LEAST_LENGTH = 15.0  # of a return [m]
 _STEEP = 2.5  # as a multiple of how far it would go straight on, the longest return that does not overshoot
+_LONGER = 5  # times that a return is made longer to be less sharp, at most
 _ASIDE = 0.2  # between bodies where one is passed on a shortcut [m]
 _SOON = 3.0  # until a shortcut begins to return, at the latest [s]
 
@@ -129,15 +131,32 @@ def _way_back(
     ego: Ego, road: Road, maneuver: Evasion, hold: float, v_then: float, obstruction: str, *, goes_out: bool
 ) -> Evasion | None:
     """Stay out for `hold` metres, then return at a speed; None where the route ends before."""
-    d, before = maneuver.offset_at(ego.s), maneuver.offset_at(ego.s - 1.0)
-    drift, first = maneuver.offset_at(ego.s + 1.0) - d, ego.s + hold
-    length, returning = _length(d, v_then), drift * d < 0.0
-    if returning and hold == 0.0:
+    d, first = maneuver.offset_at(ego.s), ego.s + hold
+    drift, length = maneuver.offset_at(ego.s + 1.0) - d, _length(d, v_then)
+    if drift * d < 0.0 and hold == 0.0:
         length = min(length, max(_STEEP * abs(d / drift), _LEAST_LENGTH))
-    last = first + length
-    if last > road.path.end:
+    for _ in range(_LONGER):
+        s, u = _returning(ego, maneuver, first, length, goes_out=goes_out)
+        bent = np.abs(np.diff(u, n=2))[s[1:-1] >= ego.s].max() / (s[1] - s[0]) ** 2
+        sharp = v_then * v_then * float(bent) / _LATERAL
+        if sharp <= 1.1:
+            break
+        length *= math.sqrt(sharp)  # it went out still, or has to turn round
+    if s[-1] > road.path.end:
         return None
-    s = np.linspace(maneuver.start, last, len(maneuver.displacement))
+    band = replace(maneuver.band, status=Status.FALLBACK, message=f"{_GIVEN_UP}{obstruction}")
+    reference = detour_path(road.path, s, road.path.to_cartesian(s, u))
+    return replace(maneuver, end=float(s[-1]), band=band, displacement=u, reference=reference)
+
+
+def _returning(
+    ego: Ego, maneuver: Evasion, first: float, length: float, *, goes_out: bool
+) -> tuple[Array, Array]:
+    """Places and displacements of a manoeuvre that is held until `first` and then returns in a length."""
+    d, before = maneuver.offset_at(ego.s), maneuver.offset_at(ego.s - 1.0)
+    drift, hold = maneuver.offset_at(ego.s + 1.0) - d, first - ego.s
+    returning = drift * d < 0.0
+    s = np.linspace(maneuver.start, first + length, len(maneuver.displacement))
     u, onward = np.interp(s, maneuver.places, maneuver.displacement), s >= ego.s
     x = np.clip((s - first) / length, 0.0, 1.0)
     if returning and hold == 0.0:  # on from its slope and curvature
@@ -156,9 +175,7 @@ def _way_back(
             part = np.clip((s[onward] - ego.s) / run_out, 0.0, 1.0)
             u[onward] += drift * run_out * (part - part**3 + 0.5 * part**4)
         u *= 1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
-    band = replace(maneuver.band, status=Status.FALLBACK, message=f"{_GIVEN_UP}{obstruction}")
-    reference = detour_path(road.path, s, road.path.to_cartesian(s, u))
-    return replace(maneuver, end=last, band=band, displacement=u, reference=reference)
+    return s, u
 
 
 def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour]) -> Evasion:
