@@ -50,7 +50,6 @@ _BESIDE = 1.5  # beyond the road's edges and the clearance nobody matters who do
 _PERIOD = 0.1  # between two looks at the same vehicles [s]
 _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up for following
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
-_UNHEARD = 1.0  # age from which on it is a guess where a vehicle is [s]
 _COMFORTABLE = 2.0  # deceleration up to which a stop behind who stands is preferred to a swerve [m/s^2]
 _GRIP, _GRIP_IN_NEED = 0.9, 0.98  # shares of the tyres' grip used for braking, and in an emergency
 _HARD = 0.7  # share of the brakes from which on jerk is not spared, as from twice the comfortable share
@@ -214,7 +213,7 @@ class Planner:
             kept = [n for n in neighbours if n.remote.id in self._kept]
             if late:  # whoever is in the way of the swerve is kept behind, as seen from it
                 # not for what may be of one unheard: braking endangers those that are being passed
-                likely = [n.likely() if n.remote.age > _UNHEARD else n for n in neighbours if n not in kept]
+                likely = [n.likely() if n.unheard else n for n in neighbours if n not in kept]
                 kept += [replace(n, d=n.d - at(n.s)) for n in likely if self._blocks(n, at(n.s))]
             leader = self._leader(sorted(kept, key=lambda n: n.s), s, state.v_x)
         reference = path if self._maneuver is None else self._maneuver.reference

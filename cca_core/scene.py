@@ -1,4 +1,8 @@
-"""The ego and its neighbours in path coordinates."""
+"""The ego and its neighbours in path coordinates.
+
+What a neighbour is, may be and most likely is stands beside how it is found on the route, since all of it is
+read together; with the checks of a step's arguments this module is a little longer than others.
+"""
 
 import math
 from collections.abc import Iterable
@@ -93,6 +97,11 @@ class Neighbour:
         if late <= 0.0 or self.v_s <= 0.0:
             return self.v_s
         return max(self.v_s - _UNHEARD_BRAKING * late, 0.0)
+
+    @property
+    def unheard(self) -> bool:
+        """Whether it was heard so long ago (more than 1 s) that where it is now is a guess."""
+        return self.remote.age > _STALE_AFTER
 
     def likely(self) -> "Neighbour":
         """Tell where and how fast it is most likely, instead of what must be reckoned with.

@@ -61,7 +61,7 @@ def test_gap_to_an_oncoming_car(gap: float, v: float) -> None:
 
 def test_some_go_at_once_and_some_wait() -> None:
     if sum(TALLY.values()) < len(GAPS) * len(SPEEDS):
-        pytest.skip("counts what the whole test before it has driven")
+        pytest.skip("sums up all cases of the test above it, which were not all selected to run")
     print(TALLY)  # noqa: T201  # with -s
     assert min(TALLY["waited"], TALLY["at once"]) >= 0.2 * sum(TALLY.values())
 

@@ -36,6 +36,6 @@ def test_evade_is_never_followed_by_a_collision(block: int) -> None:
 
 def test_enough_of_them_are_evade_and_few_are_refused_without_need() -> None:
     if TALLY["situations"] < BLOCKS * EACH:
-        pytest.skip("counts what the whole test before it has driven")
+        pytest.skip("sums up all cases of the test above it, which were not all selected to run")
     assert TALLY["evade"] >= 0.08 * TALLY["situations"], TALLY
     assert TALLY["refused"] <= 0.15 * TALLY["free"], TALLY
