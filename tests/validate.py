@@ -1,7 +1,7 @@
 """Run every test file with the full number of random cases, then the study; write docs/validation.md.
 
-Resumable: files that passed with this library code are not run again, nor are runs of the study that have
-been driven with it. Called by `make validate`.
+One file for each processor at a time. Resumable: files that passed with this library code are not run again,
+nor are runs of the study that have been driven with it. Called by `make validate`.
 """
 
 import datetime
@@ -13,6 +13,7 @@ import sys
 import time
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -40,28 +41,16 @@ BOUND = 0.002  # on the rate of avoidable collisions with V2V, one-sided at 95 %
 def main() -> int:
     """Run what has not passed yet; return 1 if anything failed."""
     commit = output("git", "rev-parse", "--short", "HEAD")
-    if output("git", "status", "--porcelain", "--untracked-files=no"):
+    made = [f":!{page.relative_to(ROOT).as_posix()}" for page in (PAGE, FIGURE)]
+    if output("git", "status", "--porcelain", "--untracked-files=no", "--", ".", *made):
         commit += " with local changes"
     STATE.mkdir(exist_ok=True)
-    memory = STATE / "passed.json"
-    known = json.loads(memory.read_text()) if memory.exists() else {}
-    rows = {}
     files = sorted(p for p in (ROOT / "tests").rglob("test_*.py") if "bench" not in p.parts)
-    tests = [p for p in (ROOT / "tests").rglob("*.py") if p.parent != BENCH and p != Path(__file__).resolve()]
-    shared = [p for p in tests if p not in files or p.name in LENDING]
-    code = digest(sorted([*(ROOT / "cca_core").rglob("*.py"), *shared]))
-    for i, file in enumerate(files, 1):
-        name = file.relative_to(ROOT).as_posix()
-        if name not in known or known[name]["code"] != f"{code} {digest([file])}":
-            print(f"[{i}/{len(files)}] {name}", flush=True)
-            result = run(name)
-            if result["failed"]:
-                print(f"{name} failed", file=sys.stderr)
-                return 1
-            known[name] = {**result, "code": f"{code} {digest([file])}"}
-            memory.write_text(json.dumps(known, indent=1))
-        rows[name] = known[name]
-        write(commit, rows, len(files))
+    rows, failed = passed(files)
+    write(commit, rows, len(files))
+    if failed:
+        print(f"failed: {', '.join(failed)}", file=sys.stderr)
+        return 1
     tables = [study(name) for name in STUDIED]
     write(commit, rows, len(files), told(tables))
     plot_study(tables, log=True).savefig(FIGURE, dpi=120)
@@ -71,6 +60,33 @@ def main() -> int:
     return 1 if failed else 0
 
 
+def passed(files: list[Path]) -> tuple[dict[str, dict[str, Any]], list[str]]:
+    """Run the files that have not passed yet; return what came of those that passed, and who failed."""
+    memory, draft = STATE / "passed.json", STATE / "passed.draft"
+    known = json.loads(memory.read_text()) if memory.exists() else {}
+    tests = [p for p in (ROOT / "tests").rglob("*.py") if p.parent != BENCH and p != Path(__file__).resolve()]
+    shared = [p for p in tests if p not in files or p.name in LENDING]
+    code = digest(sorted([*(ROOT / "cca_core").rglob("*.py"), *shared]))
+    codes = {file.relative_to(ROOT).as_posix(): f"{code} {digest([file])}" for file in files}
+    known = {name: row for name, row in known.items() if row["code"] == codes.get(name)}
+    failed = []
+    pool = ThreadPoolExecutor(os.cpu_count())
+    running = {pool.submit(run, name): name for name in codes if name not in known}
+    try:
+        for done in tqdm(as_completed(running), total=len(running), unit="file"):
+            name, result = running[done], done.result()
+            if result["failed"]:
+                failed.append(name)
+                tqdm.write(f"{name} failed")
+            else:
+                known[name] = {**result, "code": codes[name]}
+                draft.write_text(json.dumps(known, indent=1))
+                draft.replace(memory)
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return known, failed
+
+
 def digest(files: Iterable[Path]) -> str:
     """Tell the content of files."""
     return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()[:12]
@@ -78,13 +94,14 @@ def digest(files: Iterable[Path]) -> str:
 
 def run(name: str) -> dict[str, int]:
     """Run one file with the full profile; count its tests."""
-    report = STATE / "report.xml"
+    report = STATE / f"{name.replace('/', '.')}.xml"
     report.unlink(missing_ok=True)
     begun = time.perf_counter()
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", name, f"--junitxml={report}"],
-        cwd=ROOT, env=os.environ | {"CCA_HYPOTHESIS_PROFILE": "full"}, check=False,
-    )  # fmt: skip
+    with report.with_suffix(".txt").open("w") as said:
+        done = subprocess.run(
+            [sys.executable, "-m", "pytest", "-q", name, f"--junitxml={report}"], cwd=ROOT, stdout=said,
+            env=os.environ | {"CCA_HYPOTHESIS_PROFILE": "full"}, check=False,
+        )  # fmt: skip
     if done.returncode not in (0, 1, 5) or not report.exists():  # it did not run to its end
         return {"tests": 0, "skipped": 0, "failed": 1, "seconds": round(time.perf_counter() - begun)}
     suite = ElementTree.parse(report).getroot().find("testsuite")
