@@ -4,13 +4,15 @@ import itertools
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
-from cca_core.decide import Conflict, CrossingSettings, Leader, crossing
-from cca_core.follow import SpeedSettings, follow_acceleration, required_deceleration
-from cca_core.path import Road
+from cca_core._checks import Array
+from cca_core.decide import Conflict, Leader, crossing
+from cca_core.follow import SpeedSettings, follow_acceleration, friction_limited, required_deceleration
+from cca_core.geometry import box_gap, boxes
+from cca_core.path import Path, Road
+from cca_core.predict import predict_free
 from cca_core.scene import Ego, Neighbour
 from cca_core.vehicle import VehicleParams
 
@@ -38,8 +40,10 @@ _FALLS_BACK = 2.0  # how much slower the ego gets than one that may be in its la
 _HORIZON, _DELAY, _SPARE = 5.0, 0.3, 5.0  # of a stop behind a hidden vehicle [s], [s], [m]
 _SIGHT = 150.0  # within which crossing vehicles are looked at [m]
 _CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
-_BARE = CrossingSettings(clearance=0.0)
 _LOOK, _STATIONS = 8.0, 100  # [s], [-]
+_STEP = 0.05  # at which bodies that could meet are looked at [s]
+_CLEAR = 0.5  # distance between them that is enough [m]
+_LEAST_BRAKES = 1.0  # counted on where cornering takes all of the grip [m/s^2]
 
 
 def leader_ahead(
@@ -174,14 +178,22 @@ def conflict_ahead(
     for n in others:
         if abs(math.sin(n.angle)) < _CROSSING or abs(n.d) > _SIGHT or not -20.0 < n.s - ego.s < _SIGHT:
             continue
-        meets = partial(crossing, road.path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
-        conflict = meets()
-        if conflict is not None and not conflict.free and conflict.distance <= 0.0:
-            conflict = meets(settings=_BARE)  # too late to stop with distance; perhaps not without
-        if conflict is not None and last is not None and conflict.remote == last.remote:
+        conflict = crossing(road.path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
+        if conflict is None:
+            continue
+        brakes = last is not None and last.remote == conflict.remote
+        if brakes:
             conflict = replace(conflict, margin=conflict.margin + _HOLD)
-        if conflict is not None and conflict.wait:
-            waits.append(conflict)
+        if conflict.free:
+            continue
+        needed, places = _braked(ego, road.path, times, 0.0 if brakes else _DELAY)
+        if needed > conflict.distance:  # too late to stay out of where it may be: think of where it will be
+            goes_on = _apart(ego, road.path, stations, n, times)
+            stops = _apart(ego, road.path, places, n, times)
+            if ego.s + needed > conflict.s_out or stops < min(goes_on, _CLEAR):
+                continue
+            conflict = replace(conflict, s_in=max(conflict.s_in, ego.s))
+        waits.append(conflict)
     if not waits:
         return None
     first = min(waits, key=lambda c: c.s_in)
@@ -192,6 +204,26 @@ def conflict_ahead(
     lines = [line - front for line in road.stop_lines if ego.s < line - front < first.s_in]
     at = max(lines, default=first.s_in)
     return replace(first, s_in=at, distance=at - ego.s)
+
+
+def _braked(ego: Ego, path: Path, t: Array, delay: float) -> tuple[float, Array]:
+    """Distance in which the ego stops if it brakes fully [m], and its places at times until then [m]."""
+    lateral = ego.v_x * ego.v_x * float(path.curvature(ego.s))
+    brakes = max(-friction_limited(-ego.speed.b_max, lateral, ego.vehicle.mu), _LEAST_BRAKES)
+    braking = np.clip(t - delay, 0.0, ego.v_x / brakes)
+    x = ego.v_x * (np.minimum(t, delay) + braking) - 0.5 * brakes * braking * braking
+    return ego.v_x * delay + ego.v_x**2 / (2.0 * brakes), ego.s + x
+
+
+def _apart(ego: Ego, path: Path, s: Array, other: Neighbour, t: Array) -> float:
+    """Least distance between the bodies [m] if the ego is at places at times and the other goes on."""
+    moments = np.arange(0.0, _LOOK, _STEP)
+    centre, tangent, _ = path.derivatives(np.interp(moments, t, s))
+    psi = np.arctan2(tangent[:, 1], tangent[:, 0])
+    x, y = centre.T + ego.vehicle.box_offset * np.array((np.cos(psi), np.sin(psi)))
+    body = boxes(x, y, psi, ego.vehicle.length, ego.vehicle.width)
+    met = boxes(*predict_free(other.remote, moments), other.remote.length, other.remote.width)
+    return float(box_gap(body, met).min())
 
 
 def _leader(

@@ -255,7 +255,7 @@ class Planner:
     def _leader(self, blockers: list[Neighbour], s: float, v_x: float) -> Leader | None:
         """Return what demands most of the ego: on the route, or crossing it."""
         leader = leader_ahead(blockers, s, v_x, self.vehicle, self.speed, self._stopping)
-        if self._conflict is None or self._conflict.s_in <= s:
+        if self._conflict is None:
             return leader
         crosses = leader_at(self._conflict, s, v_x, self.speed)
         if leader is None or crosses.required_deceleration > leader.required_deceleration:

@@ -151,6 +151,33 @@ class TestCrossing:
         assert min(run.v) > 18.0
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0], ids=["from the right", "from the left"])
+class TestToldLate:
+    """A crossing car is first heard when the ego can no longer stay out of where it may be."""
+
+    def drive(self, sign: float, *, v: float, ahead: float, after: float, sigma: float = 0.0) -> Drive:
+        there = 60.0 / v
+        crosser = Crosser("X", 60.0, -sign * 10.0 * (there + after), 10.0, psi=sign * 0.5 * math.pi)
+        return Drive(
+            ego(cruise=v), [crosser], 16.0, v=v, done=lambda s: s.x > START + 100.0,
+            heard=lambda t, known: [
+                replace(r, sigma_along=sigma, sigma_across=sigma) for r in known if v * t > 60.0 - ahead
+            ],
+        )  # fmt: skip
+
+    def test_goes_on_where_braking_would_leave_it_in_the_way(self, sign: float) -> None:
+        run = self.drive(sign, v=10.0, ahead=9.0, after=1.3)
+        assert run.hit is None
+        assert min(run.v) > 9.0
+
+    @pytest.mark.parametrize("after", [0.0, 0.5])
+    def test_brakes_where_only_its_bounds_reach_the_ego(self, sign: float, after: float) -> None:
+        run = self.drive(sign, v=8.0, ahead=11.0, after=after, sigma=2.0)
+        assert run.hit is None
+        assert min(run.v) < 0.5
+        assert run.v[-1] > 6.0
+
+
 def test_crossing_is_mirrored() -> None:
     left, right = (TestCrossing().drive(sign, 0.3) for sign in (1.0, -1.0))
     assert left.v == pytest.approx(right.v, abs=1e-6)

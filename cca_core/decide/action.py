@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+_BEYOND = 20.0  # no brakes give this [m/s^2]
 _RELEASE = 0.7  # share of the deceleration from which on it brakes below which it no longer does
 
 
@@ -184,7 +185,9 @@ def choose_action(
     elif stops:
         why = f"{leader.stop_in_comfort:.1f} m/s^2 stop behind it in comfort"
     if hard:
-        reason = f"{leader.required_deceleration:.1f} m/s^2 needed behind {leader.id}; {why}"
+        need = leader.required_deceleration
+        needed = f"{need:.1f} m/s^2" if need < _BEYOND else "more than any brakes"
+        reason = f"{needed} needed behind {leader.id}; {why}"
         return Decision(action=Action.BRAKE, reason=reason, leader=leader.id, zone=zone)
     if stops:
         reason = f"stopping behind {leader.id}; {why}"

@@ -252,6 +252,9 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
         ("maneuver", 4, 3), ("maneuver", 4, 46), ("maneuver", 4, 58),  # a silent leader in sight, R1 behind
         ("maneuver", 6, 283),  # the way back is bent for the speed after falling back
         ("maneuver", 7, 56), ("maneuver", 7, 221),  # given up on the way back already, with others beside
+        ("ima", 27, 1228),  # the bounds of red reached the ego, which went on into its way instead of braking
+        # heard late, it braked and stood in the way of red, where going on was just enough
+        ("ima", 27, 0), ("ima", 27, 1299), ("ima", 27, 1635),
         ("eebl", 9, 445),  # full braking just helps, on 0.6 of friction
         ("maneuver", 8, 64),  # the band jumped where a car beside left the sensor's sight
         ("maneuver", 9, 511),  # brakes let go slowly while swerving out in front of R2
