@@ -16,14 +16,7 @@ from cca_core.predict import predict_free
 from cca_core.scene import Ego, Neighbour
 from cca_core.vehicle import VehicleParams
 
-__all__ = [
-    "IN_THE_WAY",
-    "conflict_ahead",
-    "kept_behind",
-    "leader_ahead",
-    "leader_at",
-    "oncoming_beside",
-]
+__all__ = ["IN_THE_WAY", "conflict_ahead", "kept_behind", "leader_ahead", "leader_at", "oncoming_beside"]
 
 IN_THE_WAY = 0.3
 """Lateral gap to the route below which a vehicle blocks it [m]."""
@@ -170,7 +163,9 @@ def conflict_ahead(
     Returns
     -------
     conflict : Conflict or None
-        None if nobody has to be waited for.
+        None if nobody has to be waited for. Where it is too late to stay out of the area in which somebody
+        may be, the ego waits all the same if braking keeps it 0.5 m clear of where that one is expected, or
+        farther than going on does; beyond that it clears the area.
     """
     stations = np.linspace(ego.s, ego.s + max(_LOOK * max(ego.v_x, ego.v_target), 30.0), _STATIONS)
     times = ego.times(stations)
@@ -207,7 +202,7 @@ def conflict_ahead(
 
 
 def _braked(ego: Ego, path: Path, t: Array, delay: float) -> tuple[float, Array]:
-    """Distance in which the ego stops if it brakes fully [m], and its places at times until then [m]."""
+    """Distance in which the ego stops if it brakes fully [m], and its places at times [m]."""
     lateral = ego.v_x * ego.v_x * float(path.curvature(ego.s))
     brakes = max(-friction_limited(-ego.speed.b_max, lateral, ego.vehicle.mu), _LEAST_BRAKES)
     braking = np.clip(t - delay, 0.0, ego.v_x / brakes)
