@@ -164,8 +164,8 @@ def conflict_ahead(
     -------
     conflict : Conflict or None
         None if nobody has to be waited for. Where it is too late to stay out of the area in which somebody
-        may be, the ego waits all the same if braking keeps it 0.5 m clear of where that one is expected, or
-        farther than going on does; beyond that it clears the area.
+        may be, the ego brakes all the same if that keeps it 0.5 m clear of where that one is expected, or
+        farther than going on does, or if going on is expected to end in a contact; else it clears the area.
     """
     stations = np.linspace(ego.s, ego.s + max(_LOOK * max(ego.v_x, ego.v_target), 30.0), _STATIONS)
     times = ego.times(stations)
@@ -185,7 +185,7 @@ def conflict_ahead(
         if needed > conflict.distance:  # too late to stay out of where it may be: think of where it will be
             goes_on = _apart(ego, road.path, stations, n, times)
             stops = _apart(ego, road.path, places, n, times)
-            if ego.s + needed > conflict.s_out or stops < min(goes_on, _CLEAR):
+            if goes_on > 0.0 and (ego.s + needed > conflict.s_out or stops < min(goes_on, _CLEAR)):
                 continue
             conflict = replace(conflict, s_in=max(conflict.s_in, ego.s))
         waits.append(conflict)

@@ -177,6 +177,11 @@ class TestToldLate:
         assert min(run.v) < 0.5
         assert run.v[-1] > 6.0
 
+    def test_where_nothing_helps_it_meets_it_more_slowly(self, sign: float) -> None:
+        run = self.drive(sign, v=10.0, ahead=10.0, after=0.25)
+        assert run.hit == "X"
+        assert run.v[-1] < 8.0
+
 
 def test_crossing_is_mirrored() -> None:
     left, right = (TestCrossing().drive(sign, 0.3) for sign in (1.0, -1.0))

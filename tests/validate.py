@@ -34,7 +34,7 @@ FIGURE = ROOT / "docs" / "study.png"
 BENCH = ROOT / "tests" / "bench"
 LENDING = "test_planner.py", "test_retreat.py", "test_crossing.py", "test_tracker.py"  # to other test files
 AVOIDABLE = 2000
-SEED = 28  # definitions and the planner were changed after looking at runs of smaller seeds
+SEED = 29  # definitions and the planner were changed after looking at runs of smaller seeds
 BOUND = 0.002  # on the rate of avoidable collisions with V2V, one-sided at 95 %
 
 

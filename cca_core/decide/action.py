@@ -186,7 +186,7 @@ def choose_action(
         why = f"{leader.stop_in_comfort:.1f} m/s^2 stop behind it in comfort"
     if hard:
         need = leader.required_deceleration
-        needed = f"{need:.1f} m/s^2" if need < _BEYOND else "more than any brakes"
+        needed = f"{need:.1f} m/s^2" if need < _BEYOND else "all brakes"
         reason = f"{needed} needed behind {leader.id}; {why}"
         return Decision(action=Action.BRAKE, reason=reason, leader=leader.id, zone=zone)
     if stops:
