@@ -197,7 +197,7 @@ def write(commit: str, rows: dict[str, dict[str, Any]], files: int, more: list[s
         "| file | tests | skipped | seconds |",
         "|---|---|---|---|",
         *(f"| `{n}` | {r['tests']} | {r['skipped']} | {r['seconds']} |" for n, r in sorted(rows.items())),
-        *(more or []),
+        *(more or ["", "What studies have found so far: [Measured](study.md#measured)."]),
     ]
     PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
