@@ -13,6 +13,7 @@ __all__ = ["boxes_between", "predict_along", "predict_free", "reach", "travel"]
 _CREEPING = 0.5  # slower than this the direction of motion is not known [m/s]
 _WINDOW = 15.0  # around the ego in which another body matters, with both half lengths [m]
 _BOUND = 2.0  # standard deviations by which boxes grow on each side (95 %)
+_TINY = 1e-300  # a braking by which speeds can be divided [m/s^2]
 _BRAKING = -1.0  # a deceleration beyond this is taken to last until standstill [m/s^2]
 
 
@@ -82,7 +83,7 @@ def reach(
     v, t, age = (np.asarray(a, dtype=np.float64) for a in (v, t, age))
     speed = np.abs(v)
     since = np.maximum(t, 0.0) + age * (t >= 0.0)
-    slows = np.minimum(since, speed / braking) if braking > 0.0 else since
+    slows = np.minimum(since, speed / max(braking, _TINY)) if braking > 0.0 else since
     known = speed * np.minimum(t, 0.0) - speed * age * (t >= 0.0)
     least = speed * slows - 0.5 * braking * slows * slows + known
     most = speed * since + 0.5 * acceleration * since * since + known

@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from cca_core.geometry import wrap_angle
 from cca_core.path import fit_path, interpolate_path
 from cca_core.path.path import Path
-from cca_core.predict import predict_along, travel
+from cca_core.predict import predict_along, reach, travel
 from cca_core.vehicle import RemoteVehicle
 
 STRAIGHT = Path([0.0, 200.0], [[[0, 0, 200, 0], [0, 0, 0, 0]]])
@@ -131,3 +131,8 @@ def test_prediction_is_rotation_invariant() -> None:
     b = predict_along(remote(psi=0.3 + turn), there, 40.0, -3.5, t)
     np.testing.assert_allclose(np.column_stack((a.x, a.y)) @ R, np.column_stack((b.x, b.y)), atol=1e-6)
     np.testing.assert_allclose(wrap_angle(b.psi - a.psi - turn), 0.0, atol=1e-6)
+
+
+def test_next_to_no_braking_is_no_braking() -> None:
+    least, _ = reach(20.0, [1.0, 4.0], braking=5e-324, acceleration=0.0)
+    np.testing.assert_allclose(least, [20.0, 80.0])
