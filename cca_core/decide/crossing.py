@@ -105,7 +105,10 @@ class Conflict:
 
     @property
     def wait(self) -> bool:
-        """Whether the ego must stop before the area; if it is neither free nor to be waited for, clear it."""
+        """Whether the ego must stop before the area; if it is neither free nor to be waited for, clear it.
+
+        It does not ask whether it still can stop. Where it cannot, the planner compares both answers.
+        """
         return not self.free and self.distance > 0.0
 
 
