@@ -6,13 +6,13 @@ From GPS waypoints and the Basic Safety Messages of other cars to steering and a
 import logging
 
 from cca_core.band import Band, relax_band, smooth_band
-from cca_core.command import Command
 from cca_core.decide import Action, Decision, choose_action, danger_zone
 from cca_core.errors import CcaError, InfeasibleError, InputError, MissingExtraError, Status
-from cca_core.evasion_settings import EvasionSettings
 from cca_core.follow import PreviewController, design_gains
 from cca_core.path import Lane, LocalFrame, Path, Road, fit_path
-from cca_core.planner import Planner
+from cca_core.planner.command import Command
+from cca_core.planner.planner import Planner
+from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __version__ = "0.1.0"

@@ -19,7 +19,7 @@ from cca_core.path import Waypoints, read_waypoints
 from cca_core.plot import grouped, headline, title, verdict, write_report
 from cca_core.sim import Log, Scenario, paper_scenarios, simulate
 from cca_core.sim.loop import CYCLE
-from cca_core.sim.route import demo_route, longest_stretch
+from cca_core.sim.scenarios.demo_road import demo_route, longest_stretch
 
 RADIUS = 200.0  # tighter bends are no place for these manoeuvres [m]
 MARGIN = 220.0  # road behind the ego's start, from where the fast car of case 2 comes [m]

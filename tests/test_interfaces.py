@@ -31,7 +31,7 @@ from cca_core import (
     relax_band,
 )
 from cca_core.geometry import boxes
-from tests.records import CAR, OTHERS, ROAD, ROUTE, driven, examples, parts
+from tests.support.recorded_data import CAR, OTHERS, ROAD, ROUTE, driven, examples, parts
 
 EXAMPLES = examples()
 COPIES: dict[str, Callable[[Any], Any]] = {

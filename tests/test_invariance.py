@@ -12,7 +12,7 @@ from cca_core import RemoteVehicle, VehicleState
 from cca_core.path import Lane, Path, Road, fit_path
 from cca_core.sim import Log, Scenario, SingleTrackPlant, make_planner, maneuver, simulate
 from cca_core.sim.loop import CYCLE
-from cca_core.sim.traffic import Traffic
+from cca_core.sim.world.traffic import Traffic
 
 NUMBER = re.compile(r"(?<![A-Za-z])\d+(?:\.\d+)?")
 ONE_CYCLE = 0.021  # [s]

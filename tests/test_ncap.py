@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from cca_core import Planner
-from tests.test_planner import CAR, Drive, Mover, straight
+from tests.planner.test_planner import CAR, Drive, Mover, straight
 
 STEP = 5 if os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full" else 10
 KNOWN = 100.0  # [m]

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from cca_core import Band, InputError, Lane, Path, RemoteVehicle, Road, Status, VehicleParams, relax_band
 from cca_core.band import BandStiffness
 from cca_core.decide import Decision
-from cca_core.evasion_settings import EvasionSettings
+from cca_core.planner.settings import EvasionSettings
 from cca_core.serial import from_dict, to_dict
 from cca_core.sim import Scenario, maneuver
 from cca_core.v2x import ChannelSettings, TrackerSettings
-from tests.records import CAR, ROUTE, examples, parts, public_records
+from tests.support.recorded_data import CAR, ROUTE, examples, parts, public_records
 
 EXAMPLES = examples()
 

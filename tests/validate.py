@@ -21,11 +21,11 @@ import numpy as np
 from tqdm import tqdm
 
 from cca_core.plot.study import plot_study
-from cca_core.sim.draws import STUDIED
-from cca_core.sim.rates import StudyTable
-from cca_core.sim.scenario import EGOS
-from cca_core.sim.study import Study, run_study
-from cca_core.sim.variation import Variation
+from cca_core.sim.scenarios.scenario import EGOS
+from cca_core.sim.study.parameters import Variation
+from cca_core.sim.study.sampling import STUDIED
+from cca_core.sim.study.statistics import StudyTable
+from cca_core.sim.study.study import Study, run_study
 
 ROOT = Path(__file__).resolve().parents[1]
 STATE = ROOT / ".validate"

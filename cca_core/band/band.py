@@ -13,7 +13,7 @@ from cca_core.band.certificate import Certificate
 from cca_core.band.corridor import Side
 from cca_core.band.energy import kkt_residual
 from cca_core.band.picture import marks_of
-from cca_core.band.task import FARTHEST, Task
+from cca_core.band.problem import FARTHEST, Task
 from cca_core.errors import InfeasibleError, InputError, Status
 from cca_core.path import Path
 from cca_core.path.interpolate import cubics_along

@@ -8,7 +8,7 @@ import numpy as np
 
 from cca_core._checks import Array, Complex, Index
 from cca_core.band.corridor import Corridor
-from cca_core.band.task import Task, spline_along
+from cca_core.band.problem import Task, spline_along
 from cca_core.geometry import gap_between
 from cca_core.vehicle import VehicleParams
 

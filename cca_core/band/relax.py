@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from numpy.typing import ArrayLike
 
 from cca_core.band.band import Band
-from cca_core.band.contact import relaxed
 from cca_core.band.corridor import Side
+from cca_core.band.problem import task_of
 from cca_core.band.sides import cheapest_sides, given_sides
 from cca_core.band.stiffness import BandStiffness
-from cca_core.band.task import task_of
+from cca_core.band.tightening import relaxed
 from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from cca_core._checks import Array, Mask
 from cca_core.band.band import Band
-from cca_core.band.contact import relaxed
 from cca_core.band.energy import band_energy
 from cca_core.band.equilibrium import equilibrium
-from cca_core.band.task import Task
+from cca_core.band.problem import Task
+from cca_core.band.tightening import relaxed
 from cca_core.errors import InputError
 
 _CHOICES = 6  # obstacles of which every assignment of sides is tried

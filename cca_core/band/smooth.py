@@ -8,7 +8,7 @@ import numpy as np
 from cca_core._checks import Array, Mask, check_array, check_real
 from cca_core.band.band import Band, judged
 from cca_core.band.certificate import Certificate, certify
-from cca_core.band.quadratic import QPSolver, smoothest
+from cca_core.band.qp import QPSolver, smoothest
 from cca_core.errors import InputError, Status
 
 _PASSES = 8

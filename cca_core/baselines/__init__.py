@@ -1,7 +1,7 @@
 """Other people's methods, and this library's, on the same problems."""
 
+from cca_core.baselines.band_methods import OneShotBand, RelaxedBand, SmoothedBand
 from cca_core.baselines.mpc import LinearMpc, MpcPlanner, MpcSettings, NonlinearMpc
-from cca_core.baselines.ours import OneShotBand, RelaxedBand, SmoothedBand
 from cca_core.baselines.primitives import MotionPrimitives
 from cca_core.baselines.problem import Method, Plan, Problem
 from cca_core.baselines.rrt import Rrt

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from cca_core.baselines.judge import jerk_of
-from cca_core.baselines.records import append_row, read_rows
+from cca_core.baselines.csv_rows import append_row, read_rows
+from cca_core.baselines.verify import jerk_of
 from cca_core.sim.log import Log
 from cca_core.sim.loop import simulate
-from cca_core.sim.scenario import Scenario
+from cca_core.sim.scenarios.scenario import Scenario
 
 __all__ = ["ClosedLoop", "drive_closed"]
 

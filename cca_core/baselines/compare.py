@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from cca_core.baselines.csv_rows import append_row, read_rows
 from cca_core.baselines.drive import drive
-from cca_core.baselines.judge import Tolerances, judge
 from cca_core.baselines.problem import Plan, Problem
-from cca_core.baselines.problems import Drawn
-from cca_core.baselines.records import append_row, read_rows
+from cca_core.baselines.sampled_problems import Drawn
+from cca_core.baselines.verify import Tolerances, judge
 from cca_core.baselines.worker import Planning, Worker
 from cca_core.errors import Status
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.baselines.judge import body_along, edge_distance, jerk_of
 from cca_core.baselines.problem import Plan, Problem
+from cca_core.baselines.verify import body_along, edge_distance, jerk_of
 from cca_core.follow import PreviewController, steady_turn
 from cca_core.geometry import box_gap
 from cca_core.path import Path, interpolate_path
-from cca_core.sim.plant import SingleTrackPlant
-from cca_core.sim.tracking import track
+from cca_core.sim.handling.tracking import track
+from cca_core.sim.plants.single_track import SingleTrackPlant
 from cca_core.vehicle import VehicleParams, VehicleState
 
 __all__ = ["Drive", "drive"]

@@ -8,8 +8,8 @@ import numpy as np
 
 from cca_core._checks import Array, Complex, Mask, check_real
 from cca_core.baselines.free_space import FreeCells, Stretch, every, free_cells, shortfall, stretch
+from cca_core.baselines.primitive_library import Lattice, Library, curvature_used, library, shifted
 from cca_core.baselines.problem import Plan, Problem
-from cca_core.baselines.shifts import Lattice, Library, curvature_used, library, shifted
 from cca_core.errors import InputError, Status
 
 __all__ = ["MotionPrimitives"]

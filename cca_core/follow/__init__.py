@@ -10,20 +10,20 @@ from cca_core.follow.bicycle import (
     steady_turn,
     steady_yaw_rate,
 )
-from cca_core.follow.estimate import PoseEstimator
-from cca_core.follow.following import (
+from cca_core.follow.car_following import (
     cacc_acceleration,
     follow_acceleration,
     idm_acceleration,
     required_deceleration,
 )
+from cca_core.follow.estimate import PoseEstimator
+from cca_core.follow.feedforward import InverseSteering
 from cca_core.follow.gains import (
     GainRegion,
     StabilityRegion,
     design_gains,
     gain_region,
 )
-from cca_core.follow.inverse import InverseSteering
 from cca_core.follow.margins import Margins, stability_margins
 from cca_core.follow.preview import PreviewController
 from cca_core.follow.schedule import PreviewGains, shipped_gains

@@ -5,7 +5,7 @@ from typing import Literal
 
 from cca_core._checks import check_real
 from cca_core.errors import InputError
-from cca_core.follow.inverse import InverseSteering
+from cca_core.follow.feedforward import InverseSteering
 from cca_core.follow.schedule import SLIP_SHARE, PreviewGains, shipped_gains
 from cca_core.geometry import wrap_angle
 from cca_core.path.path import Path

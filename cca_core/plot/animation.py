@@ -10,12 +10,12 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.path import Road
-from cca_core.plot.ground import borders, lines_beside
 from cca_core.plot.player import SCRIPT, STYLE
+from cca_core.plot.road_surface import borders, lines_beside
 from cca_core.plot.style import colours, plain, scenario_name, who_drives
 from cca_core.plot.verdict import contact
 from cca_core.sim import Log
-from cca_core.sim.radio import sender_id
+from cca_core.sim.world.radio import sender_id
 from cca_core.v2x import decode_bsm
 
 __all__ = ["animate"]

@@ -10,7 +10,7 @@ from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
 from cca_core.plot.style import ASPHALT, EGO, colours
-from cca_core.sim.commonroad_drive import CommonRoadRun
+from cca_core.sim.commonroad.drive import CommonRoadRun
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

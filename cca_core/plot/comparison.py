@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cca_core.baselines.compare import Row
-from cca_core.baselines.growth import Growth
 from cca_core.baselines.problem import Plan, Problem
+from cca_core.baselines.scaling import Growth
 from cca_core.plot.style import ASPHALT, EGO, PARKED, new_figure
 
 if TYPE_CHECKING:

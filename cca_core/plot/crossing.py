@@ -8,7 +8,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.geometry import box_gap, boxes
-from cca_core.plot.ground import draw_ground
+from cca_core.plot.road_surface import draw_ground
 from cca_core.plot.style import EGO, HIT, colours, new_figure, row_at, spelled_out, who_drives
 from cca_core.plot.verdict import contact, verdict
 from cca_core.sim import Log

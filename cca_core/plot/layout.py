@@ -6,7 +6,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.geometry import boxes
-from cca_core.plot.ground import draw_ground
+from cca_core.plot.road_surface import draw_ground
 from cca_core.plot.style import (
     ASPHALT,
     EGO,
@@ -18,7 +18,7 @@ from cca_core.plot.style import (
     spelled_out,
 )
 from cca_core.sim import Scenario
-from cca_core.sim.road_user import Brakes, Follows, RoadUser, Swerves
+from cca_core.sim.scenarios.road_user import Brakes, Follows, RoadUser, Swerves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,8 +9,8 @@ from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.plot.style import EGO, new_figure
-from cca_core.sim.rates import StudyTable
-from cca_core.sim.scenario import EGOS
+from cca_core.sim.scenarios.scenario import EGOS
+from cca_core.sim.study.statistics import StudyTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,7 @@ import numpy as np
 from cca_core._checks import Array, Mask
 from cca_core.decide import Action
 from cca_core.geometry import Boxes, box_gap
-from cca_core.sim.scenario import Scenario
+from cca_core.sim.scenarios.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -8,20 +8,20 @@ from typing import Protocol
 
 import numpy as np
 
-from cca_core.command import Command
 from cca_core.errors import Status
 from cca_core.follow import steady_turn
-from cca_core.planner import Planner
-from cca_core.sim.car import make_plant
-from cca_core.sim.driver import Driver
+from cca_core.planner.command import Command
+from cca_core.planner.planner import Planner
+from cca_core.sim.human_driver import Driver
 from cca_core.sim.log import Log
-from cca_core.sim.perception import Perception
-from cca_core.sim.pinned import Tailgating
-from cca_core.sim.radio import Radio
-from cca_core.sim.scenario import Scenario
-from cca_core.sim.tracking import Plant
-from cca_core.sim.traffic import CYCLE, Traffic
-from cca_core.sim.witness import Witness
+from cca_core.sim.plants.build import make_plant
+from cca_core.sim.plants.plant import Plant
+from cca_core.sim.recorder import Witness
+from cca_core.sim.scenarios.scenario import Scenario
+from cca_core.sim.world.perception import Perception
+from cca_core.sim.world.radio import Radio
+from cca_core.sim.world.tailgating import Tailgating
+from cca_core.sim.world.traffic import CYCLE, Traffic
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["CYCLE", "make_driver", "make_planner", "simulate"]

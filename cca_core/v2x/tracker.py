@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.path.local_frame import LocalFrame
-from cca_core.v2x._place import projector
+from cca_core.v2x._projection import projector
 from cca_core.v2x._tracks import Track, Tracks, is_over
 from cca_core.v2x.bsm import Bsm, decode_bsm
 from cca_core.v2x.motion import STALE_AFTER, Fix
-from cca_core.v2x.outcome import Outcome
 from cca_core.v2x.plausibility import implausible_motion, implausible_state
 from cca_core.v2x.tracker_settings import TrackerSettings
+from cca_core.v2x.update_result import Outcome
 from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleState
 
 __all__ = ["Tracker"]

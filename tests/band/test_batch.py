@@ -8,7 +8,7 @@ import pytest
 from cca_core.band import Band, relax_band
 from cca_core.errors import InfeasibleError, InputError, Status
 from cca_core.geometry import Boxes, boxes
-from tests.band.scenes import CAR, straight
+from tests.support.band_scenes import CAR, straight
 
 COUNT, NODES = 64, 120
 

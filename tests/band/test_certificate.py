@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from cca_core.band import Band
 from cca_core.errors import InfeasibleError, Status
 from cca_core.geometry import Boxes, boxes
-from tests.band.cases import Case
-from tests.band.measure import remeasure
-from tests.band.scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
+from tests.support.band_cases import Case
+from tests.support.band_measure import remeasure
+from tests.support.band_scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
 
 NEAR = 1e-2  # of what was asked: above that a clearance is not what holds the band [m]
 EXACT = 5e-3  # what the certificate may miss, beside the bulge of the band between nodes [m]

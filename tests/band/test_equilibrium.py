@@ -17,7 +17,7 @@ from cca_core.band import (
 )
 from cca_core.band.equilibrium import Bends
 from cca_core.errors import InputError
-from tests.band.scenes import SOFT, dense_stiffness
+from tests.support.band_scenes import SOFT, dense_stiffness
 
 BENDING_ALONE = BandStiffness(k_s=0.0, k_b=2.0, k_c=0.0, k_e=0.01)
 STIFFNESSES = [

@@ -8,9 +8,9 @@ import pytest
 from cca_core.band import BandStiffness, relax_band
 from cca_core.errors import InputError, Status
 from cca_core.geometry import Boxes, boxes
-from tests.band.cases import Case
-from tests.band.measure import peak_curvature
-from tests.band.scenes import (
+from tests.support.band_cases import Case
+from tests.support.band_measure import peak_curvature
+from tests.support.band_scenes import (
     CAR,
     SOFT,
     assert_certified,

@@ -8,7 +8,7 @@ import pytest
 from cca_core.band import Band, BandStiffness, equilibrium
 from cca_core.errors import Status
 from cca_core.geometry import Boxes, boxes
-from tests.band.scenes import CAR, bend, on, relax, scene, straight
+from tests.support.band_scenes import CAR, bend, on, relax, scene, straight
 
 MESHES = [0.25, 0.5, 1.0, 2.0]
 ON_ROUTE = 5e-6  # what the curvature at a pin may differ from the route's [1/m]

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from cca_core.band import Band, band_energy
 from cca_core.errors import InputError, Status
 from cca_core.geometry import boxes
-from tests.band.cases import Case
-from tests.band.scenes import CAR, assert_certified, bend, moving, relax, scene, straight
+from tests.support.band_cases import Case
+from tests.support.band_scenes import CAR, assert_certified, bend, moving, relax, scene, straight
 
 
 def energy(band: Band) -> float:

@@ -10,9 +10,9 @@ import pytest
 from cca_core.band import Band, relax_band, smooth_band
 from cca_core.errors import InputError, MissingExtraError, Status
 from cca_core.geometry import boxes
-from tests.band.cases import Case, case
-from tests.band.measure import curvature_at
-from tests.band.scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
+from tests.support.band_cases import Case, case
+from tests.support.band_measure import curvature_at
+from tests.support.band_scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
 
 pytestmark = [pytest.mark.requires(module) for module in ("qpsolvers", "piqp", "osqp")]
 both = pytest.mark.parametrize("solver", ["piqp", "osqp"])

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cca_core.band import BandStiffness, relax_band, smooth_band
 from cca_core.errors import InputError, Status
 from cca_core.geometry import Boxes, boxes
-from tests.band.scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
+from tests.support.band_scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
 
 
 def rest(nodes: np.ndarray, obstacles: list[Boxes], k: int) -> tuple[np.ndarray, list[Boxes]]:

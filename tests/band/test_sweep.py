@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from cca_core.band import Band, relax_band, smooth_band
-from tests.band.cases import Case, case
-from tests.band.measure import curvature_excess, edge_excess, remeasure
+from tests.support.band_cases import Case, case
+from tests.support.band_measure import curvature_excess, edge_excess, remeasure
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
 COUNTS = range(1, 7)  # obstacles
@@ -81,7 +81,7 @@ def measured(count: int, numbers: range) -> Tally:
 
 def counted(count: int, solvable_cases: int) -> Tally:
     """Solve cases until so many solvable ones are found."""
-    from tests.band.oracle import solvable
+    from tests.support.band_oracle import solvable
 
     tally, number = Tally(), 0
     while tally.cases < solvable_cases:

@@ -14,17 +14,17 @@ from cca_core import InputError, Status
 from cca_core.baselines import OneShotBand, RelaxedBand, SmoothedBand
 from cca_core.baselines.closed_loop import ClosedLoop, drive_closed
 from cca_core.baselines.compare import Row, compare
-from cca_core.baselines.growth import Step, grow
-from cca_core.baselines.judge import judge
+from cca_core.baselines.csv_rows import append_row, read_rows
 from cca_core.baselines.problem import Problem
-from cca_core.baselines.problems import draw, parked
-from cca_core.baselines.records import append_row, read_rows
+from cca_core.baselines.sampled_problems import draw, parked
+from cca_core.baselines.scaling import Step, grow
+from cca_core.baselines.verify import judge
 from cca_core.plot.comparison import plot_growth, plot_plans, plot_time_quality
 from cca_core.sim import paper_scenarios
 from cca_core.sim.loop import make_planner
-from tests.baselines.misbehaving import CannotBeMade, Dies, Empty, Hangs, Raises, Straight
-from tests.baselines.problems import BLOCKED, CASES, SLALOM
-from tests.baselines.problems import judge as independent
+from tests.support.misbehaving_methods import CannotBeMade, Dies, Empty, Hangs, Raises, Straight
+from tests.support.table1_problems import BLOCKED, CASES, SLALOM
+from tests.support.table1_problems import judge as independent
 
 TWO = [draw("one car", 1), draw("blocked", 1)]
 BANDS = pytest.mark.parametrize(

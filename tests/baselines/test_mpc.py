@@ -12,7 +12,7 @@ from cca_core import InputError, Lane, MissingExtraError, Path, RemoteVehicle, R
 from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
 from cca_core.baselines.mpc.linear import LinearMpc
 from cca_core.baselines.mpc.nonlinear import NonlinearMpc
-from cca_core.baselines.mpc.sides import passages
+from cca_core.baselines.mpc.side_choice import passages
 from cca_core.baselines.problem import Plan, Problem
 from cca_core.geometry import Boxes, box_gap
 from cca_core.path import interpolate_path

@@ -11,7 +11,7 @@ from cca_core import Command, InputError, Lane, Path, RemoteVehicle, Road, Statu
 from cca_core.baselines.mpc.horizon import MpcSettings
 from cca_core.baselines.mpc.planner import MpcPlanner
 from cca_core.sim import Log, RoadUser, simulate
-from cca_core.sim.scenario import Scenario
+from cca_core.sim.scenarios.scenario import Scenario
 
 pytestmark = pytest.mark.requires("casadi", "piqp")
 

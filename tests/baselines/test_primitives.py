@@ -9,7 +9,7 @@ import pytest
 from cca_core import InputError, Status
 from cca_core.baselines.primitives import MotionPrimitives
 from cca_core.baselines.problem import Problem
-from tests.baselines.problems import BLOCKED, CASES, SLALOM, judge, problem, road
+from tests.support.table1_problems import BLOCKED, CASES, SLALOM, judge, problem, road
 
 METHOD = MotionPrimitives()
 

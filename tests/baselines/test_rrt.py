@@ -10,7 +10,7 @@ import pytest
 from cca_core import InputError, MissingExtraError, Status
 from cca_core.baselines.problem import Problem
 from cca_core.baselines.rrt import Rrt, Variant
-from tests.baselines.problems import BLOCKED, CASES, SLALOM, judge, problem, road
+from tests.support.table1_problems import BLOCKED, CASES, SLALOM, judge, problem, road
 
 pytestmark = pytest.mark.requires("ompl")
 VARIANTS: tuple[Variant, ...] = ("rrt", "rrt_star")

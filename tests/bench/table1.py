@@ -26,8 +26,8 @@ from cca_core.baselines import (
 )
 from cca_core.baselines.closed_loop import ClosedLoop, drive_closed
 from cca_core.baselines.compare import Row, compare
-from cca_core.baselines.growth import Growth, Step, grow
-from cca_core.baselines.problems import KINDS, draw, parked
+from cca_core.baselines.sampled_problems import KINDS, draw, parked
+from cca_core.baselines.scaling import Growth, Step, grow
 from cca_core.plot.comparison import plot_growth, plot_time_quality
 from cca_core.sim import Scenario, paper_scenarios
 from cca_core.sim.loop import make_planner

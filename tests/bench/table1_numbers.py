@@ -9,7 +9,7 @@ import numpy as np
 
 from cca_core.baselines.closed_loop import ClosedLoop
 from cca_core.baselines.compare import Row
-from cca_core.baselines.growth import Growth
+from cca_core.baselines.scaling import Growth
 
 AXES = ("nodes or intervals on 120 m", "length [m]", "cars on 300 m")
 SEEDS = "seed of the tree"

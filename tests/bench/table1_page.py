@@ -9,8 +9,8 @@ import numpy as np
 
 from cca_core.baselines.closed_loop import ClosedLoop
 from cca_core.baselines.compare import Row
-from cca_core.baselines.growth import Growth
-from cca_core.baselines.problems import KINDS
+from cca_core.baselines.sampled_problems import KINDS
+from cca_core.baselines.scaling import Growth
 from tests.bench.table1_numbers import AXES, Lines, Measured, num, table
 from tests.bench.table1_text import CONDITIONS, DIFFERS, HEAD
 from tests.bench.table1_verdicts import better, sentences

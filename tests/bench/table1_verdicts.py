@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cca_core.baselines.closed_loop import ClosedLoop
-from cca_core.baselines.problems import KINDS
+from cca_core.baselines.sampled_problems import KINDS
 from tests.bench.table1_numbers import (
     BAND,
     EQ9,

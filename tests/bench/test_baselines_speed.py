@@ -11,9 +11,9 @@ import pytest
 
 from cca_core import Status
 from cca_core.baselines import LinearMpc, MotionPrimitives, MpcSettings, NonlinearMpc, Problem, Rrt
-from tests.baselines.problems import problem
 from tests.bench.conftest import Budget, median_us
 from tests.bench.peers import nmpc
+from tests.support.table1_problems import problem
 
 pytestmark = pytest.mark.benchmark(disable_gc=True, min_rounds=20, warmup=True, warmup_iterations=3)
 

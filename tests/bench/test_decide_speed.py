@@ -10,7 +10,7 @@ from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleState
 from cca_core.decide import Action, Candidate, Leader, choose_action
 from cca_core.path import fit_path
 from tests.bench.conftest import Budget, median_us
-from tests.test_planner import ALL_KNOWN, CAR
+from tests.planner.test_planner import ALL_KNOWN, CAR
 
 Report = Callable[[str, object], None]
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cca_core import Lane, Path, Planner, PreviewController, RemoteVehicle, Road, VehicleParams, VehicleState
-from cca_core.evasion_settings import EvasionSettings
 from cca_core.path import fit_path
+from cca_core.planner.settings import EvasionSettings
 from cca_core.sim import paper_scenarios, simulate
 from tests.bench.conftest import REFERENCE, Budget
 

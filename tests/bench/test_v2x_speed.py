@@ -6,7 +6,7 @@ import numpy as np
 
 from cca_core.v2x import decode_bsm, encode_bsm
 from tests.bench.conftest import Budget
-from tests.v2x import peer
+from tests.support import asn1_peer as peer
 
 _COUNT = 200  # calls that are timed together
 

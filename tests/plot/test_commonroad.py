@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from cca_core import InputError
-from cca_core.sim.commonroad import read_commonroad
-from cca_core.sim.commonroad_drive import drive_commonroad
-from tests.sim.commonroad_files import REGION, ROAD, document, goal, moving, problem, state, written
+from cca_core.sim.commonroad.drive import drive_commonroad
+from cca_core.sim.commonroad.read import read_commonroad
+from tests.support.commonroad_files import REGION, ROAD, document, goal, moving, problem, state, written
 
 pytestmark = pytest.mark.requires("matplotlib")
 

@@ -7,7 +7,7 @@ import pytest
 
 from cca_core.plot import contact, contrast, grouped, headline, line_up, story, verdict, write_report
 from cca_core.sim import Log
-from tests.plot.browser import SIZES, faults, find_browser, look
+from tests.support.browser import SIZES, faults, find_browser, look
 
 pytestmark = pytest.mark.requires("matplotlib")
 

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core import InputError, VehicleState
-from cca_core.sim.commonroad import CommonRoadScenario, read_commonroad
-from tests.sim.commonroad_files import BOX, REGION, ROAD, document, goal, moving, problem, state, written
+from cca_core.sim.commonroad.read import CommonRoadScenario, read_commonroad
+from tests.support.commonroad_files import BOX, REGION, ROAD, document, goal, moving, problem, state, written
 
 CAR = moving(31, [state("state", k, 40.0 + 1.2 * k, 0.0, 12.0) for k in range(5, 21)])
 GOAL = goal((80, 100), REGION.format(y=0.0))

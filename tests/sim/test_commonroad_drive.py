@@ -10,11 +10,11 @@ from cca_core import InputError, VehicleParams
 from cca_core.follow import SpeedSettings
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import Lane
-from cca_core.sim.commonroad import read_commonroad
-from cca_core.sim.commonroad_drive import CommonRoadRun, drive_commonroad
-from cca_core.sim.lanelets import find_route
-from cca_core.sim.recorded import CommonRoadScenario
-from tests.sim.commonroad_files import BOX, REGION, ROAD, document, goal, moving, problem, state, written
+from cca_core.sim.commonroad.drive import CommonRoadRun, drive_commonroad
+from cca_core.sim.commonroad.lanelets import find_route
+from cca_core.sim.commonroad.read import read_commonroad
+from cca_core.sim.commonroad.scenario import CommonRoadScenario
+from tests.support.commonroad_files import BOX, REGION, ROAD, document, goal, moving, problem, state, written
 
 PLANTS = ["single_track", pytest.param("multi_body", marks=pytest.mark.requires("vehiclemodels"))]
 

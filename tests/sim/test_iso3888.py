@@ -10,7 +10,7 @@ from cca_core import InputError, VehicleParams, VehicleState
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import Path
 from cca_core.sim import DoubleLaneChange, Passage, drive_through, iso3888_1, iso3888_2, plan_through
-from cca_core.sim.iso3888 import Offset
+from cca_core.sim.handling.iso3888 import Offset
 
 CAR = VehicleParams.bmw_320i()
 OFFSETS: tuple[Offset, ...] = ("centre to centre", "edge to centre", "edge to edge")

@@ -11,7 +11,7 @@ import pytest
 
 from cca_core import InputError, Planner, RemoteVehicle, VehicleState
 from cca_core.path import Path
-from cca_core.planner import Command
+from cca_core.planner.planner import Command
 from cca_core.sim import Log, RoadUser, Scenario, make_planner, maneuver, simulate
 
 Run = Callable[..., Log]

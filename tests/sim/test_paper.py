@@ -24,7 +24,7 @@ from cca_core.sim import (
     paper_scenarios,
     simulate,
 )
-from cca_core.sim.variation import Variation, draw_scenario, nominal
+from cca_core.sim.study.parameters import Variation, draw_scenario, nominal
 from cca_core.v2x import ChannelSettings
 
 SEEDS = (1, 2, 3, 4, 5)

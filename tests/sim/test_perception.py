@@ -8,9 +8,9 @@ import pytest
 from cca_core import RemoteVehicle, VehicleState
 from cca_core.path import Lane, LocalFrame, Road, interpolate_path
 from cca_core.sim import RoadUser, Scenario
-from cca_core.sim.eebl import CAR
-from cca_core.sim.perception import Perception
-from cca_core.sim.radio import sender_id
+from cca_core.sim.scenarios.eebl import CAR
+from cca_core.sim.world.perception import Perception
+from cca_core.sim.world.radio import sender_id
 from cca_core.v2x import Accuracy, Bsm, encode_bsm
 
 PATH = interpolate_path([[0.0, 0.0], [400.0, 0.0]])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from cca_core import Lane, Road, VehicleState
 from cca_core.path import interpolate_path
 from cca_core.sim import RoadUser, Scenario, Sensor, visible_share
-from cca_core.sim.eebl import CAR
+from cca_core.sim.scenarios.eebl import CAR
 
 PI = math.pi
 

@@ -21,14 +21,14 @@ import pytest
 from cca_core.errors import InputError
 from cca_core.sim import Brakes, Follows, Log, Scenario, curbside, eebl, ima, make_planner, simulate
 from cca_core.sim import study as study_module
-from cca_core.sim.avoidable import avoided_by, first_hazard
-from cca_core.sim.draws import STUDIED
-from cca_core.sim.rates import StudyTable, rate_of
-from cca_core.sim.scenario import EGOS
-from cca_core.sim.study import Study, run_study
-from cca_core.sim.study_file import StudyFile
-from cca_core.sim.study_run import drive_run
-from cca_core.sim.variation import Variation, draw_scenario, nominal, without_messages
+from cca_core.sim.scenarios.scenario import EGOS
+from cca_core.sim.study.counterfactual import avoided_by, first_hazard
+from cca_core.sim.study.parameters import Variation, draw_scenario, nominal, without_messages
+from cca_core.sim.study.run import drive_run
+from cca_core.sim.study.sampling import STUDIED
+from cca_core.sim.study.statistics import StudyTable, rate_of
+from cca_core.sim.study.store import StudyFile
+from cca_core.sim.study.study import Study, run_study
 from cca_core.v2x import ChannelSettings
 
 SHORT = Variation(scenario="eebl", loss=(0.0, 0.3))
@@ -203,7 +203,7 @@ class TestAvoidable:
         assert hazard == min(k for k, _ in log.received if log.t[k] >= log.time_of("hazard_heard", "red"))
 
     def test_until_then_the_run_is_repeated_exactly(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        import cca_core.sim.avoidable as module
+        import cca_core.sim.study.counterfactual as module
 
         log, again = simulate(eebl()), []
         drive = module.simulate
@@ -411,8 +411,8 @@ class TestStudyFile:
 RUNS = 4
 SCRIPT = f"""
 import sys
-from cca_core.sim.study import Study, run_study
-from cca_core.sim.variation import Variation
+from cca_core.sim.study.study import Study, run_study
+from cca_core.sim.study.parameters import Variation
 
 if __name__ == "__main__":
     study = Study(variation=Variation(scenario="eebl", loss=(0.0, 0.3)), runs={RUNS})

@@ -12,7 +12,7 @@ from cca_core import Lane, Road
 from cca_core.errors import InputError
 from cca_core.path import Path, interpolate_path
 from cca_core.sim import Brakes, Follows, Log, PinnedGap, RoadUser, Scenario, Swerves, simulate
-from cca_core.sim.eebl import CAR
+from cca_core.sim.scenarios.eebl import CAR
 
 
 def straight() -> Path:

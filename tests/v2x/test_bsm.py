@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from cca_core.errors import InputError
 from cca_core.v2x import Accuracy, Brakes, Bsm, decode_bsm, encode_bsm
 from cca_core.v2x.events import EVENTS
-from tests.v2x import peer
-from tests.v2x.peer import assert_means, flat
+from tests.support import asn1_peer as peer
+from tests.support.asn1_peer import assert_means, flat
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
 UNITS = {

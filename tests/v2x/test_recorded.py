@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from cca_core.v2x import decode_bsm, encode_bsm
-from tests.v2x.peer import assert_means, part_one
+from tests.support.asn1_peer import assert_means, part_one
 
 ENUMS = {
     "neutral": 0, "park": 1, "forwardGears": 2, "reverseGears": 3, "unavailable": 7,

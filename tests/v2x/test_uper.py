@@ -14,7 +14,7 @@ from cca_core.errors import InputError
 from cca_core.v2x import Bsm, decode_bsm, encode_bsm
 from cca_core.v2x.events import EVENTS, decode_events, encode_events
 from cca_core.v2x.uper import BitFields, close_frame, open_frame, open_type, take, take_open_type
-from tests.v2x import peer
+from tests.support import asn1_peer as peer
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
 FRAMES = 1_000_000 if FULL else 20_000

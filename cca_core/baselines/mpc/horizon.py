@@ -10,8 +10,8 @@ from cca_core._checks import Array, check_real
 from cca_core.baselines.problem import Problem
 from cca_core.errors import InputError
 from cca_core.path import Road
+from cca_core.planner.frenet import Neighbour, locate
 from cca_core.predict import travel
-from cca_core.scene import Neighbour, locate
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["FrenetState", "Horizon", "MpcSettings"]

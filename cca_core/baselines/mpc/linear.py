@@ -6,8 +6,8 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
-from cca_core.baselines.mpc.linear_programme import LateralProgramme, exponentials
-from cca_core.baselines.mpc.sides import Passage, passages
+from cca_core.baselines.mpc.lateral_qp import LateralProgramme, exponentials
+from cca_core.baselines.mpc.side_choice import Passage, passages
 from cca_core.baselines.mpc.trajectory import Trajectory, shortfall
 from cca_core.baselines.problem import Plan, Problem
 from cca_core.errors import Status

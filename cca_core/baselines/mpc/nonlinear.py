@@ -8,7 +8,7 @@ from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
 from cca_core.baselines.mpc.linear import LinearMpc
-from cca_core.baselines.mpc.nonlinear_programme import FINE, NU, NX, NonlinearProgramme, programme
+from cca_core.baselines.mpc.nonlinear_program import FINE, NU, NX, NonlinearProgramme, programme
 from cca_core.baselines.mpc.trajectory import Trajectory, shortfall
 from cca_core.baselines.problem import Plan, Problem
 from cca_core.errors import Status

@@ -11,12 +11,12 @@ from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
 from cca_core.baselines.mpc.linear import LinearMpc
 from cca_core.baselines.mpc.nonlinear import NonlinearMpc
 from cca_core.baselines.mpc.trajectory import Trajectory
-from cca_core.command import Command
 from cca_core.decide import Action, Decision
 from cca_core.errors import InputError, Status
 from cca_core.follow import SpeedSettings, cruise_acceleration, follow_acceleration, jerk_limited
 from cca_core.path import Path, Road, interpolate_path
-from cca_core.scene import Neighbour, locate, unusable
+from cca_core.planner.command import Command
+from cca_core.planner.frenet import Neighbour, locate, unusable
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["MpcPlanner"]

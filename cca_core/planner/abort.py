@@ -1,0 +1,278 @@
+"""Leave a lane beside that is no longer free: in front of those that are passed already, else behind them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.errors import Status
+from cca_core.path import Lane, Path, Road, detour_path
+from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.maneuver import Evasion
+from cca_core.vehicle import VehicleParams
+
+__all__ = ["is_beside", "plan_retreat", "plan_shortcut", "put_off", "slow_enough"]
+
+_BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
+_LAG = 0.3  # until it is there: half the time in which brakes build up, and their lag [s]
+_ROOM = 2.0  # to the vehicle in front before the ego returns behind it [m]
+_REACTION = 1.0  # of drivers behind [s]
+_RUN_OUT = 0.6  # in which it stops to drift back too early [s]
+_LATERAL = 4.0  # lateral acceleration of the return [m/s^2]
+_GIVEN_UP = "given up: "
+_QUINTIC = 5.7735  # peak of the second derivative of the quintic step
+_HEADWAY = 2.0  # to the next one in front of those passed: behind a nearer one the ego falls back [s]
+_LEAST_LENGTH = 15.0  # of a return [m]
+_STEEP = 2.5  # as a multiple of how far it would go straight on, the longest return that does not overshoot
+_LONGER = 5  # times that a return is made longer to be less sharp, at most
+_ASIDE = 0.2  # between bodies where one is passed on a shortcut [m]
+_SOON = 3.0  # until a shortcut begins to return, at the latest [s]
+
+
+def plan_retreat(
+    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], obstruction: str
+) -> Evasion | None:
+    """Return to the own lane behind what was to be passed, if that can still be done.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego, somewhere in the manoeuvre.
+    road : Road
+        Route and lanes.
+    maneuver : Evasion
+        What is given up.
+    others : sequence of Neighbour
+        All other vehicles.
+    obstruction : str
+        Why it is given up.
+
+    Returns
+    -------
+    retreat : Evasion or None
+        The way back; None beyond the point of no return: where braking no longer brings the ego behind, or
+        into the way of those that come from behind on either lane.
+    """
+    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    rear = front - ego.vehicle.length
+    ahead = [n for n in others if not _is_behind(n, rear) and _on(n, road.own_lane)]
+    if not ahead:
+        return None
+    leader = min(ahead, key=lambda n: n.s)
+    gap = leader.s - leader.half_length - front
+    t = np.linspace(0.0, _LAG + max(ego.v_x, 0.1) / _BRAKE, 60)
+    braked = np.maximum(t - _LAG, 0.0)
+    opens = gap + leader.v_s * t - (ego.v_x * t - 0.5 * _BRAKE * braked * braked)
+    closing = np.maximum(ego.v_x - _BRAKE * braked - leader.v_s, 0.0)
+    behind = np.flatnonzero(opens >= _ROOM + closing**2 / (2.0 * _BRAKE))
+    if not len(behind):
+        return None
+    moment = float(t[behind[0]])
+    hold = ego.v_x * moment - 0.5 * _BRAKE * float(braked[behind[0]]) ** 2
+    v_then = ego.v_x - _BRAKE * float(braked[behind[0]])
+    for n in others:
+        left = rear + hold - (n.s + n.half_length + n.v_s * moment)
+        if _is_behind(n, rear) and n.v_s > 0.0 and left < _following(n.v_s, min(v_then, leader.v_s)):
+            return None
+    return _way_back(ego, road, maneuver, hold, v_then, obstruction, goes_out=True)
+
+
+def plan_shortcut(
+    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], obstruction: str
+) -> Evasion | None:
+    """Return to the own lane sooner than was planned, in front of those that are passed by then.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego, somewhere in the manoeuvre; it keeps its speed.
+    road : Road
+        Route and lanes.
+    maneuver : Evasion
+        What can no longer be driven to its end.
+    others : sequence of Neighbour
+        All other vehicles.
+    obstruction : str
+        Why.
+
+    Returns
+    -------
+    shortcut : Evasion or None
+        The way back; None if the own lane does not have the room within 3 s, or somebody is met beside it
+        before the ego is back.
+    """
+    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    rear, v, d = front - ego.vehicle.length, max(ego.v_x, 1.0), maneuver.offset_at(ego.s)
+    t = np.linspace(0.0, _SOON, 31)
+    returns, free = _length(d, v) / v, np.ones(len(t), dtype=np.bool_)
+    for n in others:
+        before = n.s - n.half_length + n.v_s * t - (front + v * t)
+        apart = abs(n.d - d) - 0.5 * ego.vehicle.width
+        if _on(n, road.own_lane):
+            past = rear + v * t - (n.s + n.half_length + n.v_s * t) >= _following(n.v_s, v)
+            far = max(_ROOM + max(v - n.v_s, 0.0) ** 2 / (2.0 * _BRAKE), _HEADWAY * v)
+            free &= (before >= far) | (past if n.s <= ego.s or apart >= _body(n) + _ASIDE else False)
+        elif n.s > ego.s and apart < n.half_width:
+            free &= before + (n.v_s - v) * returns >= _ROOM
+    if not free.any():
+        return None
+    hold = v * float(t[np.argmax(free)])
+    return _way_back(ego, road, maneuver, hold, v, obstruction, goes_out=False)
+
+
+def _length(d: float, v: float) -> float:
+    """Length of a return from a displacement at a speed [m]."""
+    return max(v * math.sqrt(_QUINTIC * max(abs(d), 0.5) / _LATERAL), _LEAST_LENGTH)
+
+
+def _way_back(
+    ego: Ego, road: Road, maneuver: Evasion, hold: float, v_then: float, obstruction: str, *, goes_out: bool
+) -> Evasion | None:
+    """Stay out for `hold` metres, then return at a speed; None where the route ends before."""
+    d, first = maneuver.offset_at(ego.s), ego.s + hold
+    drift, length = maneuver.offset_at(ego.s + 1.0) - d, _length(d, v_then)
+    if drift * d < 0.0 and hold == 0.0:
+        length = min(length, max(_STEEP * abs(d / drift), _LEAST_LENGTH))
+    for _ in range(_LONGER):
+        s, u = _returning(ego, maneuver, first, length, goes_out=goes_out)
+        bent = np.abs(np.diff(u, n=2))[s[1:-1] >= ego.s].max() / (s[1] - s[0]) ** 2
+        sharp = v_then * v_then * float(bent) / _LATERAL
+        if sharp <= 1.1:
+            break
+        length *= math.sqrt(sharp)  # it went out still, or has to turn round
+    if s[-1] > road.path.end:
+        return None
+    band = replace(maneuver.band, status=Status.FALLBACK, message=f"{_GIVEN_UP}{obstruction}")
+    reference = detour_path(road.path, s, road.path.to_cartesian(s, u))
+    return replace(maneuver, end=float(s[-1]), band=band, displacement=u, reference=reference)
+
+
+def _returning(
+    ego: Ego, maneuver: Evasion, first: float, length: float, *, goes_out: bool
+) -> tuple[Array, Array]:
+    """Places and displacements of a manoeuvre that is held until `first` and then returns in a length."""
+    d, before = maneuver.offset_at(ego.s), maneuver.offset_at(ego.s - 1.0)
+    drift, hold = maneuver.offset_at(ego.s + 1.0) - d, first - ego.s
+    returning = drift * d < 0.0
+    s = np.linspace(maneuver.start, first + length, len(maneuver.displacement))
+    u, onward = np.interp(s, maneuver.places, maneuver.displacement), s >= ego.s
+    x = np.clip((s - first) / length, 0.0, 1.0)
+    if returning and hold == 0.0:  # on from its slope and curvature
+        bent = drift - (d - before)
+        back = d * (1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x * x))
+        back += drift * length * (x - x**3 * (6.0 - 8.0 * x + 3.0 * x * x))
+        back += 0.5 * bent * length**2 * (x * x * (1.0 - x) ** 3)
+        u[onward] = back[onward]
+    else:
+        sign = 1.0 if maneuver.side == "left" else -1.0
+        # until it may return it goes out as the swerve did, but not back
+        out = np.maximum.accumulate(np.maximum(sign * u[onward], sign * d)) if goes_out else sign * d
+        u[onward] = sign * out
+        if returning or not goes_out:  # what it drifts dies down
+            run_out = max(_RUN_OUT * ego.v_x, 1.0)
+            part = np.clip((s[onward] - ego.s) / run_out, 0.0, 1.0)
+            u[onward] += drift * run_out * (part - part**3 + 0.5 * part**4)
+        u *= 1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
+    return s, u
+
+
+def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour]) -> Evasion:
+    """Begin the return later where the ego has not fallen back as far as was counted on.
+
+    Parameters
+    ----------
+    ego : Ego
+        The ego, on its way back.
+    road : Road
+        Route and lanes.
+    retreat : Evasion
+        As it was planned.
+    others : sequence of Neighbour
+        All other vehicles.
+
+    Returns
+    -------
+    retreat : Evasion
+        A later one while somebody is beside the ego on the own lane or close behind it, or one in front of
+        whoever has fallen behind meanwhile, if there is one; else the same.
+    """
+    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    rear = front - ego.vehicle.length
+    near = [n for n in others if _on(n, road.own_lane) and n.s - n.half_length < front + _ROOM]
+    if not any(n.s + n.half_length > rear - _following(n.v_s, ego.v_x) for n in near):
+        return retreat
+    why = retreat.band.message.removeprefix(_GIVEN_UP)
+    later = plan_retreat(ego, road, retreat, others, why)
+    if later is None:
+        return plan_shortcut(ego, road, retreat, others, why) or retreat
+    return later if later.end > retreat.end else retreat
+
+
+def is_beside(vehicle: VehicleParams, road: Road, s: float, others: Sequence[Neighbour]) -> bool:
+    """Tell whether somebody is beside the ego on the own lane, whom it lets pass on its way back.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        The ego.
+    road : Road
+        Route and lanes.
+    s : float
+        Where the ego is on the route [m].
+    others : sequence of Neighbour
+        All other vehicles.
+
+    Returns
+    -------
+    beside : bool
+        Whether somebody is; who is behind is not.
+    """
+    front = s + vehicle.box_offset + 0.5 * vehicle.length
+    near = [n for n in others if _on(n, road.own_lane) and n.s - n.half_length < front + _ROOM]
+    return not all(_is_behind(n, front - vehicle.length) for n in near)
+
+
+def slow_enough(way: Path, s: float, v_x: float) -> float:
+    """Find what a car must brake with to be slow enough for the way back.
+
+    The way is bent for the speed that the ego has once it has fallen back, not for the one that it has now.
+
+    Parameters
+    ----------
+    way : Path
+        What is steered along.
+    s : float
+        Where the ego is on it [m].
+    v_x : float
+        Its speed [m/s].
+
+    Returns
+    -------
+    deceleration : float
+        Least constant one with which it asks for no more than 4 m/s^2 to the side anywhere [m/s^2]; negative
+        where the car may become faster.
+    """
+    x = np.arange(1.0, 2.0 + v_x * v_x / (2.0 * _BRAKE), 1.0)
+    squared = _LATERAL / np.maximum(np.abs(way.curvature(s + x)), 1e-6)
+    return float(np.max((v_x * v_x - squared) / (2.0 * x)))
+
+
+def _on(other: Neighbour, lane: Lane) -> bool:
+    """Whether it is on a lane, as far as is known best: bounds would put one that is unheard on both."""
+    return other.d - _body(other) < lane.left and other.d + _body(other) > lane.right
+
+
+def _body(other: Neighbour) -> float:
+    """Half its width without bounds [m]."""
+    return other.half_width - 2.0 * other.remote.sigma_across
+
+
+def _is_behind(other: Neighbour, rear: float) -> bool:
+    return other.s + other.half_length - 2.0 * other.remote.sigma_along <= rear
+
+
+def _following(v: float, v_ahead: float) -> float:
+    """Gap in which a driver behind slows down to the speed of the one in front [m]."""
+    return _ROOM + v * _REACTION * (v > v_ahead) + max(v * v - v_ahead * v_ahead, 0.0) / (2.0 * _BRAKE)

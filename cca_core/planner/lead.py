@@ -1,0 +1,189 @@
+"""Lead vehicle: the vehicle ahead, or a downstream one, that limits the ego's speed."""
+
+import itertools
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+from cca_core.decide import Leader
+from cca_core.follow import SpeedSettings, follow_acceleration, required_deceleration
+from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.vehicle import VehicleParams
+
+__all__ = ["IN_THE_WAY", "kept_behind", "leader_ahead", "make_leader", "oncoming_beside"]
+
+IN_THE_WAY = 0.3
+"""Lateral gap to the route below which a vehicle blocks it [m]."""
+
+_STANDS = 1.0  # slower than this a vehicle stands; messages err by 0.2 [m/s]
+_STALE_AFTER = 1.0  # age from which on where one that comes towards the ego will be is a guess [s]
+_OUTLOOK = 2.0  # for which it is taken to go on across the route as it heads [s]
+_SOFTLY = 0.5  # time in which a creeping car comes to rest [s]
+_BRAKES = -2.0  # acceleration below which a hidden vehicle is braked for [m/s^2]
+_AT_ONCE = 1.0  # needed deceleration from which on a hidden braking vehicle is braked for [m/s^2]
+_AS_FAST = 2.0  # slower than the ego by less than this, a vehicle is not passed but followed [m/s]
+_FALLS_BACK = 2.0  # how much slower the ego gets than one that may be in its lane [m/s]
+_HORIZON, _DELAY, _SPARE = 5.0, 0.3, 5.0  # of a stop behind a hidden vehicle [s], [s], [m]
+
+
+def leader_ahead(
+    blockers: Sequence[Neighbour], s: float, v_x: float, vehicle: VehicleParams, speed: SpeedSettings,
+    stopping: Collection[str] = (),
+) -> Leader | None:  # fmt: skip
+    """Find the vehicle on the route that demands most of the ego.
+
+    Parameters
+    ----------
+    blockers : sequence of Neighbour
+        Vehicles in the way, nearest first.
+    s : float
+        Path coordinate of the ego's centre of gravity [m].
+    v_x : float
+        Its speed [m/s].
+    vehicle : VehicleParams
+        The ego.
+    speed : SpeedSettings
+        Gaps and limits.
+    stopping : collection of str
+        Standing vehicles behind which the ego is stopping already.
+
+    Returns
+    -------
+    leader : Leader or None
+        The next one in front, or one hidden before it that stands or brakes: everybody between must stop
+        behind that one too, so their lengths and standstill gaps are taken off its distance.
+    """
+    front = s + vehicle.box_offset + 0.5 * vehicle.length
+    demanding: Leader | None = None
+    between, follow = 0.0, math.inf
+    for n in (b for b in blockers if b.s > s):
+        gap = n.s - n.half_length - front - between
+        hidden = between > 0.0
+        alarming = n.v_s < _STANDS or n.remote.a_x < _BRAKES or "hard_braking" in n.remote.events
+        if not hidden or alarming:
+            kind = "hidden" if hidden else "ahead"
+            v = 0.0 if abs(n.v_least) < _STANDS else n.v_least
+            leader = make_leader(n.remote.id, gap, v, n.remote.a_x, v_x, speed, kind)
+            body = n.half_width - 2.0 * n.remote.sigma_across
+            if abs(n.d) - body > 0.5 * vehicle.width + IN_THE_WAY:
+                leader = _unsure(leader, v_x, speed)
+            if hidden and v > 0.0 and leader.required_deceleration > _AT_ONCE:
+                # those between will brake too, so that following is too late
+                leader = replace(
+                    leader,
+                    follow_acceleration=min(leader.follow_acceleration, -leader.required_deceleration),
+                )
+            if hidden and v > 0.0 and "hard_braking" in n.remote.events:
+                leader = _sooner(leader, blockers, n, front, s, v_x, speed)
+            follow = min(follow, leader.follow_acceleration)
+            stands = v == 0.0 and (hidden or n.remote.id in stopping)
+            if stands:
+                leader = _stopping(leader, v_x)
+            if demanding is None or leader.required_deceleration > demanding.required_deceleration:
+                demanding = leader
+        between += 2.0 * n.half_length + speed.standstill_gap
+    if demanding is None or demanding.follow_acceleration == follow:
+        return demanding
+    return replace(demanding, follow_acceleration=follow)
+
+
+def kept_behind(blockers: Sequence[Neighbour], leader: Leader, ego: Ego) -> list[Neighbour]:
+    """Find who need not be passed on the way around a hidden vehicle.
+
+    Parameters
+    ----------
+    blockers : sequence of Neighbour
+        Vehicles in front on the route, nearest first.
+    leader : Leader
+        What is to be passed.
+    ego : Ego
+        The ego.
+
+    Returns
+    -------
+    kept : list of Neighbour
+        Those before the hidden vehicle that are about as fast as the ego, which goes on following them.
+    """
+    if leader.kind != "hidden":
+        return []
+    between = itertools.takewhile(lambda n: n.remote.id != leader.id, blockers)
+    return [n for n in between if n.v_s >= ego.v_x - _AS_FAST]
+
+
+def make_leader(
+    name: str, gap: float, v: float, a_x: float, v_x: float, speed: SpeedSettings, kind: str
+) -> Leader:
+    """Describe a lead vehicle at a gap by what it demands of the ego."""
+    need = required_deceleration(v_x, gap + 0.5 * speed.standstill_gap, v, speed, a_x)
+    if v_x < _STANDS:  # following stops a creeping car softly, however small an uncertain gap seems
+        need = min(need, v_x / _SOFTLY)
+    follow = follow_acceleration(v_x, gap, v, speed, a_x)
+    return Leader(id=name, gap=gap, v_x=v, required_deceleration=need, follow_acceleration=follow, kind=kind)
+
+
+def _sooner(
+    leader: Leader, blockers: Sequence[Neighbour], hidden: Neighbour, front: float, s: float, v_x: float,
+    speed: SpeedSettings,
+) -> Leader:  # fmt: skip
+    """Take the next one in front to brake as hard as it can when a hidden one says that it brakes hard."""
+    near = next(b for b in blockers if b.s > s)
+    if near.v_least <= 0.0:
+        return leader
+    gap = near.s - near.half_length - front
+    a_x = min(near.remote.a_x, hidden.remote.a_x, -speed.b_max)  # whoever reacts late brakes harder
+    brakes = make_leader(near.remote.id, gap, near.v_least, a_x, v_x, speed, "hidden")
+    if brakes.required_deceleration <= leader.required_deceleration:
+        return leader
+    follow = min(leader.follow_acceleration, -brakes.required_deceleration)
+    return replace(brakes, follow_acceleration=follow)
+
+
+def oncoming_beside(
+    neighbours: Sequence[Neighbour], vehicle: VehicleParams, met: dict[str, bool]
+) -> set[str]:
+    """Find those that come towards the ego beside its route, wherever they may be since they were heard.
+
+    Parameters
+    ----------
+    neighbours : sequence of Neighbour
+        All vehicles.
+    vehicle : VehicleParams
+        The ego.
+    met : dict
+        Whether each vehicle was on the route, without its bounds, or headed for it within 2 s, when it was
+        last known well, by id; kept up to date here.
+
+    Returns
+    -------
+    beside : set of str
+        Ids of those that have not been heard for more than 1 s and were neither on the route nor headed for
+        it by then. They are taken to keep to their lanes: a yaw rate that is a little off moves them over,
+        and braking would endanger those behind.
+    """
+    known, beside = dict(met), set()
+    met.clear()
+    for n in neighbours:
+        name, fresh = n.remote.id, n.remote.age <= _STALE_AFTER
+        reach = 0.5 * vehicle.width + IN_THE_WAY + n.half_width - 2.0 * n.remote.sigma_across
+        then = n.d + _OUTLOOK * n.remote.v_x * math.sin(n.angle)
+        on_route = min(n.d, then) < reach and max(n.d, then) > -reach
+        met[name] = on_route if fresh else known.get(name, on_route)
+        if not (fresh or met[name]) and n.v_s < -_STANDS:
+            beside.add(name)
+    return beside
+
+
+def _unsure(leader: Leader, v_x: float, speed: SpeedSettings) -> Leader:
+    """Fall back behind a vehicle that may be in the way; hard braking would endanger those behind."""
+    gentle = max(max(leader.v_x - _FALLS_BACK, 0.0) - v_x, -speed.b_comfort)
+    return replace(
+        leader,
+        required_deceleration=min(leader.required_deceleration, speed.b_comfort),
+        follow_acceleration=max(leader.follow_acceleration, gentle),
+    )
+
+
+def _stopping(leader: Leader, v_x: float) -> Leader:
+    """Say how hard the ego must brake to stand behind a vehicle when it is a horizon away."""
+    v = max(v_x, 2.0 * _SPARE / (_HORIZON - _DELAY))  # where the need is least; slower it asks for no more
+    return replace(leader, stop_in_comfort=v * v / (2.0 * ((_HORIZON - _DELAY) * v - _SPARE)))

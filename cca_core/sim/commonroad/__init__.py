@@ -1,0 +1,1 @@
+"""CommonRoad files: read, drive."""

@@ -1,0 +1,1 @@
+"""Handling tests: lane changes, ISO 3888, tracking."""

@@ -1,0 +1,145 @@
+"""Drive through the gates of a double lane change, and see how close the body comes to them."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cca_core._checks import Array, check_real
+from cca_core.band import Band
+from cca_core.follow import PreviewController
+from cca_core.geometry import box_gap, boxes
+from cca_core.sim.handling.iso3888 import DoubleLaneChange
+from cca_core.sim.handling.tracking import Steering, TrackingRun, track
+from cca_core.sim.plants.plant import Plant
+from cca_core.sim.plants.single_track import SingleTrackPlant
+from cca_core.vehicle import VehicleState
+
+__all__ = ["Passage", "drive_through"]
+
+_REST = 30.0  # of the path that is not driven [m]
+_PARTS = 8  # of a cycle, in which the body is looked at
+_LINEAR_A_Y = 12.0  # what linear tyres would give at the largest angle; real ones give about 7 [m/s^2]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Passage:
+    """One drive through the gates.
+
+    Parameters
+    ----------
+    gaps : ndarray, shape (3, 2)
+        Least distance of the body to the right and the left side of each gate [m], negative if touched.
+    sideslip : float
+        Largest sideslip angle of the centre of gravity without sign [rad].
+    exit_speed : float
+        Speed at the end of the run [m/s].
+    poses : ndarray, shape (n, 3)
+        Position [m] and heading [rad] of the centre of gravity every 20 ms.
+    run : TrackingRun
+        Steering, lateral acceleration and errors.
+    """
+
+    gaps: Array
+    sideslip: float
+    exit_speed: float
+    poses: Array
+    run: TrackingRun
+
+    @property
+    def gap(self) -> float:
+        """Least distance of the body to any gate [m], negative if touched; the run may not be finished."""
+        return float(self.gaps.min())
+
+    @property
+    def passed(self) -> bool:
+        """Whether the car came through without touching a gate."""
+        return self.run.finished and self.gap > 0.0
+
+    @property
+    def a_y(self) -> float:
+        """Largest lateral acceleration without sign [m/s^2]."""
+        return float(np.abs(self.run.a_y).max())
+
+
+@dataclass(slots=True)
+class _Witnessed:
+    """A plant that remembers its motion and whose throttle is released somewhere."""
+
+    plant: Plant
+    release: float
+    drag: float
+    a_y: float = 0.0
+    motion: list[VehicleState] = field(default_factory=list)
+
+    @property
+    def state(self) -> VehicleState:
+        """Motion of the centre of gravity now."""
+        return self.plant.state
+
+    def step(self, delta: float, a_x: float, dt: float) -> None:
+        """Drive on for a while."""
+        state = self.plant.state
+        self.motion.append(state)
+        self.plant.step(delta, -self.drag if state.x > self.release else a_x, dt)
+        self.a_y = self.plant.a_y
+
+
+def drive_through(
+    course: DoubleLaneChange,
+    band: Band,
+    speed: float,
+    plant: Callable[[VehicleState], Plant] | None = None,
+    *,
+    steer: Steering | None = None,
+    drag: float = 0.4,
+) -> Passage:
+    """Drive along a path through the gates.
+
+    Parameters
+    ----------
+    course : DoubleLaneChange
+        The track.
+    band : Band
+        A path through it.
+    speed : float
+        Entry speed [m/s], held up to where the throttle is released.
+    plant : callable, optional
+        Makes the car from its initial motion; the default is a single track of the band's vehicle.
+    steer : callable, optional
+        Steering law; the default is the preview controller for the band's vehicle, allowed the angles that
+        tyres need near their limit.
+    drag : float
+        Deceleration of the engine after the throttle is released [m/s^2].
+
+    Returns
+    -------
+    passage : Passage
+        How far the body stayed off the gates.
+
+    Raises
+    ------
+    InputError
+        If `speed` is not positive or `drag` is negative.
+    """
+    car, path = band.task.vehicle, band.path()
+    x, y = path.position(path.start).tolist()
+    start = VehicleState(x=x, y=y, psi=0.0, v_x=check_real("speed", speed, above=0.0))
+    driven = _Witnessed(
+        plant(start) if plant else SingleTrackPlant(car, start),
+        course.release - car.box_offset - 0.5 * car.length, check_real("drag", drag, least=0.0),
+    )  # fmt: skip
+    law = steer or PreviewController(car, a_y_max=_LINEAR_A_Y).steer
+    run = track(driven, law, path, speed, margin=_REST)
+    poses = np.array([(state.x, state.y, state.psi) for state in driven.motion])
+    poses[:, 2] = np.unwrap(poses[:, 2])
+    cycle = np.arange(len(poses))
+    fine = np.linspace(0.0, cycle[-1], _PARTS * len(cycle))
+    x, y, psi = (np.interp(fine, cycle, column) for column in poses.T)
+    body = boxes(
+        x + car.box_offset * np.cos(psi), y + car.box_offset * np.sin(psi), psi, car.length, car.width
+    )
+    gaps = np.array([box_gap(body, block).min() for block in course.blocks()]).reshape(3, 2)
+    sideslip = max(abs(math.atan2(state.v_y, state.v_x)) for state in driven.motion)
+    return Passage(gaps=gaps, sideslip=sideslip, exit_speed=driven.state.v_x, poses=poses, run=run)

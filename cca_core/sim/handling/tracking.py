@@ -1,0 +1,167 @@
+"""How well a car keeps to a path: tracks, one closed steering loop, and its errors."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cca_core._checks import Array, check_real
+from cca_core.follow import PoseEstimator, SpeedSettings, profile_acceleration
+from cca_core.path import Path, interpolate_path
+from cca_core.sim.plants.plant import Plant
+from cca_core.vehicle import VehicleState
+
+__all__ = ["TrackingRun", "lane_change", "track"]
+
+_SPEED = SpeedSettings()
+_CYCLE = 0.02  # [s]
+_FIXES = 5  # cycles between two position fixes
+_LOST = 5.0  # a run ends when the car is this far from its path [m]
+
+
+Steering = Callable[[VehicleState, Path], float]
+"""A steering law: road-wheel angle [rad] from the motion of the car and the path to follow."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TrackingRun:
+    """One drive along a path.
+
+    Parameters
+    ----------
+    s, d : ndarray, shape (n,)
+        Arc length and lateral error of the centre of gravity [m], left positive.
+    delta : ndarray, shape (n,)
+        Road-wheel angle [rad].
+    a_y : ndarray, shape (n,)
+        Lateral acceleration [m/s^2].
+    finished : bool
+        Whether the end was reached without leaving the path by more than 5 m.
+    """
+
+    s: Array
+    d: Array
+    delta: Array
+    a_y: Array
+    finished: bool
+
+    @property
+    def peak(self) -> float:
+        """Largest lateral error without sign [m]; infinite if the end was not reached."""
+        return float(np.abs(self.d).max()) if self.finished else math.inf
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the lateral error [m]; infinite if the end was not reached."""
+        return float(np.sqrt(np.mean(self.d**2))) if self.finished else math.inf
+
+
+def lane_change(width: float, length: float, *, before: float = 80.0, after: float = 150.0) -> Path:
+    """Straight road with a quintic lane change to the left.
+
+    Parameters
+    ----------
+    width : float
+        Lateral offset [m].
+    length : float
+        Distance over which it is made [m].
+    before, after : float
+        Straight road before and after it [m].
+
+    Returns
+    -------
+    path : Path
+        The track, beginning at the origin along +x. Its peak lateral acceleration at a speed v is
+        5.7735 width v^2 / length^2.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, or a distance is not positive.
+    """
+    width = check_real("width", width)
+    length = check_real("length", length, above=0.0)
+    total = check_real("before", before, above=0.0) + length + check_real("after", after, above=0.0)
+    x = np.linspace(0.0, total, math.ceil(total) + 1)
+    share = np.clip((x - before) / length, 0.0, 1.0)
+    y = width * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    return interpolate_path(np.column_stack((x, y)), start_tangent=(1.0, 0.0), end_tangent=(1.0, 0.0))
+
+
+def track(
+    plant: Plant,
+    steer: Steering,
+    path: Path,
+    speed: float | tuple[Array, Array],
+    *,
+    delay: float = 0.0,
+    fix_sigma: float = 0.0,
+    seed: int = 1,
+    margin: float = 60.0,
+) -> TrackingRun:
+    """Drive along a path.
+
+    Parameters
+    ----------
+    plant : Plant
+        The car, standing on or near the path with its initial speed.
+    steer : callable
+        Steering law, called every 20 ms.
+    path : Path
+        The path; driven up to `margin` before its end.
+    speed : float or tuple of ndarray
+        Wanted speed [m/s], or arc lengths [m] and squares of speeds [m^2/s^2] as `squared_speed_limit`
+        gives them.
+    delay : float
+        Dead time between steering command and car [s].
+    fix_sigma : float
+        Standard deviation of position fixes at 10 Hz, which are filtered with speed and yaw rate
+        (`PoseEstimator`) [m]; 0 gives the law the true motion.
+    seed : int
+        Seed of the noise [-].
+    margin : float
+        What is left of the path at the end of the run [m].
+
+    Returns
+    -------
+    run : TrackingRun
+        True errors of the centre of gravity, whatever the law was told.
+
+    Raises
+    ------
+    InputError
+        If `delay`, `fix_sigma` or `margin` is negative.
+    """
+    delay = check_real("delay", delay, least=0.0)
+    fix_sigma = check_real("fix_sigma", fix_sigma, least=0.0)
+    end = path.end - check_real("margin", margin, least=0.0)
+    rng = np.random.default_rng(seed)
+    estimator = PoseEstimator(plant.state, fix_sigma=max(fix_sigma, 1e-3))
+    waiting = [plant.state.delta] * round(delay / _CYCLE)
+    s = float(path.project((plant.state.x, plant.state.y))[0])
+    rows: list[tuple[float, float, float, float]] = []
+    k = 0
+    while s < end:
+        state = plant.state
+        s, d, _, _ = path.foot_point(state.x, state.y, s)
+        rows.append((s, d, state.delta, plant.a_y))
+        if abs(d) > _LOST or (state.v_x < 0.05 and k > 500):
+            break
+        told = state
+        if fix_sigma > 0.0:
+            told = estimator.predict(state, _CYCLE) if k else state
+            if k % _FIXES == 0:
+                x, y = rng.normal((state.x, state.y), fix_sigma)
+                told = estimator.correct(float(x), float(y))
+        waiting.append(steer(replace(told, delta=state.delta), path))
+        plant.step(waiting.pop(0), _acceleration(state.v_x, s, speed), _CYCLE)
+        k += 1
+    columns = np.array(rows).T
+    return TrackingRun(s=columns[0], d=columns[1], delta=columns[2], a_y=columns[3], finished=s >= end)
+
+
+def _acceleration(v_x: float, s: float, speed: float | tuple[Array, Array]) -> float:
+    if isinstance(speed, tuple):
+        return profile_acceleration(s, v_x, speed, _SPEED)
+    return min(max(1.5 * (speed - v_x), -3.0), 2.0)

@@ -1,0 +1,1 @@
+"""Vehicles that can be driven: single track and multi-body."""

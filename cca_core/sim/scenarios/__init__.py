@@ -1,0 +1,1 @@
+"""The paper's scenarios, and what a scenario is made of."""

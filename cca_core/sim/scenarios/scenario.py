@@ -1,0 +1,176 @@
+"""Scenarios as data: a road, an ego, scripted road users, a channel."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cca_core._checks import check_array, check_real
+from cca_core.errors import InputError
+from cca_core.follow import SpeedSettings
+from cca_core.path import Road
+from cca_core.planner.settings import EvasionSettings
+from cca_core.sim.scenarios.road_user import Follows, RoadUser
+from cca_core.v2x import ChannelSettings, SenderSettings
+from cca_core.vehicle import VehicleParams
+
+__all__ = ["EGOS", "PinnedGap", "RoadUser", "Scenario"]
+
+EGOS = ("v2v", "driver", "sensor")
+"""Who drives: the planner with messages and a sensor, a driver by sight, the planner with a sensor alone."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PinnedGap:
+    """Tailgating: a gap that is held, whatever the planner wants, until the ego knows of a hazard.
+
+    Parameters
+    ----------
+    leader : str
+        Id of the vehicle in front.
+    time_gap : float
+        Gap between the bumpers by the own speed [s].
+
+    Raises
+    ------
+    InputError
+        If `time_gap` is not positive.
+    """
+
+    leader: str
+    time_gap: float
+
+    def __post_init__(self) -> None:
+        check_real("time_gap", self.time_gap, above=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Scenario:
+    """Everything that one run depends on.
+
+    Parameters
+    ----------
+    name : str
+        Scenario, such as ``"maneuver"``.
+    case : str or None
+        Which case of it.
+    road : Road
+        Route and lanes.
+    vehicle : VehicleParams
+        The ego.
+    start : float
+        Path coordinate of the ego's centre of gravity at the start [m].
+    v_x : float
+        Its speed at the start [m/s].
+    cruise_speed : float
+        Its wanted speed [m/s].
+    users : tuple of RoadUser
+        The others.
+    evasion : EvasionSettings
+        How the ego passes.
+    speed : SpeedSettings
+        How it follows and brakes; the driver brakes with its `b_max` and `jerk_emergency` too.
+    duration : float
+        Length of the run [s].
+    ego : {"v2v", "driver", "sensor"}
+        Who drives it: the planner with messages, and a sensor for what they do not tell; a driver who sees,
+        and brakes fully after his reaction; the planner with the sensor alone. Without messages no lane
+        beside is known to be free.
+    reaction : float
+        Reaction time of the driver [s].
+    sensor_range : float
+        Distance up to which sensor and driver see, from middle to middle of two bodies [m].
+    field_of_view : float
+        Angle that they see [rad], half of it on each side.
+    sensor_delay : float
+        Age of what the sensor reports [s]; the driver's is in his reaction time.
+    visibility : float
+        Distance up to which anything is seen in this weather [m].
+    latency : float
+        From a message's measurement to its arrival [s]; used where there is no `channel`.
+    channel : ChannelSettings, optional
+        The radio channel; the default loses nothing and has that latency.
+    sender : SenderSettings
+        How often everybody sends, and how well he knows his place.
+    one_modem : bool
+        Whether one modem sends for all others, as in the paper's test rig: all their messages then take part
+        in the same bursts of loss. Otherwise each has its own.
+    pinned : PinnedGap, optional
+        A gap that is held until the ego knows of a hazard.
+    stop_line : float, optional
+        Path coordinate at which a stop line is drawn [m]; the planner heeds those of `road`.
+    occluders : tuple of tuple of float
+        Things beside the road that hide others: x, y [m], psi [rad], length, width [m] of each.
+    scenery : tuple of Road
+        Other roads, to be drawn.
+    figures : tuple of int
+        Figures of the paper that show this.
+    seed : int
+        Seed of the senders' phases and of the channel.
+    origin : tuple of float
+        Latitude and longitude of x = y = 0 [deg].
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, or an id is used twice or unknown.
+    """
+
+    name: str
+    case: str | None
+    road: Road
+    vehicle: VehicleParams
+    start: float
+    v_x: float
+    cruise_speed: float
+    users: tuple[RoadUser, ...]
+    evasion: EvasionSettings = field(default_factory=EvasionSettings)
+    speed: SpeedSettings = field(default_factory=SpeedSettings)
+    duration: float = 40.0
+    ego: str = "v2v"
+    reaction: float = 1.25
+    sensor_range: float = 100.0
+    field_of_view: float = math.radians(120.0)
+    sensor_delay: float = 0.4
+    visibility: float = math.inf
+    latency: float = 0.1
+    channel: ChannelSettings | None = None
+    sender: SenderSettings = field(default_factory=SenderSettings)
+    one_modem: bool = False
+    pinned: PinnedGap | None = None
+    stop_line: float | None = None
+    occluders: tuple[tuple[float, float, float, float, float], ...] = ()
+    scenery: tuple[Road, ...] = ()
+    figures: tuple[int, ...] = ()
+    seed: int = 1
+    origin: tuple[float, float] = (41.3, -105.6)
+
+    def __post_init__(self) -> None:
+        check_real("start", self.start, least=self.road.path.start, most=self.road.path.end)
+        check_real("v_x", self.v_x, least=0.0)
+        check_real("cruise_speed", self.cruise_speed, above=0.0)
+        check_real("duration", self.duration, above=0.0)
+        for name in ("reaction", "sensor_range", "sensor_delay", "latency"):
+            check_real(name, getattr(self, name), least=0.0)
+        check_real("field_of_view", self.field_of_view, least=0.0, most=math.tau)
+        check_real("visibility", self.visibility, least=0.0, infinite=True)
+        if self.stop_line is not None:
+            check_real("stop_line", self.stop_line)
+        check_real("origin", self.origin[0], least=-89.0, most=89.0)
+        check_real("origin", self.origin[1], least=-180.0, most=180.0)
+        check_array("occluders", self.occluders or np.empty((0, 5)), (None, 5))
+        if self.ego not in EGOS:
+            raise InputError(f"ego must be one of {', '.join(EGOS)}, was {self.ego!r}")
+        names = [user.id for user in self.users]
+        if len(set(names)) < len(names):
+            raise InputError(f"users must have different ids, had {', '.join(names)}")
+        leaders = [act.leader for user in self.users for act in user.acts if isinstance(act, Follows)]
+        leaders += [] if self.pinned is None else [self.pinned.leader]
+        for leader in leaders:
+            if leader not in names:
+                raise InputError(f"leader must be the id of one of users, was {leader!r}")
+
+    @property
+    def v2v(self) -> bool:
+        """Whether messages are exchanged with the ego."""
+        return self.ego == "v2v"

@@ -1,0 +1,1 @@
+"""Studies: many sampled runs, their rates and intervals."""

@@ -1,0 +1,1 @@
+"""The world around the ego in simulation: traffic, radio, sensor."""

@@ -1,0 +1,85 @@
+"""What of a swerve can no longer change."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cca_core.geometry import Boxes, box_gap, boxes
+from cca_core.planner.committed import first_free, forgiven, resampled, settled
+
+N = 101
+S = np.linspace(0.0, 100.0, N)
+T = S / 20.0
+
+
+def ego(d: float, m: int) -> Boxes:
+    return boxes(S[:m], np.full(m, d), np.zeros(m), np.full(m, 4.5), np.full(m, 1.8))
+
+
+def beside(d: float) -> Boxes:
+    """One as fast as the ego."""
+    return boxes(S, np.full(N, d), np.zeros(N), np.full(N, 4.5), np.full(N, 1.8))
+
+
+@given(d=st.floats(2.15, 6.0))
+def test_forgiven_is_what_is_lacking_and_no_longer_than_needed(d: float) -> None:
+    m = settled(T)
+    box = forgiven(beside(d), ego(0.0, m), T, 1.0)
+    gap = box_gap(ego(0.0, N), box)
+    assert gap[:m].min() >= 1.0
+    late = T > 2.5
+    np.testing.assert_array_equal(box.width[late], 1.8)
+    assert (np.diff(box.width) >= -1e-12).all()
+    if d - 1.8 >= 1.05:
+        assert box.width is beside(d).width or (box.width == 1.8).all()
+
+
+def test_who_is_nearer_than_that_is_not_passed_as_if_nothing_were() -> None:
+    box = forgiven(beside(1.3), ego(0.0, 4), T, 1.0)
+    assert box.width[0] == pytest.approx(1.8 - 2.0 * 0.75)
+    assert box_gap(ego(0.0, N), box)[:4].min() < 1.0
+    narrow = forgiven(beside(1.3), ego(0.0, 4), T, 0.3)
+    assert box_gap(ego(0.0, N), narrow)[:4].min() >= 0.3
+    assert narrow.width[-1] == box.width[-1] == 1.8
+
+
+def test_bounds_do_not_turn_inside_out() -> None:
+    thin = boxes(S, np.full(N, 1.0), np.zeros(N), np.full(N, 0.4), np.full(N, 0.2))
+    box = forgiven(thin, ego(0.0, 4), T, 0.3)
+    assert box.width.min() == box.length.min() == 0.0
+
+
+def test_a_creeping_ego_is_forgiven_as_long_as_its_next_nodes_take() -> None:
+    slow = S / 2.0
+    box = forgiven(beside(2.4), ego(0.0, 3), slow, 1.0)
+    assert box_gap(ego(0.0, N), box)[:3].min() >= 1.0
+
+
+@pytest.mark.parametrize(("here", "k"), [(-5.0, 1), (0.0, 1), (0.5, 1), (10.2, 11), (11.0, 11), (99.0, 95)])
+def test_it_is_bent_anew_from_the_first_node_in_front(here: float, k: int) -> None:
+    assert first_free(S, here) == k
+
+
+def test_soon_is_half_a_second_and_three_nodes_at_least() -> None:
+    assert settled(T) == 10
+    assert settled(10.0 * S) == 3
+
+
+def test_the_same_places_give_the_same_numbers() -> None:
+    u = np.sin(S)
+    assert resampled(S, S, u) is u
+
+
+def test_other_places_give_the_same_curve() -> None:
+    def swerve(s: np.ndarray) -> np.ndarray:
+        share = np.clip(s / 100.0, 0.0, 1.0)
+        return 64.0 * 3.5 * share**3 * (1.0 - share) ** 3
+
+    longer = np.linspace(0.0, 117.0, 120)
+    told = resampled(longer, S, swerve(S))
+    np.testing.assert_allclose(told, swerve(longer), atol=1e-4)
+    assert (told[longer > 100.0] == 0.0).all()
+    h = longer[1]
+    bend = np.diff(told, 2) / h**2
+    assert np.abs(bend - np.diff(swerve(longer), 2) / h**2).max() < 2e-4

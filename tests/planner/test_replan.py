@@ -1,0 +1,91 @@
+"""Going on with a swerve: each rung of the ladder."""
+
+import pytest
+
+from cca_core import Status
+from cca_core.follow import SpeedSettings
+from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.maneuver import Evasion
+from cca_core.planner.replan import Renewal, renew, swerves_of, ways_around
+from tests.planner.test_abort import ROAD, SETTINGS, at, maneuver
+from tests.planner.test_planner import CAR, START, car
+
+__all__ = ["maneuver"]  # the fixture
+
+SWERVES = swerves_of(SETTINGS, CAR)
+SLOW = at(25.0, 0.0, 12.0)
+
+
+def renewed(
+    old: Evasion, *others: Neighbour, s: float = START, inside: bool = False, can_follow: bool = False
+) -> Renewal:
+    speed = SpeedSettings()
+    ego = Ego(vehicle=CAR, s=s, v_x=20.0, v_target=20.0, speed=speed)
+    return renew(ego, ROAD, old, [SLOW], others, SWERVES, inside=inside, can_follow=can_follow)
+
+
+def test_in_comfort(maneuver: Evasion) -> None:
+    now = renewed(maneuver)
+    assert now.status is Status.OK
+    assert now.maneuver is not None
+    assert now.maneuver.band.clearance > 0.99
+
+
+def test_narrower_between_two(maneuver: Evasion) -> None:
+    """Less than 2 x 1 m is left between the slow car and one beside it."""
+    now = renewed(maneuver, at(25.0, 4.6, 12.0, "L"))
+    assert now.status is Status.FALLBACK
+    assert now.maneuver is not None
+    assert 0.29 < now.maneuver.band.clearance < 1.0
+    assert not now.reason
+
+
+def test_given_up_inside_the_lane_while_following_is_easy(maneuver: Evasion) -> None:
+    now = renewed(maneuver, at(30.0, 3.5, 12.0, "L"), inside=True, can_follow=True)
+    assert now.maneuver is None
+    assert "given up" in now.reason
+
+
+def test_as_it_was_while_that_is_clear(maneuver: Evasion, monkeypatch: pytest.MonkeyPatch) -> None:
+    from cca_core import swerve
+    from cca_core.decide import Candidate
+
+    def fails(*args: object, **kwargs: object) -> Candidate:
+        return Candidate(side="left", obstruction="contact set did not settle")
+
+    monkeypatch.setattr(swerve, "plan_evasion", fails)
+    now = renewed(maneuver)
+    assert now.maneuver is maneuver
+    assert now.status is Status.FALLBACK
+    assert not now.reason
+    blocked = renewed(maneuver, at(30.0, 3.5, 12.0, "L"))
+    assert blocked.maneuver is not None
+    assert blocked.maneuver is not maneuver
+    assert "returning: contact set" in blocked.reason
+
+
+def test_the_first_way_that_is_free_is_taken() -> None:
+    """35 m behind a standing car at 25 m/s: comfort comes too late, more grip does not."""
+    speed = SpeedSettings()
+    ego = Ego(vehicle=CAR, s=START, v_x=25.0, v_target=25.0, speed=speed)
+    standing = [at(40.0, 0.0, 0.0)]
+    plans, candidates, status = ways_around(ego, ROAD, standing, [], SWERVES[:1], at_once=False)
+    assert all(c.obstruction for c in candidates)
+    plans, candidates, status = ways_around(ego, ROAD, standing, [], SWERVES, at_once=False)
+    assert status is Status.FALLBACK
+    assert not candidates[0].obstruction
+    assert plans["left"].band.status is Status.OK
+    assert candidates[1].obstruction
+
+
+def test_at_last_past_where_somebody_most_likely_is() -> None:
+    """His bounds leave no room on the road, and to hit him is certain otherwise."""
+    ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
+    remote = car(START + 50.0, 0.5, 0.0, id="R", sigma_along=0.5, sigma_across=1.0)
+    vague = Neighbour.seen_from(remote, START + 50.0, 0.5, 0.0, 0.0)
+    plans, candidates, _ = ways_around(ego, ROAD, [vague], [], SWERVES, at_once=True)
+    assert all(c.obstruction for c in candidates)
+    plans, candidates, status = ways_around(ego, ROAD, [vague], [], SWERVES, at_once=True, helpless=True)
+    assert not all(c.obstruction for c in candidates)
+    assert status is Status.FALLBACK
+    assert plans["left"].band.clearance > 0.29

@@ -1,0 +1,95 @@
+"""Recorded messages: read from several kinds of files, and as traffic of a run."""
+
+import json
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cca_core import LocalFrame, Road
+from cca_core.errors import InputError
+from cca_core.path import interpolate_path
+from cca_core.sim import Scenario, read_frames, simulate
+from cca_core.sim.scenarios.eebl import CAR
+from cca_core.v2x import Bsm, decode_bsm, encode_bsm
+
+MARKS = [57.5, 57.6, 57.8, 59.9, 0.0, 0.1]
+
+
+def message(mark: float, count: int = 0) -> bytes:
+    return encode_bsm(
+        Bsm(
+            msg_count=count, id="00c0ffee", sec_mark=mark, latitude_deg=41.3, longitude_deg=-105.6,
+            speed=10.0, psi=0.0, length=4.5, width=1.8,
+        )
+    )  # fmt: skip
+
+
+def test_hexadecimal_lines(tmp_path: Path) -> None:
+    file = tmp_path / "log.hex"
+    file.write_text("\n".join(message(mark, i).hex() for i, mark in enumerate(MARKS)))
+    frames = read_frames(file, start=2.0, latency=0.1)
+    assert [t for t, _ in frames] == pytest.approx([2.1, 2.2, 2.4, 4.5, 4.6, 4.7])
+    for t, data in frames:
+        assert decode_bsm(data).sec_mark == pytest.approx(t - 0.1, abs=1e-3)
+        assert decode_bsm(data).speed == 10.0
+
+
+@pytest.mark.parametrize("form", ["lines", "list", "table", "hex"])
+def test_recorded_times(form: str, tmp_path: Path) -> None:
+    records = [{"t": 100.0 + 0.5 * i, "hex": message(mark).hex()} for i, mark in enumerate(MARKS)]
+    text = {
+        "lines": "\n".join(map(json.dumps, records)), "list": json.dumps({"samples": records}),
+        "table": "t,hex\n" + "\n".join(f"{r['t']},{r['hex']}" for r in records),
+        "hex": "\n".join(f"{r['t']} {r['hex']}" for r in records),
+    }[form]  # fmt: skip
+    file = tmp_path / "log"
+    file.write_text(text)
+    assert [t for t, _ in read_frames(file)] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0, 2.5])
+
+
+@pytest.mark.parametrize("text", ["", "xyz", "[1, 2]", '{"a": 1}', "[{]", "t,hex\nx,00"])
+def test_bad_files(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "log"
+    file.write_text(text)
+    with pytest.raises(InputError, match="path"):
+        read_frames(file)
+    with pytest.raises(InputError, match="path"):
+        read_frames(tmp_path / "none")
+
+
+def test_what_is_no_message_is_passed_on(tmp_path: Path) -> None:
+    file = tmp_path / "log"
+    file.write_text(f"{message(1.0).hex()}\nffff\n{message(1.1).hex()}")
+    assert [data for _, data in read_frames(file)][1] == b"\xff\xff"
+
+
+def test_recorded_drive_as_traffic(data_dir: Path) -> None:
+    """The recorded car drives in front of an ego on its way: it is heard, tracked, and not run into."""
+    frames = read_frames(data_dir / "bsm" / "wyoming_rx_decoded.csv", latency=0.05)
+    assert len(frames) == 243
+    assert all(a <= b for (a, _), (b, _) in pairwise(frames))
+    first = decode_bsm(frames[0][1])
+    assert first.latitude_deg is not None
+    assert first.longitude_deg is not None
+    frame = LocalFrame(first.latitude_deg, first.longitude_deg)
+    drive = [decode_bsm(data) for _, data in frames[:130]]
+    xy = frame.to_local([b.latitude_deg for b in drive], [b.longitude_deg for b in drive])
+    moved = np.concatenate(([True], np.hypot(*np.diff(xy, axis=0).T) > 0.3))
+    xy = xy[moved][::6]
+    behind = xy[0] - 60.0 * (xy[1] - xy[0]) / np.hypot(*(xy[1] - xy[0]))
+    path = interpolate_path(np.vstack((behind, xy)))
+    scenario = Scenario(
+        name="recorded", case=None, road=Road(path), vehicle=CAR, start=5.0, v_x=20.0, cruise_speed=25.0,
+        users=(), duration=6.0, origin=(first.latitude_deg, first.longitude_deg),
+    )  # fmt: skip
+    log = simulate(scenario, frames=frames)
+    due = sum(t <= log.t[-1] + 1e-9 for t, _ in frames)
+    assert len(log.received) == due > 20
+    assert log.time_of("heard", first.id) < 0.2
+    assert log.command.tobytes() == simulate(scenario, frames=frames).command.tobytes()
+    silent = simulate(replace(scenario, ego="sensor"), frames=frames)
+    assert silent.received == ()
+    assert not np.array_equal(silent.command[:, 1], log.command[:, 1])  # it minds what it hears

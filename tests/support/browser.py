@@ -1,0 +1,239 @@
+"""Look at a report in a real headless browser, with no network.
+
+`python tests/support/browser.py out/report.html [folder]` opens it at two widths, light and then dark with
+reduced motion, prints what was found, and writes screenshots of the first screen and of the whole page to the
+folder. It speaks the DevTools protocol to Chromium through a pipe, with the standard library alone.
+"""
+
+import base64
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from select import select
+from typing import Any
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+SIZES = ((400, 800), (1400, 900))
+_WRONG = (
+    "Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled", "Network.loadingFailed",
+)  # fmt: skip
+_WAIT = 60.0  # for an answer [s]
+
+_PROBE = """
+(async () => {
+  const places = () => [...document.querySelectorAll(".cca-run svg")].map((svg) =>
+    [...svg.querySelectorAll(".world, .car")].map((part) => part.getAttribute("transform")).join());
+  const seek = (range, t) => { range.value = t; range.dispatchEvent(new Event("input", {bubbles: true})); };
+  const roots = [...document.querySelectorAll(".cca")];
+  const moved = [];
+  let starts = null, keys = null;
+  if (roots.length) {
+    const button = roots[0].querySelector("button"), range = roots[0].querySelector("input");
+    roots[0].scrollIntoView();
+    await new Promise((done) => setTimeout(done, 500));
+    starts = button.textContent === "Pause" && Number(range.value) > 0;
+    const press = (key) => roots[0].dispatchEvent(new KeyboardEvent("keydown", {key, bubbles: true}));
+    press("End");
+    keys = range.value === range.max && button.textContent === "Replay";
+    press("Home");
+    keys = keys && Number(range.value) === 0;
+    press(" ");
+    keys = keys && button.textContent === "Pause";
+    press(" ");
+  }
+  for (const root of roots) {
+    const range = root.querySelector("input");
+    seek(range, 0);
+    const before = places();
+    seek(range, Number(range.max));
+    const after = places();
+    const own = [...root.querySelectorAll(".cca-run svg")].map((svg) =>
+      [...document.querySelectorAll(".cca-run svg")].indexOf(svg));
+    moved.push(own.every((i) => before[i] !== after[i]));
+    seek(range, 0);
+  }
+  let plays = null;
+  if (roots.length) {
+    const button = roots[0].querySelector("button"), before = places()[0];
+    roots[0].scrollIntoView();
+    button.click();
+    await new Promise((done) => setTimeout(done, 700));
+    plays = places()[0] !== before && button.textContent === "Pause";
+    button.click();
+    window.scrollTo(0, 0);
+  }
+  const wide = [...document.querySelectorAll("body *")].filter((e) => !e.closest("svg") &&
+    e.getBoundingClientRect().right > window.innerWidth + 1 &&
+    !e.closest(".scroll")).map((e) => e.tagName + "." + e.className);
+  const broken = [...document.images].filter((i) => !i.complete || !i.naturalWidth).length;
+  const top = [...document.querySelectorAll("[data-first]")].map((e) => e.getBoundingClientRect().top);
+  return {width: window.innerWidth, page: document.documentElement.scrollWidth,
+    wide, broken, moved, starts, keys, plays,
+    height: document.documentElement.scrollHeight, images: document.images.length, top,
+    text: document.body.innerText.slice(0, 600),
+    nan: [document.body.innerText, ...[...document.querySelectorAll("svg")].map((e) => e.outerHTML)]
+      .some((text) => /NaN|undefined|Infinity/.test(text)),
+    requests: performance.getEntriesByType("resource").map((e) => e.name)
+      .filter((name) => !name.startsWith("data:"))};
+})()
+"""
+
+
+class Browser:
+    """A headless Chromium, driven through a pipe."""
+
+    def __init__(self, program: str) -> None:
+        self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        theirs_in, self._out = os.pipe()
+        self._in, theirs_out = os.pipe()
+        options = "--headless=new --no-sandbox --disable-gpu --hide-scrollbars --remote-debugging-pipe"
+        command = f'exec "$0" {options} --user-data-dir="$1" about:blank 3<&{theirs_in} 4>&{theirs_out}'
+        self._process = subprocess.Popen(
+            ["bash", "-c", command, program, self._folder.name], pass_fds=(theirs_in, theirs_out),
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        os.close(theirs_in)
+        os.close(theirs_out)
+        self._buffer, self._count, self.told = b"", 0, list[dict[str, Any]]()
+        self._session: str | None = None
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+
+    def __enter__(self) -> "Browser":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.terminate()
+        self._process.wait(_WAIT)
+        os.close(self._in)
+        os.close(self._out)
+        self._folder.cleanup()
+
+    def call(self, method: str, **parameters: Any) -> dict[str, Any]:
+        """Send a command and return its result; what the page tells meanwhile is kept in `told`."""
+        self._count += 1
+        message: dict[str, Any] = {"id": self._count, "method": method, "params": parameters}
+        if self._session is not None:
+            message["sessionId"] = self._session
+        os.write(self._out, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._next()
+            if answer.get("id") == self._count:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error']}")
+                result: dict[str, Any] = answer["result"]
+                return result
+            self.told.append(answer)
+
+    def wait_for(self, method: str) -> None:
+        """Wait until the page tells something."""
+        while not any(message.get("method") == method for message in self.told):
+            self.told.append(self._next())
+
+    def _next(self) -> dict[str, Any]:
+        while b"\0" not in self._buffer:
+            if not select([self._in], [], [], _WAIT)[0]:
+                raise TimeoutError("the browser does not answer")
+            data = os.read(self._in, 1 << 20)
+            if not data:
+                raise RuntimeError("the browser has ended")
+            self._buffer += data
+        message, _, self._buffer = self._buffer.partition(b"\0")
+        answer: dict[str, Any] = json.loads(message)
+        return answer
+
+
+def find_browser() -> str | None:
+    """Return the program of an installed browser, if there is one."""
+    return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
+def look(
+    program: str,
+    page: Path,
+    size: tuple[int, int],
+    pictures: Path | None = None,
+    *,
+    dark: bool = False,
+    still: bool = False,
+) -> dict[str, Any]:
+    """Open a page offline in a window of a size; return what was found, with a list of errors."""
+    width, height = size
+    with Browser(program) as browser:
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            browser.call(f"{domain}.enable")
+        none = {"latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
+        browser.call("Network.emulateNetworkConditions", offline=True, **none)
+        phone = width < 600
+        browser.call(
+            "Emulation.setDeviceMetricsOverride", width=width, height=height,
+            deviceScaleFactor=2 if phone else 1, mobile=phone,
+        )  # fmt: skip
+        features = [
+            {"name": "prefers-color-scheme", "value": "dark" if dark else "light"},
+            {"name": "prefers-reduced-motion", "value": "reduce" if still else "no-preference"},
+        ]
+        browser.call("Emulation.setEmulatedMedia", features=features)
+        browser.call("Page.navigate", url=page.resolve().as_uri())
+        browser.wait_for("Page.loadEventFired")
+        answer = browser.call("Runtime.evaluate", expression=_PROBE, awaitPromise=True, returnByValue=True)
+        found: dict[str, Any] = answer["result"].get("value", {"probe": answer})
+        if pictures is not None:
+            name = f"{page.stem}_{width}{'_dark' if dark else ''}"
+            _picture(browser, pictures / f"{name}.png")
+            tall = min(int(found["height"]), 16000 // (2 if phone else 1))
+            clip = {"x": 0, "y": 0, "width": width, "height": tall, "scale": 1}
+            _picture(browser, pictures / f"{name}_page.png", clip=clip, captureBeyondViewport=True)
+        found["still"] = still
+        found["errors"] = [message for message in browser.told if message.get("method") in _WRONG]
+    return found
+
+
+def faults(found: dict[str, Any]) -> list[str]:
+    """Name what is wrong in what `look` found."""
+    checks = {
+        "wider than the window": found["page"] > found["width"] or found["wide"],
+        "errors": found["errors"],
+        "asks for other files": found["requests"],
+        "broken images": found["broken"],
+        "no numbers": found["nan"],
+        "nothing moves": not all(found["moved"]),
+        "does not play": found["plays"] is False,
+        "does not obey keys": found["keys"] is False,
+        "does not start by itself": found["starts"] is False and not found["still"],
+        "starts by itself": found["starts"] and found["still"],
+    }
+    return [name for name, is_wrong in checks.items() if is_wrong]
+
+
+def _picture(browser: Browser, file: Path, **options: Any) -> None:
+    data = browser.call("Page.captureScreenshot", format="png", **options)["data"]
+    file.write_bytes(base64.b64decode(data))
+
+
+def main() -> int:
+    """Check the page named on the command line; return the exit code."""
+    page = Path(sys.argv[1])
+    pictures = Path(sys.argv[2]) if len(sys.argv) > 2 else None
+    program = find_browser()
+    if program is None:
+        sys.stderr.write(f"no browser found; looked for {', '.join(BROWSERS)}\n")
+        return 2
+    bad = False
+    for width, height in SIZES:
+        for dark in (False, True):
+            found = look(program, page, (width, height), pictures, dark=dark, still=dark)
+            wrong = faults(found)
+            bad |= bool(wrong)
+            told = f"FAILED: {', '.join(wrong)} {found}" if wrong else "ok"
+            count = f"{found['images']} images, {len(found['moved'])} animations"
+            sys.stdout.write(f"{width}x{height}{' dark' if dark else ''}: {count}, {told}\n")
+    return int(bad)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

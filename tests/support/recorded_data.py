@@ -1,0 +1,142 @@
+"""One of each public record of the library, made as a user would."""
+
+import dataclasses
+import importlib
+import math
+import pkgutil
+from typing import Any
+
+import numpy as np
+
+import cca_core
+from cca_core import (
+    Command,
+    Lane,
+    LocalFrame,
+    Path,
+    Planner,
+    RemoteVehicle,
+    Road,
+    VehicleParams,
+    VehicleState,
+    choose_action,
+    fit_path,
+    relax_band,
+)  # fmt: skip
+from cca_core.band import BandStiffness
+from cca_core.decide import RSS_EGO, Candidate, Conflict, CrossingSettings, Leader
+from cca_core.follow import (
+    Margins,
+    SpeedSettings,
+    StabilityRegion,
+    gain_region,
+    shipped_gains,
+    single_track,
+)  # fmt: skip
+from cca_core.geometry import boxes
+from cca_core.path import Waypoints, clean_route
+from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.maneuver import Evasion
+from cca_core.planner.replan import Renewal
+from cca_core.planner.settings import EvasionSettings
+from cca_core.v2x import (
+    Accuracy,
+    Brakes,
+    Bsm,
+    ChannelSettings,
+    Outcome,
+    PlausibilitySettings,
+    SenderSettings,
+    TrackerSettings,
+)  # fmt: skip
+from cca_core.warnings import Alert, AlertSettings, Application, EgoView, Level, Sighting
+
+CAR = VehicleParams.bmw_320i()
+ROUTE = fit_path(np.column_stack((np.arange(0.0, 601.0, 5.0), np.zeros(121))), tolerance=0.1)
+ROAD = Road(ROUTE, lanes=[Lane(d=0.0), Lane(d=3.5, direction=-1)], speed_limit=25.0)
+OTHERS = (
+    RemoteVehicle(id="parked", x=120.0, y=0.0, psi=0.0, v_x=0.0),
+    RemoteVehicle(
+        id="oncoming", x=560.0, y=3.5, psi=math.pi, v_x=15.0, events=frozenset({"abs_active", "lights"})
+    ),
+)
+
+
+def driven(planner: Planner, steps: range) -> list[Command]:
+    """Let a planner drive at 20 m/s from the start of the route towards what is parked on it."""
+    states = (VehicleState(x=0.4 * i, y=0.0, psi=0.0, v_x=20.0) for i in steps)
+    return [planner.step(0.02 * i, state, OTHERS) for i, state in zip(steps, states, strict=True)]
+
+
+def public_records() -> set[type]:
+    """Dataclasses among the public names of the rooms of the core."""
+    found = set()
+    for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
+        room = module.name.removeprefix("cca_core.")
+        if room.startswith("_") or room in ("plot", "baselines", "sim"):
+            continue
+        loaded = importlib.import_module(module.name)
+        values = (getattr(loaded, name) for name in getattr(loaded, "__all__", ()))
+        found |= {value for value in values if isinstance(value, type) and dataclasses.is_dataclass(value)}
+    return found
+
+
+def examples() -> dict[str, Any]:
+    """One of each, by the name of its class."""
+    command = driven(Planner(CAR, ROAD, cruise_speed=20.0), range(200))[-1]
+    assert command.band is not None
+    view = EgoView(path=ROUTE, s=3.0, d=0.0, v=20.0, half_length=2.3, half_width=0.9, intent="left")
+    conflict = Conflict(
+        remote="a", s_in=20.0, s_out=30.0, distance=17.0, ego=(1.0, 1.5), other=(0.5, math.inf),
+        expected=(0.5, 2.0), margin=1.0,
+    )  # fmt: skip
+    candidate = Candidate(side="left", lead_in=40.0, needed=35.0, duration=4.0, zone=(-10.0, 60.0))
+    leader = Leader(id="a", gap=30.0, v_x=10.0, required_deceleration=2.0, follow_acceleration=-1.0)
+    values = [
+        ROUTE, ROAD, ROAD.lanes[1], LocalFrame(41.3, -105.6),
+        clean_route(ROUTE.sample(10.0)), clean_route(ROUTE.sample(10.0)).report,
+        Waypoints(lat=np.array([41.0, 41.1]), lon=np.array([-105.0, -105.1]), duplicates=2),
+        CAR, VehicleState(x=1.0, y=2.0, psi=0.1, v_x=20.0), OTHERS[1],
+        command, command.band, BandStiffness(k_b=2.0), boxes([0.0, 1.0], 2.0, 0.1, 4.5, 1.8),
+        SpeedSettings(), StabilityRegion(), shipped_gains(CAR), single_track(CAR, 20.0, 22.0),
+        gain_region(CAR, 20.0, 22.0, StabilityRegion()),
+        Margins(v_x=20.0, gain=3.0, phase=1.0, delay=0.1, disk=0.8, crossover=2.0),
+        choose_action(leader, [candidate]), leader, candidate, CrossingSettings(), conflict, RSS_EGO,
+        AlertSettings(), view,
+        Alert(
+            application=Application.FCW, level=Level.WARN, remote="a", time_to_conflict=math.inf, reason="",
+        ),
+        Sighting(
+            remote=OTHERS[0], gap=5.0, beside=0.0, v=0.0, angle=0.0, half_length=2.0, half_width=1.0,
+            conflict=conflict,
+        ),
+        EvasionSettings(known_range=math.inf),
+        Renewal(maneuver=None, reason="swerve given up"),
+        Evasion(
+            side="left", start=1.0, end=99.0, band=relax_band(ROUTE.sample(5.0), vehicle=CAR),
+            displacement=np.zeros(20), reference=ROUTE, candidate=candidate,
+        ),
+        Ego(vehicle=CAR, s=1.0, v_x=20.0, v_target=20.0, speed=SpeedSettings()),
+        Neighbour.seen_from(OTHERS[0], 120.0, 0.0, 0.0, 0.0),
+        Accuracy(), Brakes(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
+        ChannelSettings(), Outcome(accepted=True, what="new", id="a", t=3.0), PlausibilitySettings(),
+        SenderSettings(), TrackerSettings(),
+    ]  # fmt: skip
+    return {type(value).__name__: value for value in values}
+
+
+def parts(value: Any) -> Any:
+    """Fields and arrays in what `==` compares exactly, all the way down; NaN equals NaN."""
+    if isinstance(value, np.ndarray):
+        return value.shape, value.dtype.str, value.tobytes() if value.dtype != object else value.tolist()
+    if isinstance(value, Path):
+        return parts(value.breaks), parts(value.coefficients)
+    if isinstance(value, Road):
+        return parts(value.path), value.lanes, value.speed_limit
+    if isinstance(value, LocalFrame):
+        return value.lat0, value.lon0
+    if dataclasses.is_dataclass(value):
+        return type(value), [parts(getattr(value, field.name)) for field in dataclasses.fields(value)]
+    if isinstance(value, (tuple, list)):
+        return [parts(item) for item in value]
+    return "NaN" if isinstance(value, float) and math.isnan(value) else value
