@@ -26,7 +26,7 @@ class Mark:
     ----------
     xy : ndarray, shape (n, 2)
         Its points [m]; without any it is not drawn.
-    colour : str
+    color : str
         As in CSS.
     kind : {"line", "dashes", "swath", "area", "dots", "arrow"}
         A swath is a translucent line as wide as `width`, an area is closed and filled, an arrow is a head at
@@ -36,7 +36,7 @@ class Mark:
     """
 
     xy: Array
-    colour: str
+    color: str
     kind: str = "line"
     width: float = 1.5
 
@@ -64,8 +64,8 @@ def drawing(marks: Sequence[Mark], caption: str) -> str:
     inner = _WIDTH - 2.0 * _MARGIN
     scale = float(min(inner / extent[0], _TALLEST / extent[1]))
     height = max(float(extent[1]) * scale, 24.0) + 2.0 * _MARGIN + _FOOT
-    centre, middle = 0.5 * (low + high), np.array((0.5 * _WIDTH, 0.5 * (height - _FOOT)))
-    shapes = [_shape(mark, (mark.xy - centre) * (scale, -scale) + middle, scale) for mark in marks]
+    center, middle = 0.5 * (low + high), np.array((0.5 * _WIDTH, 0.5 * (height - _FOOT)))
+    shapes = [_shape(mark, (mark.xy - center) * (scale, -scale) + middle, scale) for mark in marks]
     text = escape(caption)
     return "\n".join(
         (
@@ -85,14 +85,14 @@ def _shape(mark: Mark, at: Array, scale: float) -> str:
     """Element for a mark whose points lie `at` pixels."""
     if mark.kind == "dots":
         dots = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in at.tolist())
-        return f'<path d="{dots}" stroke="{mark.colour}" stroke-width="4" stroke-linecap="round"/>'
+        return f'<path d="{dots}" stroke="{mark.color}" stroke-width="4" stroke-linecap="round"/>'
     if mark.kind == "arrow":
         along = at[-1] - at[-2]
         cos, sin = along / max(float(np.hypot(*along)), 1e-9)
         at = at[-1] + _ARROW @ np.array([[cos, sin], [-sin, cos]])
     path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in at.tolist())
     if mark.kind in ("area", "arrow"):
-        return f'<path d="{path}Z" fill="{mark.colour}"/>'
+        return f'<path d="{path}Z" fill="{mark.color}"/>'
     look = ""
     width = mark.width
     if mark.kind == "dashes":
@@ -100,13 +100,13 @@ def _shape(mark: Mark, at: Array, scale: float) -> str:
     elif mark.kind == "swath":
         look, width = ' stroke-opacity="0.25"', mark.width * scale
     return (
-        f'<path d="{path}" fill="none" stroke="{mark.colour}" stroke-width="{width:.2f}" '
+        f'<path d="{path}" fill="none" stroke="{mark.color}" stroke-width="{width:.2f}" '
         f'stroke-linejoin="round"{look}/>'
     )
 
 
 def _scale_bar(scale: float, y: float) -> str:
-    """Bar of 1, 2 or 5 times a power of ten metres, with its length."""
+    """Bar of 1, 2 or 5 times a power of ten meters, with its length."""
     power = 10.0 ** math.floor(math.log10(_BAR / scale))
     length = next(step * power for step in (5.0, 2.0, 1.0) if step * power * scale <= _BAR)
     name = f"{length / 1e3:g} km" if length >= 1e3 else f"{length:g} m"

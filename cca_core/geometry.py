@@ -52,7 +52,7 @@ class Boxes:
     Parameters
     ----------
     x, y : ndarray, shape (...)
-        Centre of the box [m].
+        Center of the box [m].
     psi : ndarray, shape (...)
         Heading of its long axis [rad], counter-clockwise from +x.
     length, width : ndarray, shape (...)
@@ -87,7 +87,7 @@ def boxes(x: ArrayLike, y: ArrayLike, psi: ArrayLike, length: ArrayLike, width: 
     Parameters
     ----------
     x, y : array_like, shape (...)
-        Centre of the box [m].
+        Center of the box [m].
     psi : array_like, shape (...)
         Heading [rad], counter-clockwise from +x.
     length, width : array_like, shape (...)
@@ -145,7 +145,7 @@ def gap_between(
     Parameters
     ----------
     offset : ndarray of complex, shape (...)
-        From the centre of box a to that of box b [m].
+        From the center of box a to that of box b [m].
     ahead_a, ahead_b : ndarray of complex, shape (...)
         Headings as unit numbers exp(i psi) [-].
     length_a, width_a, length_b, width_b : ndarray or float
@@ -164,7 +164,7 @@ def gap_between(
     half[0], half[1], half[2], half[3] = length_a, length_b, width_a, width_b
     own, other = half.reshape(2, 2, *seen.shape[1:]), half.reshape(2, 2, *seen.shape[1:])[:, ::-1]
     c, s = np.abs(turn.real), np.abs(turn.imag)
-    # how far centres are apart along each axis of each box, beyond the own half extent
+    # how far centers are apart along each axis of each box, beyond the own half extent
     apart = np.array((np.abs(seen.real), np.abs(seen.imag))) - own
     reach = np.array((other[0] * c + other[1] * s, other[0] * s + other[1] * c))
     separation = (apart - reach).max(axis=(0, 1))

@@ -123,12 +123,12 @@ def boxes_between(
     last = np.maximum(np.minimum(front, s + _WINDOW), rear)
     first, last = np.minimum(first, last), np.maximum(first, last)
     middle, length = 0.5 * (first + last), last - first
-    centre, tangent, second = path.derivatives(middle)
+    center, tangent, second = path.derivatives(middle)
     norm = np.hypot(tangent[..., 0], tangent[..., 1])
     bend = np.abs(tangent[..., 0] * second[..., 1] - tangent[..., 1] * second[..., 0]) / norm**3
     return Boxes(
-        centre[..., 0] - d * tangent[..., 1] / norm,
-        centre[..., 1] + d * tangent[..., 0] / norm,
+        center[..., 0] - d * tangent[..., 1] / norm,
+        center[..., 1] + d * tangent[..., 0] / norm,
         np.arctan2(tangent[..., 1], tangent[..., 0]),
         length,
         2.0 * half_width + 0.25 * bend * length * length,
@@ -189,17 +189,17 @@ def predict_along(remote: RemoteVehicle, path: Path, s: float, d: float, t: Arra
     Notes
     -----
     Its speed along the path is v cos(psi - psi_p) / (1 - d kappa), with the curvature where it is now; a
-    vehicle heading against the path drives towards smaller s.
+    vehicle heading against the path drives toward smaller s.
     """
     relative = remote.psi - float(path.heading(s))
     forward = np.cos(relative) / max(1.0 - d * path.curvature_at(s), 0.1)
     at = s + forward * travel(remote.v_x, remote.a_x, t)
-    centre, tangent, _ = path.derivatives(at)
+    center, tangent, _ = path.derivatives(at)
     norm = np.hypot(tangent[..., 0], tangent[..., 1])
     heading = np.arctan2(tangent[..., 1], tangent[..., 0]) + relative
     return Boxes(
-        centre[..., 0] - d * tangent[..., 1] / norm,
-        centre[..., 1] + d * tangent[..., 0] / norm,
+        center[..., 0] - d * tangent[..., 1] / norm,
+        center[..., 1] + d * tangent[..., 0] / norm,
         heading,
         np.array(remote.length + 2.0 * _BOUND * remote.sigma_along),
         np.array(remote.width + 2.0 * _BOUND * remote.sigma_across),

@@ -26,24 +26,24 @@ __all__ = ["FARTHEST", "FASTEST", "RemoteVehicle", "VehicleParams", "VehicleStat
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleParams:
-    """Geometry, inertia and tyres of a car.
+    """Geometry, inertia and tires of a car.
 
     Parameters
     ----------
     m : float
         Mass [kg].
     I_z : float
-        Yaw inertia about the centre of gravity [kg m^2].
+        Yaw inertia about the center of gravity [kg m^2].
     l_f, l_r : float
-        Centre of gravity to front and rear axle [m].
+        Center of gravity to front and rear axle [m].
     C_f, C_r : float
         Cornering stiffness per axle [N/rad], positive.
     length, width : float
         Body box [m].
     box_offset : float
-        Centre of gravity to centre of the body box [m], forward positive.
+        Center of gravity to center of the body box [m], forward positive.
     mu : float
-        Tyre-road friction coefficient [-].
+        Tire-road friction coefficient [-].
     delta_max : float
         Largest road-wheel angle [rad].
     delta_rate_max : float
@@ -141,7 +141,7 @@ class VehicleParams:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleState:
-    """Planar motion of the ego at its centre of gravity (ISO 8855).
+    """Planar motion of the ego at its center of gravity (ISO 8855).
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ class VehicleState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RemoteVehicle:
-    """What is known of another vehicle now, at the centre of its body box.
+    """What is known of another vehicle now, at the center of its body box.
 
     It is a record of what somebody else said, so it accepts any value: `defect` tells whether it can be
     used, and the planner drops what cannot, with that reason.

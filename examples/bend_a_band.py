@@ -5,7 +5,7 @@ import numpy as np
 from cca_core import InfeasibleError, VehicleParams, relax_band
 from cca_core.geometry import boxes
 
-route = np.column_stack((np.arange(0.0, 101.0), np.zeros(101)))  # 100 m straight ahead, a node each metre
+route = np.column_stack((np.arange(0.0, 101.0), np.zeros(101)))  # 100 m straight ahead, a node each meter
 parked = boxes(50.0, -0.8, 0.0, 4.5, 1.8)  # stands with its left side 0.1 m left of the route
 car = VehicleParams.bmw_320i()
 

@@ -1,7 +1,7 @@
 """Drive the paper's four scenarios, with and without V2V, and show what happened.
 
-The first three have roads of their own. For the fourth, manoeuvring in traffic, latitudes and longitudes
-become metres, the metres a smooth path, and its longest stretch without a tight bend the road. Writes
+The first three have roads of their own. For the fourth, maneuvering in traffic, latitudes and longitudes
+become meters, the meters a smooth path, and its longest stretch without a tight bend the road. Writes
 summary.json, the figures and report.html.
 """
 
@@ -21,7 +21,7 @@ from cca_core.sim import Log, Scenario, paper_scenarios, simulate
 from cca_core.sim.loop import CYCLE
 from cca_core.sim.scenarios.demo_road import demo_route, longest_stretch
 
-RADIUS = 200.0  # tighter bends are no place for these manoeuvres [m]
+RADIUS = 200.0  # tighter bends are no place for these maneuvers [m]
 MARGIN = 220.0  # road behind the ego's start, from where the fast car of case 2 comes [m]
 
 

@@ -1,4 +1,4 @@
-"""A closed loop of your own: a car on tyres that can slide, steered along an S-bend."""
+"""A closed loop of your own: a car on tires that can slide, steered along an S-bend."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ path = fit_path(np.column_stack((x, 8.0 * np.sin(x / 50.0))), tolerance=0.05)
 vehicle = VehicleParams.bmw_320i()
 
 for speed in (10.0, 20.0, 25.0):
-    start = VehicleState(x=0.0, y=0.5, psi=float(path.heading(0.0)), v_x=speed)  # half a metre off
+    start = VehicleState(x=0.0, y=0.5, psi=float(path.heading(0.0)), v_x=speed)  # half a meter off
     plant, controller = SingleTrackPlant(vehicle, start), PreviewController(vehicle)
     s, errors, a_y = 0.0, [], []
     while s < path.end - 20.0:

@@ -80,7 +80,7 @@ def main() -> None:
 
 
 def look_into_wheel(wheel: Path) -> None:
-    """Check that it holds the package, its licence and nothing else."""
+    """Check that it holds the package, its license and nothing else."""
     with zipfile.ZipFile(wheel) as file:
         names = set(file.namelist())
         metadata = Parser().parsestr(file.read(f"{NAME}.dist-info/METADATA").decode())
@@ -88,8 +88,8 @@ def look_into_wheel(wheel: Path) -> None:
     files = {path.relative_to(ROOT).as_posix() for path in (ROOT / "cca_core").rglob("*") if path.is_file()}
     expect(own == {name for name in files if "__pycache__" not in name}, f"wheel differs: {own ^ files}")
     expect("cca_core/py.typed" in own, "py.typed is missing")
-    expect(f"{NAME}.dist-info/licenses/LICENSE" in names, "the licence is missing")
-    expect(metadata["License-Expression"] == "Apache-2.0", "no licence expression")
+    expect(f"{NAME}.dist-info/licenses/LICENSE" in names, "the license is missing")
+    expect(metadata["License-Expression"] == "Apache-2.0", "no license expression")
     expect(metadata["Requires-Python"] == PROJECT["requires-python"], "another Python")
     expect(len(metadata.get_payload()) > 1000, "no readme")
     print(f"wheel: {wheel.stat().st_size / 1e3:.0f} kB, {len(own)} files")

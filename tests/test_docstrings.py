@@ -130,14 +130,14 @@ def class_complaints(cls: type) -> Iterator[str]:
     if dataclasses.is_dataclass(cls):
         fields = [field.name for field in dataclasses.fields(cls) if field.name[0] != "_"]
         yield from parameter_complaints(doc, fields, "Attributes")
-        initialiser = vars(cls).get("__post_init__")
+        initializer = vars(cls).get("__post_init__")
     else:
-        initialiser = None if issubclass(cls, enum.Enum) else vars(cls).get("__init__")
-        if initialiser is not None:
-            expected = [p for p in list(inspect.signature(initialiser).parameters)[1:] if p[0] != "_"]
+        initializer = None if issubclass(cls, enum.Enum) else vars(cls).get("__init__")
+        if initializer is not None:
+            expected = [p for p in list(inspect.signature(initializer).parameters)[1:] if p[0] != "_"]
             yield from parameter_complaints(doc, expected)
-    if initialiser is not None:
-        yield from raises_complaints(doc, initialiser)
+    if initializer is not None:
+        yield from raises_complaints(doc, initializer)
 
 
 def public_modules() -> Iterator[Any]:

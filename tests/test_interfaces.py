@@ -162,7 +162,7 @@ PICTURES = {
     "short path": Path([0.0, 1e-3], [[[0.0, 0.0, 0.0, 3.0], [0.0, 0.0, 1e-3, -2.0]]]),
     "long path": circle(1e5),
     "road": ROAD,
-    "road towards us": Road(circle(50.0), lanes=[Lane(d=0.0), Lane(d=3.5, direction=-1)]),
+    "road toward us": Road(circle(50.0), lanes=[Lane(d=0.0), Lane(d=3.5, direction=-1)]),
 }
 
 

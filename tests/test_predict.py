@@ -20,7 +20,7 @@ RADIUS = 100.0
 
 @pytest.fixture(scope="module")
 def circle() -> Path:
-    """Left-hand circle about (0, R), from the origin towards +x, two thirds of a turn."""
+    """Left-hand circle about (0, R), from the origin toward +x, two thirds of a turn."""
     phi = np.linspace(0.0, 4.0, 401)
     nodes = RADIUS * np.column_stack((np.sin(phi), 1.0 - np.cos(phi)))
     return interpolate_path(nodes, start_tangent=[1.0, 0.0], end_tangent=[math.cos(4.0), math.sin(4.0)])
@@ -59,7 +59,7 @@ def test_along_a_straight_road() -> None:
     np.testing.assert_allclose(found.psi, 0.0, atol=1e-12)
 
 
-def test_oncoming_drives_towards_smaller_s_and_keeps_its_heading() -> None:
+def test_oncoming_drives_toward_smaller_s_and_keeps_its_heading() -> None:
     t = np.array([0.0, 1.0, 2.0])
     found = predict_along(remote(psi=math.pi), STRAIGHT, 150.0, 3.5, t)
     np.testing.assert_allclose(found.x, [150.0, 130.0, 110.0], atol=1e-12)
@@ -76,7 +76,7 @@ def test_oncoming_and_braking_stops() -> None:
 def test_along_a_circle_it_keeps_its_lane_and_turns_with_the_road(circle: Path, d: float) -> None:
     t = np.linspace(0.0, 8.0, 9)
     found = predict_along(remote(), circle, 50.0, d, t)
-    phi = np.arctan2(found.x, RADIUS - found.y)  # angle about the centre
+    phi = np.arctan2(found.x, RADIUS - found.y)  # angle about the center
     np.testing.assert_allclose(np.hypot(found.x, found.y - RADIUS), RADIUS - d, atol=1e-5)
     np.testing.assert_allclose(wrap_angle(found.psi - phi - (found.psi - phi)[0]), 0.0, atol=1e-5)
     np.testing.assert_allclose(np.diff(np.unwrap(found.psi)), np.diff(np.unwrap(phi)), atol=1e-5)
@@ -84,7 +84,7 @@ def test_along_a_circle_it_keeps_its_lane_and_turns_with_the_road(circle: Path, 
 
 @pytest.mark.parametrize("d", [-7.0, -3.5, 3.5])
 def test_speed_is_that_of_the_vehicle_not_of_its_foot_point(circle: Path, d: float) -> None:
-    """In t seconds a car beside drives v t of its own metres, (1 - d kappa) for each of the road."""
+    """In t seconds a car beside drives v t of its own meters, (1 - d kappa) for each of the road."""
     t = np.linspace(0.0, 8.0, 81)
     found = predict_along(remote(psi=float(circle.heading(50.0))), circle, 50.0, d, t)
     driven = np.hypot(np.diff(found.x), np.diff(found.y)).sum()

@@ -37,7 +37,7 @@ class Band:
         bound of bands that swerve by less than 30 m; within 5 mm, and the bulge of the band between nodes,
         where it is less than 1 cm above what was asked.
     edge_clearance : float or ndarray, shape (...)
-        The same towards the edges of the corridor [m].
+        The same toward the edges of the corridor [m].
     curvature : float or ndarray, shape (...)
         Largest curvature along the band [1/m], without sign.
     passes_left : ndarray of bool, shape (n_obstacles, ...)
@@ -61,7 +61,7 @@ class Band:
     task : Task
         What was asked, for those who go on with the band.
     qp_residual : float, optional
-        Largest KKT residual of the quadratic programme, if the band was smoothed by one [-].
+        Largest KKT residual of the quadratic program, if the band was smoothed by one [-].
     """
 
     nodes: Array

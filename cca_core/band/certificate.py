@@ -49,7 +49,7 @@ class Certificate:
     sixth: Complex
 
     def excess(self, task: Task) -> Array:
-        """Return how far bands are from what was asked [-], shape (bands,); a metre counts as 5 limits."""
+        """Return how far bands are from what was asked [-], shape (bands,); a meter counts as 5 limits."""
         short = np.maximum(task.clearance - self.least_gap, -self.least_edge)
         excess: Array = 5.0 * np.maximum(short, 0.0) + np.maximum(self.bent - 1.0, 0.0)
         return excess
@@ -117,9 +117,9 @@ def end_gaps(task: Task) -> Array:
 def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array:
     """Least gap (m, bands, n) to each obstacle between each node and the next."""
     o, vehicle, clearance = task.corridor, task.vehicle, task.clearance
-    if not len(o.centre):
-        return np.empty(o.centre.shape)
-    middles = np.abs(o.centre - (nodes + vehicle.box_offset * along))
+    if not len(o.center):
+        return np.empty(o.center.shape)
+    middles = np.abs(o.center - (nodes + vehicle.box_offset * along))
     # circles around the boxes bound their gap from below, circles inside them from above
     gaps = middles - (o.radius + 0.5 * math.hypot(vehicle.length, vehicle.width))
     most = (middles - o.half_width).min(axis=(0, 2)) - 0.5 * vehicle.width
@@ -166,15 +166,15 @@ def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array
 
 def _at(corridor: Corridor, pairs: tuple[Any, ...]) -> tuple[Complex, Complex, Array, Array]:
     o = corridor
-    return o.centre[pairs], o.ahead[pairs], o.half_length[pairs], o.half_width[pairs]
+    return o.center[pairs], o.ahead[pairs], o.half_length[pairs], o.half_width[pairs]
 
 
 def _gap(
     position: Complex, ahead: Complex, obstacle: tuple[Complex, Complex, Array, Array], vehicle: VehicleParams
 ) -> Array:
-    centre, heading, half_length, half_width = obstacle
+    center, heading, half_length, half_width = obstacle
     return gap_between(
-        centre - position - vehicle.box_offset * ahead, ahead, heading,
+        center - position - vehicle.box_offset * ahead, ahead, heading,
         0.5 * vehicle.length, 0.5 * vehicle.width, half_length, half_width,
     )  # fmt: skip
 
@@ -190,11 +190,11 @@ def _between(
     a, b = along[band, i] * np.abs(chord) - chord, chord - along[band, i + 1] * np.abs(chord)
     position = p + f * chord + f * (1.0 - f) * ((1.0 - f) * a + f * b)
     ahead = chord + (1.0 - f) * (1.0 - 3.0 * f) * a + f * (2.0 - 3.0 * f) * b
-    centre, heading, half_length, half_width = _at(corridor, pairs)
+    center, heading, half_length, half_width = _at(corridor, pairs)
     later = _at(corridor, (o, band, i + 1))
     heading = heading + f * (later[1] - heading)
     obstacle = (
-        centre + f * (later[0] - centre), heading / np.abs(heading),
+        center + f * (later[0] - center), heading / np.abs(heading),
         half_length + f * (later[2] - half_length), half_width + f * (later[3] - half_width),
     )  # fmt: skip
     gaps = _gap(position, ahead / np.abs(ahead), obstacle, vehicle)

@@ -15,7 +15,7 @@ from cca_core.vehicle import VehicleParams
 
 Side = Literal["left", "right"]
 _ALIGNED = 0.02  # sine of a turn below which a box is as good as parallel
-_OF_OBSTACLES = ("centre", "ahead", "half_length", "half_width", "radius", "moves", "abeam", "right", "left")
+_OF_OBSTACLES = ("center", "ahead", "half_length", "half_width", "radius", "moves", "abeam", "right", "left")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,7 +24,7 @@ class Corridor:
 
     Parameters
     ----------
-    centre, ahead : ndarray of complex, shape (m, bands, n)
+    center, ahead : ndarray of complex, shape (m, bands, n)
         Middle of each obstacle's box x + iy when the ego is at each node [m] and its unit heading [-].
     half_length, half_width : ndarray, shape (m, bands, n)
         Half extents of the boxes [m].
@@ -42,7 +42,7 @@ class Corridor:
         Whether there are edges at all.
     """
 
-    centre: Complex
+    center: Complex
     ahead: Complex
     half_length: Array
     half_width: Array
@@ -145,13 +145,13 @@ def corridor_around(
     run_up = check_any("lead", lead)
     if run_up.shape not in ((), (m,)) or run_up.min(initial=0.0) < 0.0:
         raise InputError(f"lead must have shape () or ({m},) and not be negative, was {lead!r}")
-    centre, ahead = x + 1j * y, np.cos(psi) + 1j * np.sin(psi)
+    center, ahead = x + 1j * y, np.cos(psi) + 1j * np.sin(psi)
     radius = np.hypot(half_length, half_width)
     moves = np.zeros(radius.shape[:2])
     if any(np.ndim(o.x) or np.ndim(o.y) or np.ndim(o.psi) for o in obstacles):
         turns = np.abs(ahead[..., 1:] - ahead[..., :-1]) * radius[..., 1:]
-        moves = (np.abs(centre[..., 1:] - centre[..., :-1]) + turns).max(axis=-1)
-    apart = (centre - base) * tangents.conj()
+        moves = (np.abs(center[..., 1:] - center[..., :-1]) + turns).max(axis=-1)
+    apart = (center - base) * tangents.conj()
     abeam, right, left = _span(
         apart - vehicle.box_offset, ahead * tangents.conj(), half_length + clearance, half_width + clearance,
         0.5 * vehicle.length, run_up[..., None, None],
@@ -159,7 +159,7 @@ def corridor_around(
     keep = 0.5 * vehicle.width
     lower, upper = _edges(edges, shape)
     return Corridor(
-        centre, ahead, half_length, half_width, radius, moves,
+        center, ahead, half_length, half_width, radius, moves,
         abeam, right - keep, left + keep,
         lower + keep, upper - keep, edges is not None,
     )  # fmt: skip
@@ -190,16 +190,16 @@ def _stacked(obstacles: Sequence[Boxes], shape: tuple[int, ...]) -> Array:
 
 
 def _span(
-    centre: Complex, turn: Complex, length: Array, width: Array, reach: float, lead: Array
+    center: Complex, turn: Complex, length: Array, width: Array, reach: float, lead: Array
 ) -> tuple[Mask, Array, Array]:
     """Where boxes are abeam of a stretch of the x axis from -reach to reach + lead, and what they cover.
 
-    Centres and turns are relative to that stretch, extents are half ones. Covered is what the upper and the
+    Centers and turns are relative to that stretch, extents are half ones. Covered is what the upper and the
     lower roof of the box reach over the stretch: a roof has its ridge at a corner and falls to both sides
     along the edges that meet there.
     """
     c, s = np.abs(turn.real), np.abs(turn.imag)
-    x, y = centre.real, centre.imag
+    x, y = center.real, center.imag
     half_x, half_y = length * c + width * s, length * s + width * c
     abeam: Mask = (x >= -half_x - reach) & (x <= half_x + reach + lead)
     if s.max(initial=0.0) < _ALIGNED:

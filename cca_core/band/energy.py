@@ -90,7 +90,7 @@ def band_gradient(
 def band_hessian(
     u: ArrayLike, *, lower: ArrayLike, upper: ArrayLike, spacing: float, stiffness: BandStiffness
 ) -> Array:
-    """Generalised Hessian of `band_energy` at the nodes that are not pinned, in upper band storage.
+    """Generalized Hessian of `band_energy` at the nodes that are not pinned, in upper band storage.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def kkt_residual(
 
     Notes
     -----
-    Bounds are soft, so the KKT conditions of the minimisation are that the gradient vanishes.
+    Bounds are soft, so the KKT conditions of the minimization are that the gradient vanishes.
     """
     gradient = band_gradient(u, lower=lower, upper=upper, spacing=spacing, stiffness=stiffness)
     residual: Array = np.abs(gradient).max(axis=-1) / (stiffness.k_e * spacing)

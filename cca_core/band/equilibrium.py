@@ -1,6 +1,6 @@
 """Equilibrium of bands against one-sided bounds: a handful of banded solves.
 
-The system, its contacts, the steps towards its minimum and the band without contacts share one stiffness and
+The system, its contacts, the steps toward its minimum and the band without contacts share one stiffness and
 one way to keep its digits, so this module is a little longer than others.
 """
 
@@ -67,7 +67,7 @@ def equilibrium(
 
     Notes
     -----
-    Minimises ``1/2 u K u + 1/2 contact (sum max(lower - u, 0)^2 + max(u - upper, 0)^2)``, and the same for
+    Minimizes ``1/2 u K u + 1/2 contact (sum max(lower - u, 0)^2 + max(u - upper, 0)^2)``, and the same for
     the bounds of the bending, by a semi-smooth Newton iteration. The energy is convex and quadratic in parts,
     so a step whose contact set is its own is the minimum. Where full steps have not settled after a while,
     steps are shortened to where the energy along them is least, so that it falls with every one. Bands are
@@ -275,7 +275,7 @@ def internal(stencil: Array, u: Array) -> Array:
     tension = -stencil[..., 1:2] - 4.0 * bending - 15.0 * rate
     wide = np.zeros((*u.shape[:-1], u.shape[-1] + 6), dtype=stencil.dtype)
     wide[..., 3:-3] = u
-    # differences of neighbours keep the digits that a sum with the stencil loses
+    # differences of neighbors keep the digits that a sum with the stencil loses
     slope = np.diff(wide)
     bend = np.diff(slope)
     moment = bending * bend[..., 1:-1] - np.diff(rate * np.diff(bend))

@@ -24,23 +24,23 @@ def marks_of(band: "Band") -> list[Mark]:
     -------
     marks : list of Mark
         Route, edges and obstacles, each as the ego comes nearest to it, and the band as wide as the ego, in
-        another colour where it must not be driven.
+        another color where it must not be driven.
     """
     task, nodes = band.task, band.nodes.view(np.complex128)[:, 0]
     route, left, corridor = task.base[0], 1j * task.tangents[0], task.corridor
     half = 0.5 * task.vehicle.width
-    marks = [Mark(xy=_points(route), colour=ROUTE, kind="dashes", width=1.0)]
+    marks = [Mark(xy=_points(route), color=ROUTE, kind="dashes", width=1.0)]
     if corridor.edged:
         edges = route + left * (corridor.lower[0] - half), route + left * (corridor.upper[0] + half)
-        marks += [Mark(xy=_points(edge), colour=EDGE) for edge in edges]
-    for i, centre in enumerate(corridor.centre[:, 0]):
-        k = int(np.abs(centre - nodes).argmin())
+        marks += [Mark(xy=_points(edge), color=EDGE) for edge in edges]
+    for i, center in enumerate(corridor.center[:, 0]):
+        k = int(np.abs(center - nodes).argmin())
         size = 2.0 * corridor.half_length[i, 0, k], 2.0 * corridor.half_width[i, 0, k]
-        box = boxes(centre[k].real, centre[k].imag, np.angle(corridor.ahead[i, 0, k]), *size)
-        marks.append(Mark(xy=box.corners(), colour=OTHER, kind="area"))
-    colour = EGO if band.ok else FAILED
-    marks.append(Mark(xy=band.nodes, colour=colour, kind="swath", width=2.0 * half))
-    return [*marks, *(Mark(xy=band.nodes, colour=colour, kind=kind) for kind in ("dots", "arrow"))]
+        box = boxes(center[k].real, center[k].imag, np.angle(corridor.ahead[i, 0, k]), *size)
+        marks.append(Mark(xy=box.corners(), color=OTHER, kind="area"))
+    color = EGO if band.ok else FAILED
+    marks.append(Mark(xy=band.nodes, color=color, kind="swath", width=2.0 * half))
+    return [*marks, *(Mark(xy=band.nodes, color=color, kind=kind) for kind in ("dots", "arrow"))]
 
 
 def _points(z: Complex) -> Array:

@@ -100,7 +100,7 @@ def tangents_of(nodes: Complex) -> tuple[Complex, Array]:
 
 
 def curvature_of(nodes: Complex) -> Array:
-    """Return the signed curvature [1/m] of the circles through three neighbouring nodes x + iy."""
+    """Return the signed curvature [1/m] of the circles through three neighboring nodes x + iy."""
     steps = nodes[:, 1:] - nodes[:, :-1]
     before, after = steps[:, :-1], steps[:, 1:]
     length, chord = np.abs(steps), np.abs(before + after)
@@ -242,13 +242,13 @@ def task_of(
         raise InputError("curvature_limit must be greater than 0")
     base = given.view(np.complex128).reshape(-1, n)
     if (base[:, 1:] == base[:, :-1]).any():
-        raise InputError("nodes must be equally spaced along the route, two neighbours are equal")
+        raise InputError("nodes must be equally spaced along the route, two neighbors are equal")
     tangents, steps = tangents_of(base)
     h = np.add.reduce(steps, axis=1) / (n - 1)
     if (steps.min(axis=1) <= 0.8 * h).any() or (h <= 0.8 * steps.max(axis=1)).any():
         raise InputError(
             f"nodes must be equally spaced along the route, as those of Path.sample are; "
-            f"neighbours are {steps.min():.3g} to {steps.max():.3g} m apart"
+            f"neighbors are {steps.min():.3g} to {steps.max():.3g} m apart"
         )
     bent = np.array([(_end(*b[:4].tolist()), -_end(*b[:-5:-1].tolist())) for b in base])
     held, free = _held(start, shape), np.zeros(base.shape)

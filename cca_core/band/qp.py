@@ -116,7 +116,7 @@ def smoothest(
 
     Notes
     -----
-    Minimises ``integral w_1 c^2 + w_2 c'^2 ds`` where ``c = u'' + kappa_0^2 u`` is the linear change of the
+    Minimizes ``integral w_1 c^2 + w_2 c'^2 ds`` where ``c = u'' + kappa_0^2 u`` is the linear change of the
     route's curvature by an offset u. Displacement and curvature change of every node are the unknowns, so
     that all limits but those of c' are plain bounds. Two nodes at each end are pinned, and beyond them the
     route has constant curvature.

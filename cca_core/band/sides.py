@@ -99,7 +99,7 @@ def cheapest_sides(task: Task, previous: Band | None) -> Mask:
 
 
 def _excess(bands: Band) -> Array:
-    """Return how far bands are from what was asked, a metre that is lacking as much as 5 times the limit."""
+    """Return how far bands are from what was asked, a meter that is lacking as much as 5 times the limit."""
     short = np.maximum(bands.task.clearance - bands.clearance, -bands.edge_clearance).clip(0.0)
     bent = bands.curvature / bands.task.curvature_limit.min(axis=1)
     excess: Array = 5.0 * short + (bent - 1.0).clip(0.0) + 1e-9

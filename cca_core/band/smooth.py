@@ -14,7 +14,7 @@ from cca_core.errors import InputError, Status
 _PASSES = 8
 _AIM = 1e-3  # beyond what is asked [m]
 _MOST_SPARE = 0.05
-_SPARE, _RATE_SPARE = 1e-3, 0.03  # shares of the limits that are left to their linearisation
+_SPARE, _RATE_SPARE = 1e-3, 0.03  # shares of the limits that are left to their linearization
 
 
 def smooth_band(

@@ -51,7 +51,7 @@ def stiffness_matrix(n: int) -> Array:
 
 
 def internal_force(u: ArrayLike, *, k_s: float) -> Array:
-    """Change of the internal force between neighbouring nodes, eq 3.
+    """Change of the internal force between neighboring nodes, eq 3.
 
     Parameters
     ----------
@@ -172,8 +172,8 @@ class BandStiffness:
     k_c : float
         Curvature-rate stiffness [N m^4]: resists change of curvature, makes curvature continuous.
     k_e : float
-        Contact stiffness of obstacles and edges [N/m^2], per metre of band. By default the largest of
-        0.05 k_s, 0.01 k_b and 3e-4 k_c (in metres): much softer contact may give way by more than is made
+        Contact stiffness of obstacles and edges [N/m^2], per meter of band. By default the largest of
+        0.05 k_s, 0.01 k_b and 3e-4 k_c (in meters): much softer contact may give way by more than is made
         up for.
 
     Raises
@@ -205,7 +205,7 @@ class BandStiffness:
             raise InputError("k_s, k_b or k_c must be positive, all were 0")
 
     def stencil(self, h: ArrayLike) -> Array:
-        """Return the internal force per displacement of a node and of its three neighbours on one side.
+        """Return the internal force per displacement of a node and of its three neighbors on one side.
 
         Parameters
         ----------

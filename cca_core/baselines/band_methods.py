@@ -109,7 +109,7 @@ class RelaxedBand:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SmoothedBand:
-    """The same band, smoothed by a quadratic programme within its corridor.
+    """The same band, smoothed by a quadratic program within its corridor.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A plan driven on a car whose tyres can slide."""
+"""A plan driven on a car whose tires can slide."""
 
 from dataclasses import dataclass
 
@@ -34,13 +34,13 @@ class Drive:
     edge : float
         Least distance of the body to the edges [m], negative outside.
     tracking : float
-        Largest distance of the centre of gravity from the plan [m].
+        Largest distance of the center of gravity from the plan [m].
     a_y : float
         Largest lateral acceleration [m/s^2], without sign.
     jerk : float
         Largest change of it within 0.1 s, over this time [m/s^3].
     xy : ndarray, shape (n, 2)
-        Where the centre of gravity was, every 20 ms [m].
+        Where the center of gravity was, every 20 ms [m].
     """
 
     finished: bool

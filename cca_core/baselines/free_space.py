@@ -42,14 +42,14 @@ class Stretch:
     Parameters
     ----------
     s : ndarray, shape (n,)
-        Stations: path coordinates of the foot point of the ego's centre of gravity [m].
+        Stations: path coordinates of the foot point of the ego's center of gravity [m].
     t : ndarray, shape (n,)
         Times at which it is there, (s - start) / v_x [s].
     place, along : ndarray of complex, shape (n,)
         Points of the route x + iy [m] and unit tangents [-].
     kappa : ndarray, shape (n,)
         Curvature of the route [1/m].
-    centre, ahead : ndarray of complex, shape (others, n)
+    center, ahead : ndarray of complex, shape (others, n)
         Middles [m] and unit headings [-] of the others' boxes at these times.
     half_length, half_width : ndarray, shape (others, n)
         Half extents of their boxes [m].
@@ -60,7 +60,7 @@ class Stretch:
     place: Complex
     along: Complex
     kappa: Array
-    centre: Complex
+    center: Complex
     ahead: Complex
     half_length: Array
     half_width: Array
@@ -87,14 +87,14 @@ def stretch(problem: Problem, s: Array) -> Stretch:
     norm = np.abs(tangent)
     kappa = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / norm**3
     shape = (len(problem.others), len(s))
-    centre, ahead = np.empty(shape, dtype=np.complex128), np.empty(shape, dtype=np.complex128)
+    center, ahead = np.empty(shape, dtype=np.complex128), np.empty(shape, dtype=np.complex128)
     half_length, half_width = np.empty(shape), np.empty(shape)
     for i, box in enumerate(problem.boxes_at(t)):
-        centre[i], ahead[i] = box.x + 1j * box.y, np.exp(1j * box.psi)
+        center[i], ahead[i] = box.x + 1j * box.y, np.exp(1j * box.psi)
         half_length[i], half_width[i] = 0.5 * box.length, 0.5 * box.width
     place: Complex = position[:, 0] + 1j * position[:, 1]
     tangent /= norm
-    return Stretch(s, t, place, tangent, kappa, centre, ahead, half_length, half_width)
+    return Stretch(s, t, place, tangent, kappa, center, ahead, half_length, half_width)
 
 
 def free_cells(
@@ -111,7 +111,7 @@ def free_cells(
     headings : ndarray, shape (m,)
         Equidistant headings relative to the route [rad].
     offsets : ndarray, shape (k,)
-        Equidistant lateral coordinates of the centre of gravity [m], left positive.
+        Equidistant lateral coordinates of the center of gravity [m], left positive.
     station_margin : float
         How far before or behind its station a pose may be for which the table is asked [m].
 
@@ -124,7 +124,7 @@ def free_cells(
     -----
     The offsets that another blocks at one heading are an interval: a slice of the Minkowski sum of both boxes
     and a disc of the clearance. It is bounded by lines along the boxes' sides and at eight fixed slopes,
-    which lie on or a few millimetres outside it.
+    which lie on or a few millimeters outside it.
     """
     car = problem.vehicle
     front = abs(car.box_offset) + 0.5 * car.length
@@ -140,7 +140,7 @@ def free_cells(
     between_edges = (middle <= leftmost[:, None]) & (middle >= rightmost[:, None])
 
     gap = problem.clearance + turned
-    seen = (at.centre - at.place) * at.along.conj()
+    seen = (at.center - at.place) * at.along.conj()
     around = np.hypot(at.half_length, at.half_width) + gap + station_margin
     near = np.abs(seen.real) < front + around
     near &= (seen.imag - around < offsets[-1] + lever) & (seen.imag + around > offsets[0] - lever)
@@ -190,7 +190,7 @@ def shortfall(problem: Problem, at: Stretch, d: Array, turn: Complex) -> Array:
     at : Stretch
         Stations of the poses.
     d : ndarray, shape (n,)
-        Lateral coordinates of the centre of gravity [m].
+        Lateral coordinates of the center of gravity [m].
     turn : ndarray of complex, shape (n,)
         Headings relative to the route as unit numbers exp(i psi) [-].
 
@@ -206,9 +206,9 @@ def shortfall(problem: Problem, at: Stretch, d: Array, turn: Complex) -> Array:
     left = (sides + beside).max(axis=0) - problem.road.left_edge
     right = problem.road.right_edge - (sides - beside).min(axis=0)
     lacks: Array = np.maximum(left, right) - _ROUNDING
-    if len(at.centre):
+    if len(at.center):
         ahead = at.along * turn
-        offset = at.centre - at.place - 1j * at.along * d - car.box_offset * ahead
+        offset = at.center - at.place - 1j * at.along * d - car.box_offset * ahead
         half = (0.5 * car.length, 0.5 * car.width, at.half_length, at.half_width)
         near = np.abs(offset) < np.hypot(half[2], half[3]) + math.hypot(*half[:2]) + problem.clearance
         other, i = near.nonzero()

@@ -29,11 +29,11 @@ class Lattice:
     Parameters
     ----------
     spacing : float
-        Between neighbouring offsets of the lattice [m].
+        Between neighboring offsets of the lattice [m].
     least, most : int
         Its rightmost and leftmost offset, in spacings from the route [-].
     step : float
-        Between neighbouring stations [m].
+        Between neighboring stations [m].
     longest : int
         Most steps of a primitive [-].
     parts : int
@@ -67,7 +67,7 @@ class Library:
     Parameters
     ----------
     step : float
-        Between neighbouring stations [m].
+        Between neighboring stations [m].
     offsets : ndarray, shape (n,)
         Offsets of the lattice [m], left positive.
     begins, ends : ndarray of int, shape (m,)

@@ -57,7 +57,7 @@ class MotionPrimitives:
 
     The ego passes stations at the wanted speed, so it is known where others are then. Primitives are computed
     once for a speed, a road width and a vehicle, and kept. All of them are checked against a table of free
-    poses, whose cells are a few centimetres on the safe side; what is found is checked once more, exactly
+    poses, whose cells are a few centimeters on the safe side; what is found is checked once more, exactly
     and eight times a step, and a primitive that fails there is taken out.
 
     References

@@ -31,7 +31,7 @@ class Problem:
     others : tuple of RemoteVehicle
         All other vehicles now; what they will do is known, and the same to every method: `boxes_at`.
     start, goal : float
-        Path coordinates [m]: the ego's centre of gravity now, on the route and along it, and where it is on
+        Path coordinates [m]: the ego's center of gravity now, on the route and along it, and where it is on
         the route and along it again.
     v_x : float
         Speed now, and wanted all along [m/s].
@@ -77,7 +77,7 @@ class Problem:
 
     @property
     def kappa_max(self) -> float:
-        """Largest curvature at the wanted speed [1/m]: what tyres and steering allow."""
+        """Largest curvature at the wanted speed [1/m]: what tires and steering allow."""
         steering = float(np.tan(self.vehicle.delta_max)) / self.vehicle.wheelbase
         return min(self.a_y_max / self.v_x**2, steering)
 
@@ -115,7 +115,7 @@ class Plan:
     t : ndarray, shape (n,)
         Times from now [s], beginning with 0; empty if there is no trajectory.
     xy : ndarray, shape (n, 2)
-        The ego's centre of gravity at these times [m].
+        The ego's center of gravity at these times [m].
     v_x : ndarray, shape (n,)
         Its speed [m/s].
     """

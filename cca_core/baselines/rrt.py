@@ -23,7 +23,7 @@ Variant = Literal["rrt", "rrt_star"]
 """The tree as it grows (LaValle), or rewired to shorter paths (Karaman and Frazzoli)."""
 
 _THERE = 1e-6  # from the goal [m, rad]
-_REWIRE = 8.0  # of the radius in which RRT* looks for neighbours, over OMPL's for Euclidean space
+_REWIRE = 8.0  # of the radius in which RRT* looks for neighbors, over OMPL's for Euclidean space
 _BLOCK = 256  # samples drawn at once
 _FINE = 0.25  # between samples of the plan [m]
 
@@ -45,7 +45,7 @@ class Rrt:
     time_limit : float
         Time after which it gives up [s].
     reach : float
-        Longest motion towards a sample, as a time at the wanted speed [s].
+        Longest motion toward a sample, as a time at the wanted speed [s].
 
     Raises
     ------
@@ -57,7 +57,7 @@ class Rrt:
     Notes
     -----
     OMPL's RRT and RRT* [1]_ grow the tree in its Dubins space [2]_, whose curvature jumps between the limit
-    to either side and zero; that is the method's. RRT* looks for neighbours within a radius that shrinks as
+    to either side and zero; that is the method's. RRT* looks for neighbors within a radius that shrinks as
     the tree grows. Samples are free poses, uniform over the road, with headings spread around the road's; one
     in twenty is the goal. A state is valid if a table of poses says that the body is between the edges and
     keeps the clearance to the others where they are when its station is passed at the wanted speed, and if

@@ -29,7 +29,7 @@ _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 _EASY, _HARD = 0.5, 0.85  # share of the lateral acceleration that the proof uses
 _BEYOND = 150.0  # of the road behind the goal [m]
 _CLEARANCE, _A_Y = 0.3, 4.0  # what is asked [m], [m/s^2]
-_BESIDE = 0.5 * (_EGO.width + _WIDTH) + _CLEARANCE  # centres side by side are so far apart [m]
+_BESIDE = 0.5 * (_EGO.width + _WIDTH) + _CLEARANCE  # centers side by side are so far apart [m]
 # bodies are beside each other nearer than [m]
 _ABREAST = 0.5 * (_EGO.length + _LENGTH) + _CLEARANCE + _TURNED
 
@@ -248,7 +248,7 @@ def at_stations(problem: Problem, s: Array, xy: Array) -> Plan:
     s : ndarray, shape (n,)
         Stations: path coordinates of the foot points [m], increasing.
     xy : ndarray, shape (n, 2)
-        The way of the centre of gravity [m].
+        The way of the center of gravity [m].
 
     Returns
     -------

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import solve_discrete_are
 
 from cca_core._checks import Array, check_real
-from cca_core.follow import discretised, single_track, steady_sideslip, steady_steering
+from cca_core.follow import discretized, single_track, steady_sideslip, steady_steering
 from cca_core.geometry import wrap_angle
 from cca_core.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
@@ -85,12 +85,12 @@ class PurePursuit:
 
 
 class Stanley:
-    """Steer the front wheels along the path, and towards it by their lateral error.
+    """Steer the front wheels along the path, and toward it by their lateral error.
 
     Parameters
     ----------
     vehicle : VehicleParams
-        Geometry, mass, front tyres and the limit of the steering angle.
+        Geometry, mass, front tires and the limit of the steering angle.
     gain : float
         Approach to the path: lateral error times this per speed [1/s].
     softening : float
@@ -107,7 +107,7 @@ class Stanley:
     -----
     delta = -(psi - psi_p) + psi_ss - atan(gain e / (softening + v)) - yaw_damping (r - v kappa) with error e,
     path heading psi_p and curvature kappa at the foot point of the front axle [1]_; psi_ss, the slip of the
-    front tyres in the steady turn, is m v^2 kappa l_r / (C_f L). The damping of the steering actuator that
+    front tires in the steady turn, is m v^2 kappa l_r / (C_f L). The damping of the steering actuator that
     the source adds for its slow actuator is left out.
 
     References
@@ -163,7 +163,7 @@ class LqrSteering:
     Parameters
     ----------
     vehicle : VehicleParams
-        Geometry, mass, inertia, tyres and the limit of the steering angle.
+        Geometry, mass, inertia, tires and the limit of the steering angle.
     q_d : float
         Weight of the squared lateral error, that of the squared steering angle being 1 [rad^2/m^2].
     q_rate : float
@@ -179,10 +179,10 @@ class LqrSteering:
     Notes
     -----
     States, model and feed-forward of [1]_, chapters 2 and 3: the single-track model in the lateral error of
-    the centre of gravity, its rate, the heading error and its rate. With the steady turn
+    the center of gravity, its rate, the heading error and its rate. With the steady turn
     (beta_ss, v kappa, -beta_ss, 0) and delta_ss = kappa (L + K v^2) the law is
     delta = delta_ss - k (x - x_ss). The gains k come from the discrete Riccati equation for a cycle of
-    20 ms, once for every quarter of a metre per second.
+    20 ms, once for every quarter of a meter per second.
 
     References
     ----------
@@ -244,7 +244,7 @@ class LqrSteering:
         step = round(max(v_x, _SLOWEST) / _SPEED_STEP)
         if step not in self._gains:
             v = step * _SPEED_STEP
-            model = discretised(single_track(self.vehicle, v, 0.0), _CYCLE)
+            model = discretized(single_track(self.vehicle, v, 0.0), _CYCLE)
             rate = np.array([v, 0.0, v, 0.0])  # of the lateral error
             Q = self.q_rate * np.outer(rate, rate) + np.diag([0.0, 0.0, self.q_psi, self.q_d])
             A, B = model.A, model.B[:, None]

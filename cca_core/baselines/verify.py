@@ -102,7 +102,7 @@ def judge(problem: Problem, plan: Plan, tolerances: Tolerances | None = None) ->
     -----
     A cubic spline is laid through the samples over time. The body points along it; every 5 ms its distance
     to each box is taken, every 25 ms its corners against the edges. Curvature is that of the circle through
-    three points half a metre apart, so that a jump of curvature, as in Dubins curves, is no fault in itself.
+    three points half a meter apart, so that a jump of curvature, as in Dubins curves, is no fault in itself.
     """
     from scipy.interpolate import CubicSpline  # slow to import
 
@@ -176,7 +176,7 @@ def body_along(problem: Problem, place: Array, psi: Array) -> Boxes:
     problem : Problem
         With the vehicle.
     place : ndarray, shape (n, 2)
-        Centre of gravity [m].
+        Center of gravity [m].
     psi : ndarray, shape (n,)
         Heading [rad].
 
@@ -212,7 +212,7 @@ def edge_distance(problem: Problem, body: Boxes, every: int = 1) -> float:
 
 
 def _curvature(t: Array, place: Array, moved: Array) -> Array:
-    """Curvature of the circle through places half a metre behind, at and half a metre ahead."""
+    """Curvature of the circle through places half a meter behind, at and half a meter ahead."""
     middle = np.clip(moved, _REACH, moved[-1] - _REACH)
     a, b, c = (
         np.column_stack([np.interp(middle + off, moved, place[:, i]) for i in (0, 1)])

@@ -63,7 +63,7 @@ class Conflict:
     remote : str
         Id of the other vehicle.
     s_in, s_out : float
-        Path coordinates of the ego's centre of gravity between which the bodies could overlap [m].
+        Path coordinates of the ego's center of gravity between which the bodies could overlap [m].
     distance : float
         Distance from the ego to `s_in` [m]: to the place where it must stop in order to wait. Not positive if
         its body may already be in the area.
@@ -128,7 +128,7 @@ def crossing(
     Parameters
     ----------
     path : Path
-        What the ego's centre of gravity follows.
+        What the ego's center of gravity follows.
     s : float
         Its path coordinate now [m].
     stations : array_like, shape (n,)
@@ -193,7 +193,7 @@ def conflict_with(
     along = 2.0 * remote.sigma_along + 0.5 * late * remote.age
     if always_parallel(body.headings, headings_ahead(remote, reach), settings.least_angle):
         return None
-    start = complex(body.centre[0]) - complex(remote.x, remote.y)
+    start = complex(body.center[0]) - complex(remote.x, remote.y)
     sizes = body.half_length + body.half_width + remote.length + remote.width + along + remote.sigma_across
     if abs(start) > float(body.station[-1] - body.station[0]) + reach + sizes + 2.0 * remote.sigma_across:
         return None

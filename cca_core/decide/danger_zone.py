@@ -20,7 +20,7 @@ def danger_zone_end(
     v_adj, v_ego : array_like, shape (...)
         Speeds along the road [m/s].
     t_maneuver : float
-        Duration of the manoeuvre [s].
+        Duration of the maneuver [s].
     x_safety : float
         Additional distance [m].
 
@@ -63,16 +63,16 @@ def danger_zone(
     acceleration: float = 0.0,
     age: ArrayLike = 0.0,
 ) -> Array:
-    """Stretch of road in which the ego may not begin a manoeuvre because of a vehicle on the lane beside.
+    """Stretch of road in which the ego may not begin a maneuver because of a vehicle on the lane beside.
 
     Parameters
     ----------
     rear, front : array_like, shape (...)
         Least and largest path coordinate of the adjacent vehicle's body now, relative to the ego [m].
     v_adj : array_like, shape (...)
-        Its speed along the path [m/s], negative if it comes towards the ego.
+        Its speed along the path [m/s], negative if it comes toward the ego.
     times : array_like, shape (n,)
-        Times from now [s] from the beginning of the manoeuvre until the ego's body has left the lane again.
+        Times from now [s] from the beginning of the maneuver until the ego's body has left the lane again.
     ego_travel : array_like, shape (n,)
         Distance that the ego will have driven at those times [m].
     x_safety : float
@@ -96,7 +96,7 @@ def danger_zone(
 
     Notes
     -----
-    Eq (11) of the paper made general: the vehicle's body as the ego sees it during the whole manoeuvre,
+    Eq (11) of the paper made general: the vehicle's body as the ego sees it during the whole maneuver,
     [min_t (rear + low - travel) - x_s, max_t (front + high - travel) + x_s] with the reach [low, high] of
     `predict.reach`. For constant speeds the extremes lie at both ends; for a faster vehicle behind the front
     end is X_2 of eq 11. The zone is the union of what is covered at each time, which is one piece: the ego is

@@ -124,7 +124,7 @@ def rss_opposite_direction(
     correct: RssSettings = RSS_EGO,
     opposite: RssSettings = RSS_OTHER,
 ) -> Array:
-    """Distance at which two vehicles that drive towards each other both come to rest before they meet.
+    """Distance at which two vehicles that drive toward each other both come to rest before they meet.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def rss_lateral(
 
     Notes
     -----
-    Both accelerate towards each other for their response times and then brake. As in ad-rss 5.0, one that
+    Both accelerate toward each other for their response times and then brake. As in ad-rss 5.0, one that
     still moves away after its response time does not brake in this reckoning, and the fluctuation margin can
     be used up by a movement apart (the publication adds it in any case).
 
@@ -209,7 +209,7 @@ def _stopping(v: Array, settings: RssSettings, braking: float) -> Array:
 
 
 def _shift(v: Array, settings: RssSettings) -> Array:
-    """Distance moved towards the other by one that accelerates towards it and then brakes."""
+    """Distance moved toward the other by one that accelerates toward it and then brakes."""
     rho, b = settings.response_time, settings.b_lateral
     after = v + rho * settings.a_lateral
     distance: Array = 0.5 * (v + after) * rho + np.maximum(after, 0.0) ** 2 / (2.0 * b)

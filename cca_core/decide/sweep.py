@@ -27,8 +27,8 @@ class Sweep:
     ----------
     station : ndarray, shape (n,)
         Distance along the way [m], of the body's reference point.
-    centre : ndarray of complex, shape (n,)
-        Centres of the boxes, x + iy [m].
+    center : ndarray of complex, shape (n,)
+        Centers of the boxes, x + iy [m].
     ahead : ndarray of complex, shape (n,)
         Headings as unit numbers exp(i psi) [-].
     half_length, half_width : float
@@ -42,7 +42,7 @@ class Sweep:
     """
 
     station: Array
-    centre: Complex
+    center: Complex
     ahead: Complex
     half_length: float
     half_width: float
@@ -52,7 +52,7 @@ class Sweep:
 
     @classmethod
     def along(cls, path: Path, start: float, end: float, vehicle: VehicleParams, clearance: float) -> Self:
-        """Follow a path with the centre of gravity, the body along the tangent.
+        """Follow a path with the center of gravity, the body along the tangent.
 
         Parameters
         ----------
@@ -75,13 +75,13 @@ class Sweep:
         point, tangent, _ = path.derivatives(station)
         ahead: Complex = tangent[:, 0] + 1j * tangent[:, 1]
         ahead /= np.abs(ahead)
-        centre = point[:, 0] + 1j * point[:, 1] + vehicle.box_offset * ahead
+        center = point[:, 0] + 1j * point[:, 1] + vehicle.box_offset * ahead
         turns = np.angle(ahead[1:] * ahead[:-1].conj())
         heading = float(np.angle(ahead[0])) + np.concatenate(([0.0], np.cumsum(turns)))
         bend = float(np.abs(turns).max())
         half = 0.5 * vehicle.length + clearance, 0.5 * vehicle.width + clearance
         span = float(heading.min()), float(heading.max())
-        return cls._grown(station, centre, ahead, half, (end - start) / (n - 1), bend, span)
+        return cls._grown(station, center, ahead, half, (end - start) / (n - 1), bend, span)
 
     @classmethod
     def ahead_of(cls, remote: RemoteVehicle, reach: float, along: float, across: float) -> Self:
@@ -108,20 +108,20 @@ class Sweep:
         turned = kappa * on_arc
         start, ahead = complex(math.cos(psi), math.sin(psi)), np.exp(1j * (psi + turned))
         chord = on_arc * np.sinc(turned / (2.0 * math.pi)) * np.exp(0.5j * turned) * start
-        centre = remote.x + 1j * remote.y + chord + (station - on_arc) * ahead
+        center = remote.x + 1j * remote.y + chord + (station - on_arc) * ahead
         step = reach / (n - 1)
         half = 0.5 * remote.length + along, 0.5 * remote.width + across
         span = headings_ahead(remote, reach)
-        return cls._grown(station, centre, ahead, half, step, abs(kappa) * step, span)
+        return cls._grown(station, center, ahead, half, step, abs(kappa) * step, span)
 
     @classmethod
     def _grown(
-        cls, station: Array, centre: Complex, ahead: Complex,
+        cls, station: Array, center: Complex, ahead: Complex,
         half: tuple[float, float], step: float, bend: float, headings: tuple[float, float],
     ) -> Self:  # fmt: skip
         # half a step on the body has moved by half a step and turned by half the bend
         return cls(
-            station=station, centre=centre, ahead=ahead, step=step, bend=bend, headings=headings,
+            station=station, center=center, ahead=ahead, step=step, bend=bend, headings=headings,
             half_length=half[0] + 0.5 * step + 0.5 * bend * half[1],
             half_width=half[1] + 0.5 * bend * (half[0] + 0.5 * step),
         )  # fmt: skip
@@ -158,10 +158,10 @@ class Sweep:
         places : tuple of int, or None
             First and last place of this body and of the other; None if they are apart, or parallel.
         """
-        a, b = self.centre[_BLOCK // 2 :: _BLOCK], other.centre[_BLOCK // 2 :: _BLOCK]
+        a, b = self.center[_BLOCK // 2 :: _BLOCK], other.center[_BLOCK // 2 :: _BLOCK]
         # the last block may be short: its own last place stands for it
-        a = np.append(a, self.centre[-1]) if _BLOCK * len(a) < len(self.centre) else a
-        b = np.append(b, other.centre[-1]) if _BLOCK * len(b) < len(other.centre) else b
+        a = np.append(a, self.center[-1]) if _BLOCK * len(a) < len(self.center) else a
+        b = np.append(b, other.center[-1]) if _BLOCK * len(b) < len(other.center) else b
         reach = math.hypot(self.half_length, self.half_width) + 0.5 * _BLOCK * self.step
         reach += math.hypot(other.half_length, other.half_width) + 0.5 * _BLOCK * other.step
         near = a[:, None] - b
@@ -170,9 +170,9 @@ class Sweep:
             return None
         i, j = (_BLOCK * rows[:, None] + _ROWS).ravel(), (_BLOCK * columns[:, None] + _COLUMNS).ravel()
         # beyond the end the last place is looked at again
-        i, j = np.minimum(i, len(self.centre) - 1), np.minimum(j, len(other.centre) - 1)
+        i, j = np.minimum(i, len(self.center) - 1), np.minimum(j, len(other.center) - 1)
         turn = other.ahead[j] * self.ahead[i].conj()
-        offset = (other.centre[j] - self.centre[i]) * self.ahead[i].conj()
+        offset = (other.center[j] - self.center[i]) * self.ahead[i].conj()
         c, s = np.abs(turn.real), np.abs(turn.imag)
         la, wa, lb, wb = self.half_length, self.half_width, other.half_length, other.half_width
         touch = (np.abs(offset.real) <= la + lb * c + wb * s) & (np.abs(offset.imag) <= wa + lb * s + wb * c)

@@ -2,7 +2,7 @@
 
 from cca_core.follow.bicycle import (
     SingleTrack,
-    discretised,
+    discretized,
     kinematic_rates,
     single_track,
     steady_sideslip,
@@ -52,7 +52,7 @@ __all__ = [
     "cacc_acceleration",
     "cruise_acceleration",
     "design_gains",
-    "discretised",
+    "discretized",
     "follow_acceleration",
     "friction_limited",
     "gain_region",

@@ -35,11 +35,11 @@ def single_track(vehicle: VehicleParams, v_x: float, l_s: float) -> SingleTrack:
     Parameters
     ----------
     vehicle : VehicleParams
-        Geometry, inertia and tyres.
+        Geometry, inertia and tires.
     v_x : float
         Forward speed [m/s], positive.
     l_s : float
-        Preview distance in front of the centre of gravity [m], not negative.
+        Preview distance in front of the center of gravity [m], not negative.
 
     Returns
     -------
@@ -75,8 +75,8 @@ def single_track(vehicle: VehicleParams, v_x: float, l_s: float) -> SingleTrack:
     return SingleTrack(A=A, B=B, E=E)
 
 
-def discretised(model: SingleTrack, dt: float) -> SingleTrack:
-    """Exact discretisation for inputs held over a cycle.
+def discretized(model: SingleTrack, dt: float) -> SingleTrack:
+    """Exact discretization for inputs held over a cycle.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def kinematic_rates(
     Returns
     -------
     x_dot, y_dot : ndarray, shape (...)
-        Velocity of the centre of gravity [m/s].
+        Velocity of the center of gravity [m/s].
     r : ndarray, shape (...)
         Yaw rate v tan(delta) / L [rad/s], left positive.
 
@@ -153,7 +153,7 @@ def steady_steering(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     v_x : array_like, shape (...)
         Forward speed [m/s].
     vehicle : VehicleParams
-        Geometry, mass and tyres.
+        Geometry, mass and tires.
 
     Returns
     -------
@@ -174,7 +174,7 @@ def steady_sideslip(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     v_x : array_like, shape (...)
         Forward speed [m/s].
     vehicle : VehicleParams
-        Geometry, mass and tyres.
+        Geometry, mass and tires.
 
     Returns
     -------
@@ -195,7 +195,7 @@ def steady_yaw_rate(delta: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     v_x : array_like, shape (...)
         Forward speed [m/s].
     vehicle : VehicleParams
-        Geometry, mass and tyres.
+        Geometry, mass and tires.
 
     Returns
     -------
@@ -215,11 +215,11 @@ def steady_turn(path: Path, s: float, v_x: float, vehicle: VehicleParams) -> Veh
     path : Path
         The path.
     s : float
-        Where on it the centre of gravity is [m].
+        Where on it the center of gravity is [m].
     v_x : float
         Forward speed [m/s], not negative.
     vehicle : VehicleParams
-        Geometry, mass and tyres.
+        Geometry, mass and tires.
 
     Returns
     -------

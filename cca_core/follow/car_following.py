@@ -136,7 +136,7 @@ def required_deceleration(
     gap : float
         Bumper-to-bumper gap [m].
     v_lead : float
-        The leader's speed [m/s]; negative if it comes towards the ego.
+        The leader's speed [m/s]; negative if it comes toward the ego.
     settings : SpeedSettings
         Gaps.
     a_lead : float

@@ -100,7 +100,7 @@ class PoseEstimator:
         Parameters
         ----------
         x, y : float
-            Position of the centre of gravity as measured now [m]; a fix that is not finite is ignored.
+            Position of the center of gravity as measured now [m]; a fix that is not finite is ignored.
 
         Returns
         -------

@@ -8,7 +8,7 @@ from cca_core.vehicle import VehicleParams
 __all__ = ["InverseSteering"]
 
 _G = 9.81
-_ROLLING = 3.0  # below this speed the tyres roll without slip [m/s]
+_ROLLING = 3.0  # below this speed the tires roll without slip [m/s]
 _STEP = 0.005  # integration step [s]
 _REACH = 0.97  # share of the side force that is ever asked for
 _JUMP = 20.0  # a jump along the path that starts afresh [m]
@@ -20,18 +20,18 @@ class InverseSteering:
     Parameters
     ----------
     vehicle : VehicleParams
-        Geometry, inertia, tyres and friction.
+        Geometry, inertia, tires and friction.
 
     Notes
     -----
-    A centre of gravity that stays on the path has the lateral acceleration v^2 kappa, which fixes the sum of
-    the tyres' side forces; the yaw balance then leaves two states, sideways speed and yaw rate,
+    A center of gravity that stays on the path has the lateral acceleration v^2 kappa, which fixes the sum of
+    the tires' side forces; the yaw balance then leaves two states, sideways speed and yaw rate,
 
     ``I_z r' = l_f m v^2 kappa - L F_r``,  ``v_y' = v^2 kappa - v r``,
 
     with the rear axle's force F_r from its slip angle. They are stable (the zeros of the path's lateral
     position), so they can be integrated along the path, and the steering angle follows from the slip
-    that the front axle needs for the rest of the force (brush tyre, solved for the slip angle). In a
+    that the front axle needs for the rest of the force (brush tire, solved for the slip angle). In a
     steady turn this is the static law delta = kappa (L + K v^2).
     """
 
@@ -81,7 +81,7 @@ class InverseSteering:
         return math.atan2(self._v_y + p.l_f * self._r, v) + self.front_slip(rest / self._grip_f)
 
     def front_slip(self, share: float) -> float:
-        """Slip at which the front tyres carry a share of what they can (brush tyre).
+        """Slip at which the front tires carry a share of what they can (brush tire).
 
         Parameters
         ----------

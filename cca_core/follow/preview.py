@@ -33,10 +33,10 @@ class PreviewController:
     delay : float
         Known dead time between command and road wheel [s], on top of the steering lag.
     a_y_max : float
-        Lateral acceleration that the command may ask for [m/s^2]: in a steady turn, or of the front tyres
+        Lateral acceleration that the command may ask for [m/s^2]: in a steady turn, or of the front tires
         before the car has begun to turn, then with at most 80 % of their grip.
     error : {"tangent", "ahead"}
-        What the error at the preview point is taken to: the tangent at the foot point of the centre of
+        What the error at the preview point is taken to: the tangent at the foot point of the center of
         gravity, or the path itself at the preview point.
 
     Raises
@@ -50,7 +50,7 @@ class PreviewController:
     where the car will be when the wheels have answered (`InverseSteering`). The ideal car has a sideslip
     and a yaw rate in bends; e_ref is what its preview point shows, so that the feedback only acts
     on what the model does not explain; three tenths of the sideslip are taken from the car itself, which
-    knows its load and tyres better than the model. With the tangent that is e_ref = -l_s sin(beta); with the
+    knows its load and tires better than the model. With the tangent that is e_ref = -l_s sin(beta); with the
     path itself additionally the bend of the path over the preview distance.
     """
 

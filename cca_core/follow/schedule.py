@@ -28,7 +28,7 @@ class PreviewGains:
     k_d : tuple of float
         Steering angle per rate of that error [rad s/m].
     l_s : tuple of float
-        Preview distance in front of the centre of gravity [m].
+        Preview distance in front of the center of gravity [m].
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Speed: cruise, stop, limits along a path and of the tyres; and when the ego arrives where."""
+"""Speed: cruise, stop, limits along a path and of the tires; and when the ego arrives where."""
 
 import math
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class SpeedSettings:
     time_gap : float
         Additional gap behind a moving leader [s].
     approach_rate : float
-        Rate at which the last metres to the wanted gap are closed [1/s].
+        Rate at which the last meters to the wanted gap are closed [1/s].
     jerk : float
         Largest change of acceleration in normal driving [m/s^3].
     jerk_emergency : float
@@ -56,7 +56,7 @@ class SpeedSettings:
 
 
 def cruise_acceleration(v_x: float, v_target: float, settings: SpeedSettings) -> float:
-    """Acceleration towards a wanted speed.
+    """Acceleration toward a wanted speed.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def jerk_limited(
 
 
 def friction_limited(a_x: float, a_y: float, mu: float, *, share: float = 0.9) -> float:
-    """Longitudinal acceleration that the tyres have left beside a lateral one.
+    """Longitudinal acceleration that the tires have left beside a lateral one.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ def profile_acceleration(
     -------
     a_x : float
         Acceleration [m/s^2], between -b_max and a_max: what leads to the speed of the place about a second
-        ahead, or towards the speed of this place if that is less.
+        ahead, or toward the speed of this place if that is less.
     """
     horizon = 2.0 + max(v_x, 0.0)
     here, there = (

@@ -1,4 +1,4 @@
-"""Roads: from GPS to metres, from waypoints to a smooth curve, lanes along it."""
+"""Roads: from GPS to meters, from waypoints to a smooth curve, lanes along it."""
 
 from cca_core.path.clean import CleaningReport, CleanRoute, clean_route
 from cca_core.path.fit import fit_path

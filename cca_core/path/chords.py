@@ -36,14 +36,14 @@ def bridge_gaps(points: Array, chords: Array) -> tuple[Array, Mask]:
 
 
 def longest_nearby(points: Array, closed: bool) -> Array:
-    """Return the longest of each chord and its two neighbours.
+    """Return the longest of each chord and its two neighbors.
 
     Parameters
     ----------
     points : ndarray, shape (n, 2)
         Points of a polyline [m].
     closed : bool
-        Whether its last chord and its first are neighbours.
+        Whether its last chord and its first are neighbors.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def longest_nearby(points: Array, closed: bool) -> Array:
         Lengths [m].
     """
     chord = np.hypot(*np.diff(points, axis=0).T)
-    longest: Array = np.max([chord[_neighbour(len(chord), by, closed)] for by in (-1, 0, 1)], axis=0)
+    longest: Array = np.max([chord[_neighbor(len(chord), by, closed)] for by in (-1, 0, 1)], axis=0)
     return longest
 
 
@@ -63,9 +63,9 @@ def off_chords(curve: Array, points: Array, closed: bool) -> Array:
     curve : ndarray, shape (n - 1, k, 2)
         Places on the curve between each two points [m].
     points : ndarray, shape (n, 2)
-        Points of the polyline [m], no two neighbours equal.
+        Points of the polyline [m], no two neighbors equal.
     closed : bool
-        Whether its last chord and its first are neighbours.
+        Whether its last chord and its first are neighbors.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def off_chords(curve: Array, points: Array, closed: bool) -> Array:
     start, step = points[:-1], np.diff(points, axis=0)
     off = np.full(curve.shape[:2], math.inf)
     for by in (-1, 0, 1):
-        i = _neighbour(len(step), by, closed)
+        i = _neighbor(len(step), by, closed)
         out, along = curve - start[i, None], step[i, None]
         share = np.clip((out * along).sum(-1) / (along * along).sum(-1), 0.0, 1.0)
         aside = out - share[..., None] * along
@@ -83,7 +83,7 @@ def off_chords(curve: Array, points: Array, closed: bool) -> Array:
     return off
 
 
-def _neighbour(n: int, by: int, closed: bool) -> Index:
-    """Place of each of n chords' neighbour `by` further on."""
+def _neighbor(n: int, by: int, closed: bool) -> Index:
+    """Place of each of n chords' neighbor `by` further on."""
     i = np.arange(n) + by
     return i % n if closed else i.clip(0, n - 1)

@@ -84,7 +84,7 @@ def clean_route(
     xy : array_like, shape (n, 2)
         Positions [m], roughly in driving order.
     max_gap : float
-        A longer distance between neighbours starts a new part [m].
+        A longer distance between neighbors starts a new part [m].
     min_spacing : float
         A point closer than this to the one before is a duplicate [m].
     max_turn : float
@@ -103,7 +103,7 @@ def clean_route(
     Notes
     -----
     Where the route turns by more than `max_turn`, the smallest of these changes is made that leaves fewer
-    such turns: two neighbours change places, or one or two points are dropped. If none helps, as where a
+    such turns: two neighbors change places, or one or two points are dropped. If none helps, as where a
     car really backed out, the point stays and is reported as a reversal. Turns below the limit are left to
     the smoothing of `fit_path`. Cleaning a part again changes nothing. Cost is linear in n.
 

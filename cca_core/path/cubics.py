@@ -16,7 +16,7 @@ _SPACING = 2.0  # of the samples for cold starts [m]
 
 
 class Cubics:
-    """Cubics over s in powers of metres, straight beyond both ends.
+    """Cubics over s in powers of meters, straight beyond both ends.
 
     `Path` checks and documents what this computes.
     """
@@ -130,7 +130,7 @@ class Cubics:
             left, x, y, u = left[far], x[far], y[far], (u - step)[far]
 
     def _search(self, xy: Array, s: Array, d: Array) -> None:
-        """Newton from each sample that is nearer than its neighbours and may belong to the nearest point."""
+        """Newton from each sample that is nearer than its neighbors and may belong to the nearest point."""
         at, tree, points = self._samples
         left, k = np.arange(len(xy)), min(4, len(at))
         while len(left):

@@ -12,7 +12,7 @@ from cca_core.path.interpolate import over_arc_length
 from cca_core.path.path import Path
 from cca_core.path.smoothing import SmoothingSpline
 
-_REPARAMETRISATIONS = 4
+_REPARAMETRIZATIONS = 4
 _STRETCH = 1.2  # a fit this much longer than its chords is not taken as a parameter
 _BENT = 0.5  # turn from border to border of the sharpest clothoid [rad]
 _TURN = 0.1  # a segment turns by no more [rad], while it has points to be divided at
@@ -40,7 +40,7 @@ def fit_path(
     Parameters
     ----------
     xy : array_like, shape (n, 2)
-        Waypoints [m], in driving order, no two neighbours equal.
+        Waypoints [m], in driving order, no two neighbors equal.
     tolerance : float
         Largest distance allowed between a waypoint and the path [m]. Within it the path is as smooth as
         it can be; 0 interpolates.
@@ -63,7 +63,7 @@ def fit_path(
     Raises
     ------
     InputError
-        If there are fewer than two waypoints, neighbours coincide, or an argument is out of range.
+        If there are fewer than two waypoints, neighbors coincide, or an argument is out of range.
     InfeasibleError
         If no path within the curvature limit, or within the tolerance of every waypoint, is found; of the
         latter its `result` is the path that comes nearest.
@@ -75,7 +75,7 @@ def fit_path(
     Notes
     -----
     Eqs (1) and (2) of the paper with continuous second derivatives are a cubic B-spline with one knot per
-    segment border. Among the splines with these knots the one is taken that minimises
+    segment border. Among the splines with these knots the one is taken that minimizes
     ``integral |X - P|^2 + l^8 |X'''' - Q|^2 ds`` with the largest smoothing length l for which no
     waypoint is farther away than `tolerance`. Q is the fourth derivative of a clothoid: straight lines,
     circles and clothoids, of which roads are made, are smooth alike. The parameter is chord length first,
@@ -83,9 +83,9 @@ def fit_path(
     so that the length of dX/ds is 1 within 1e-3. Segments that turn by more than 0.1 rad are divided
     further. Cost is linear in n.
 
-    Between waypoints the path stays within `tolerance` and 0.3 times the longest of three neighbouring
+    Between waypoints the path stays within `tolerance` and 0.3 times the longest of three neighboring
     chords of them (three times `tolerance` in gaps): where a curve would swing farther it gets points on
-    its chords. One smoothing length holds for the whole path, so a single waypoint far off its neighbours
+    its chords. One smoothing length holds for the whole path, so a single waypoint far off its neighbors
     makes all of it follow the noise: the tolerance should be three or four standard deviations of it.
 
     With a curvature limit the tolerance holds for those waypoints that a curve within the limit can
@@ -178,7 +178,7 @@ class _Fit:
         return path
 
     def _astray(self, spline: SmoothingSpline) -> Mask:
-        """Tell between which neighbouring points a fit swings too far off the chords there."""
+        """Tell between which neighboring points a fit swings too far off the chords there."""
         off = off_chords(spline.between(_LOOKS), self._points, self._closed)
         astray: Mask = off.max(axis=1) > self._room
         return astray
@@ -231,7 +231,7 @@ class _Fit:
         s, guide, smoothing = self._chord, None, None
         kept: tuple[SmoothingSpline, Index] | None = None
         limited = self._limit < math.inf
-        for more in range(_REPARAMETRISATIONS, -1, -1):
+        for more in range(_REPARAMETRIZATIONS, -1, -1):
             spline = SmoothingSpline(s, knots, self._points, self._asked, self._closed, guide)
             if smooth:
                 worst, smoothing = spline.smooth_within(self._tolerance, smoothing)
@@ -263,7 +263,7 @@ def _clothoids(path: Path, borders: Array) -> Array:
     """Fourth derivative at the inner borders if the curvature there changed evenly."""
     _, first, _ = path.derivatives(borders)
     first /= np.hypot(first[:, 0], first[:, 1])[:, None]
-    most = _BENT / np.gradient(borders)  # no clothoid turns further between its neighbours
+    most = _BENT / np.gradient(borders)  # no clothoid turns further between its neighbors
     kappa = np.clip(path.curvature(borders), -most, most)
     change = np.gradient(kappa, borders)
     normal = np.column_stack((-first[:, 1], first[:, 0]))
@@ -271,7 +271,7 @@ def _clothoids(path: Path, borders: Array) -> Array:
 
 
 def _rounded(path: Path, limit: float, closed: bool) -> Path:
-    """Return a path with its bends brought towards `limit`, and over its arc length again."""
+    """Return a path with its bends brought toward `limit`, and over its arc length again."""
     bent = np.abs(path.curvature(path.breaks)) > 0.5 * limit
     near = np.convolve(bent[1:] | bent[:-1], np.ones(3), "same") > 0.0
     parts = np.where(near, np.ceil(np.diff(path.breaks) * limit / _TURN), 1.0).astype(np.intp)

@@ -27,7 +27,7 @@ def interpolate_path(
     Parameters
     ----------
     nodes : array_like, shape (n, 2)
-        Positions [m], in driving order, no two neighbours equal.
+        Positions [m], in driving order, no two neighbors equal.
     start : float
         Arc length of the first node [m].
     start_tangent, end_tangent : array_like, shape (2,), optional
@@ -41,7 +41,7 @@ def interpolate_path(
     Raises
     ------
     InputError
-        If there are fewer than two nodes, neighbours coincide, or a value is not finite.
+        If there are fewer than two nodes, neighbors coincide, or a value is not finite.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def spline_through(
     Parameters
     ----------
     points : ndarray, shape (n, 2)
-        Positions [m], no two neighbours equal.
+        Positions [m], no two neighbors equal.
     start : float
         Arc length of the first node [m].
     first, last : pair of float or None
@@ -135,7 +135,7 @@ def cubics_along(points: Array, sixth: Array, start: float) -> Path:
     Parameters
     ----------
     points : ndarray, shape (n, 2)
-        Positions [m], no two neighbours equal.
+        Positions [m], no two neighbors equal.
     sixth : ndarray, shape (n, 2)
         A sixth of the second derivative there, over chord length [1/m].
     start : float

@@ -30,7 +30,7 @@ class LocalFrame:
 
     Notes
     -----
-    Points are taken on the ellipsoid (height 0), turned to earth-centred coordinates and rotated into the
+    Points are taken on the ellipsoid (height 0), turned to earth-centerd coordinates and rotated into the
     plane at the origin; x is east, y is north. The height below the plane is dropped, so distances shrink
     by 1 - (D / 6371 km)^2 / 2 with distance D from the origin.
 
@@ -130,7 +130,7 @@ def _geodetic(lat: ArrayLike, lon: ArrayLike) -> tuple[Array, Array]:
 
 
 def _to_ecef(lat: Array, lon: Array) -> Array:
-    """Earth-centred coordinates [m] of points on the ellipsoid; angles in rad."""
+    """Earth-centerd coordinates [m] of points on the ellipsoid; angles in rad."""
     n = _A / np.sqrt(1.0 - _E2 * np.sin(lat) ** 2)
     return np.stack(
         (

@@ -1,4 +1,4 @@
-"""A road's centre line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable.
+"""A road's center line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable.
 
 All that can be asked of a path is documented here and computed in `cubics`, so this module is longer than
 others.
@@ -79,7 +79,7 @@ class Path:
             One ``svg`` element that needs nothing else.
         """
         xy = self.position(np.linspace(self.start, self.end, SAMPLES + 1))
-        return drawing([Mark(xy=xy, colour=EGO, kind=kind) for kind in ("line", "arrow")], repr(self))
+        return drawing([Mark(xy=xy, color=EGO, kind=kind) for kind in ("line", "arrow")], repr(self))
 
     _repr_svg_ = to_svg
 

@@ -18,7 +18,7 @@ class Lane:
     Parameters
     ----------
     d : float
-        Lateral coordinate of its centre line [m], left of the route positive.
+        Lateral coordinate of its center line [m], left of the route positive.
     width : float
         Width [m].
     direction : int
@@ -57,7 +57,7 @@ class Road:
     Parameters
     ----------
     path : Path
-        The route: the centre line of the ego's own lane.
+        The route: the center line of the ego's own lane.
     lanes : sequence of Lane, optional
         All lanes; one of them must contain d = 0. Without lanes the road is the own lane, 3.5 m wide.
     speed_limit : float
@@ -108,13 +108,13 @@ class Road:
         own = self.path.position(s)
         marks, borders = [], set()
         for lane in self.lanes:
-            centre = self.path.to_cartesian(s, np.full_like(s, lane.d))
+            center = self.path.to_cartesian(s, np.full_like(s, lane.d))
             borders |= {lane.right, lane.left}
-            marks.append(Mark(xy=centre, colour=ROUTE, kind="swath", width=lane.width))
-            marks.append(Mark(xy=centre[:: lane.direction], colour=ROUTE, kind="arrow"))
+            marks.append(Mark(xy=center, color=ROUTE, kind="swath", width=lane.width))
+            marks.append(Mark(xy=center[:: lane.direction], color=ROUTE, kind="arrow"))
         lines = (self.path.to_cartesian(s, np.full_like(s, d)) for d in sorted(borders))
-        marks += [Mark(xy=line, colour=EDGE, width=0.8) for line in lines]
-        marks += [Mark(xy=own, colour=EGO, kind=kind) for kind in ("dashes", "arrow")]
+        marks += [Mark(xy=line, color=EDGE, width=0.8) for line in lines]
+        marks += [Mark(xy=own, color=EGO, kind=kind) for kind in ("dashes", "arrow")]
         return drawing(marks, repr(self))
 
     _repr_svg_ = to_svg

@@ -127,7 +127,7 @@ class SmoothingSpline:
         return np.append(found, found[0]) if self._closed else found
 
     def arc_length(self) -> Array:
-        """Arc length of the curve at each data parameter (Gauss-Legendre between neighbours)."""
+        """Arc length of the curve at each data parameter (Gauss-Legendre between neighbors)."""
         half = 0.5 * np.diff(self._s)[:, None]
         at = self._s[:-1, None] + half * (1.0 + _GAUSS_X)
         first = self.path().derivatives(at)[1]
@@ -176,7 +176,7 @@ class SmoothingSpline:
         return bend
 
     def _wrap(self, first: Index, width: int = 4) -> Index:
-        """Columns of neighbouring coefficients from each first one on."""
+        """Columns of neighboring coefficients from each first one on."""
         columns: Index = (first[:, None] + np.arange(width)) % self._count
         return columns
 

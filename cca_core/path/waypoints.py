@@ -21,7 +21,7 @@ class Waypoints:
     Parameters
     ----------
     lat, lon : ndarray, shape (n,)
-        Geodetic latitude and longitude [deg], in driving order, no two neighbours equal.
+        Geodetic latitude and longitude [deg], in driving order, no two neighbors equal.
     duplicates : int
         Rows dropped because they repeated the one before [-].
     """
@@ -43,7 +43,7 @@ def read_waypoints(file: str | FilePath) -> Waypoints:
     Returns
     -------
     waypoints : Waypoints
-        The points in file order; neighbours that are equal are merged and counted.
+        The points in file order; neighbors that are equal are merged and counted.
 
     Raises
     ------

@@ -9,7 +9,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.errors import Status
 from cca_core.path import Lane, Path, Road, detour_path
-from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.frenet import Ego, Neighbor
 from cca_core.planner.maneuver import Evasion
 from cca_core.vehicle import VehicleParams
 
@@ -32,19 +32,19 @@ _SOON = 3.0  # until a shortcut begins to return, at the latest [s]
 
 
 def plan_retreat(
-    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], obstruction: str
+    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbor], obstruction: str
 ) -> Evasion | None:
     """Return to the own lane behind what was to be passed, if that can still be done.
 
     Parameters
     ----------
     ego : Ego
-        The ego, somewhere in the manoeuvre.
+        The ego, somewhere in the maneuver.
     road : Road
         Route and lanes.
     maneuver : Evasion
         What is given up.
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         All other vehicles.
     obstruction : str
         Why it is given up.
@@ -80,19 +80,19 @@ def plan_retreat(
 
 
 def plan_shortcut(
-    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], obstruction: str
+    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbor], obstruction: str
 ) -> Evasion | None:
     """Return to the own lane sooner than was planned, in front of those that are passed by then.
 
     Parameters
     ----------
     ego : Ego
-        The ego, somewhere in the manoeuvre; it keeps its speed.
+        The ego, somewhere in the maneuver; it keeps its speed.
     road : Road
         Route and lanes.
     maneuver : Evasion
         What can no longer be driven to its end.
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         All other vehicles.
     obstruction : str
         Why.
@@ -130,7 +130,7 @@ def _length(d: float, v: float) -> float:
 def _way_back(
     ego: Ego, road: Road, maneuver: Evasion, hold: float, v_then: float, obstruction: str, *, goes_out: bool
 ) -> Evasion | None:
-    """Stay out for `hold` metres, then return at a speed; None where the route ends before."""
+    """Stay out for `hold` meters, then return at a speed; None where the route ends before."""
     d, first = maneuver.offset_at(ego.s), ego.s + hold
     drift, length = maneuver.offset_at(ego.s + 1.0) - d, _length(d, v_then)
     if drift * d < 0.0 and hold == 0.0:
@@ -152,7 +152,7 @@ def _way_back(
 def _returning(
     ego: Ego, maneuver: Evasion, first: float, length: float, *, goes_out: bool
 ) -> tuple[Array, Array]:
-    """Places and displacements of a manoeuvre that is held until `first` and then returns in a length."""
+    """Places and displacements of a maneuver that is held until `first` and then returns in a length."""
     d, before = maneuver.offset_at(ego.s), maneuver.offset_at(ego.s - 1.0)
     drift, hold = maneuver.offset_at(ego.s + 1.0) - d, first - ego.s
     returning = drift * d < 0.0
@@ -178,7 +178,7 @@ def _returning(
     return s, u
 
 
-def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour]) -> Evasion:
+def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbor]) -> Evasion:
     """Begin the return later where the ego has not fallen back as far as was counted on.
 
     Parameters
@@ -189,7 +189,7 @@ def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour])
         Route and lanes.
     retreat : Evasion
         As it was planned.
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         All other vehicles.
 
     Returns
@@ -210,7 +210,7 @@ def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbour])
     return later if later.end > retreat.end else retreat
 
 
-def is_beside(vehicle: VehicleParams, road: Road, s: float, others: Sequence[Neighbour]) -> bool:
+def is_beside(vehicle: VehicleParams, road: Road, s: float, others: Sequence[Neighbor]) -> bool:
     """Tell whether somebody is beside the ego on the own lane, whom it lets pass on its way back.
 
     Parameters
@@ -221,7 +221,7 @@ def is_beside(vehicle: VehicleParams, road: Road, s: float, others: Sequence[Nei
         Route and lanes.
     s : float
         Where the ego is on the route [m].
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         All other vehicles.
 
     Returns
@@ -259,17 +259,17 @@ def slow_enough(way: Path, s: float, v_x: float) -> float:
     return float(np.max((v_x * v_x - squared) / (2.0 * x)))
 
 
-def _on(other: Neighbour, lane: Lane) -> bool:
+def _on(other: Neighbor, lane: Lane) -> bool:
     """Whether it is on a lane, as far as is known best: bounds would put one that is unheard on both."""
     return other.d - _body(other) < lane.left and other.d + _body(other) > lane.right
 
 
-def _body(other: Neighbour) -> float:
+def _body(other: Neighbor) -> float:
     """Half its width without bounds [m]."""
     return other.half_width - 2.0 * other.remote.sigma_across
 
 
-def _is_behind(other: Neighbour, rear: float) -> bool:
+def _is_behind(other: Neighbor, rear: float) -> bool:
     return other.s + other.half_length - 2.0 * other.remote.sigma_along <= rear
 
 

@@ -1,6 +1,6 @@
-"""The ego and its neighbours in path coordinates.
+"""The ego and its neighbors in path coordinates.
 
-What a neighbour is, may be and most likely is stands beside how it is found on the route, since all of it is
+What a neighbor is, may be and most likely is stands beside how it is found on the route, since all of it is
 read together; with the checks of a step's arguments this module is a little longer than others.
 """
 
@@ -19,7 +19,7 @@ from cca_core.path import Path
 from cca_core.predict import reach, travel
 from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
 
-__all__ = ["HORIZON", "Ego", "Neighbour", "locate", "unusable"]
+__all__ = ["HORIZON", "Ego", "Neighbor", "locate", "unusable"]
 
 HORIZON = 600.0
 """Farthest point ahead at which a pass may end [m]."""
@@ -32,7 +32,7 @@ _FEW = 25  # vehicles up to which one by one is faster than all at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Neighbour:
+class Neighbor:
     """A remote vehicle in path coordinates.
 
     Parameters
@@ -42,7 +42,7 @@ class Neighbour:
     s, d : float
         Its place along and beside the route [m], d left positive.
     v_s : float
-        Its speed along the route [m/s], negative if it comes towards the ego.
+        Its speed along the route [m/s], negative if it comes toward the ego.
     half_length, half_width : float
         Half its extent along and across the route [m], with two standard deviations of its place.
     angle : float
@@ -74,7 +74,7 @@ class Neighbour:
 
         Returns
         -------
-        neighbour : Neighbour
+        neighbor : Neighbor
             The vehicle along and across the route.
         """
         cos, sin = math.cos(angle), math.sin(angle)
@@ -91,7 +91,7 @@ class Neighbour:
         """Least speed along the route [m/s]: the one told, or less if nothing was heard since it was stale.
 
         The bounds of a stale vehicle's place grow as if it had braked at 8 m/s^2 from 1 s of age on; this is
-        its speed then. One that comes towards the ego keeps its speed.
+        its speed then. One that comes toward the ego keeps its speed.
         """
         late = self.remote.age - _STALE_AFTER
         if late <= 0.0 or self.v_s <= 0.0:
@@ -103,12 +103,12 @@ class Neighbour:
         """Whether it was heard so long ago (more than 1 s) that where it is now is a guess."""
         return self.remote.age > _STALE_AFTER
 
-    def likely(self) -> "Neighbour":
+    def likely(self) -> "Neighbor":
         """Tell where and how fast it is most likely, instead of what must be reckoned with.
 
         Returns
         -------
-        likely : Neighbour
+        likely : Neighbor
             The same without bounds, as if it had just been heard.
         """
         cos, sin = abs(math.cos(self.angle)), abs(math.sin(self.angle))
@@ -171,7 +171,7 @@ class Ego:
     vehicle : VehicleParams
         Its parameters.
     s : float
-        Path coordinate of its centre of gravity [m].
+        Path coordinate of its center of gravity [m].
     v_x, v_target : float
         Speed now and wanted [m/s].
     speed : SpeedSettings
@@ -227,7 +227,7 @@ def locate(
     path: Path,
     places: dict[str, float],
     within: tuple[float, float] = (-15.0, 15.0),
-) -> tuple[list[Neighbour], tuple[tuple[str, str], ...]]:
+) -> tuple[list[Neighbor], tuple[tuple[str, str], ...]]:
     """Bring remote vehicles into path coordinates.
 
     Parameters
@@ -244,7 +244,7 @@ def locate(
 
     Returns
     -------
-    neighbours : list of Neighbour
+    neighbors : list of Neighbor
         The usable ones.
     dropped : tuple of (str, str)
         Id and reason of those that cannot be used.
@@ -264,7 +264,7 @@ def locate(
     feet = _feet(usable, path, places)
     places.clear()
     places.update(zip(usable, (foot[0] for foot in feet), strict=True))
-    neighbours = []
+    neighbors = []
     for remote, (s, d, heading, kappa) in zip(usable.values(), feet, strict=True):
         angle = remote.psi - heading
         if not within[0] <= d <= within[1]:
@@ -273,8 +273,8 @@ def locate(
             room += 0.5 * remote.width + 2.0 * remote.sigma_across
             if across < _CROSSING and not within[0] - room <= d <= within[1] + room:
                 continue
-        neighbours.append(Neighbour.seen_from(remote, s, d, angle, kappa))
-    return neighbours, tuple(dropped)
+        neighbors.append(Neighbor.seen_from(remote, s, d, angle, kappa))
+    return neighbors, tuple(dropped)
 
 
 def _feet(

@@ -8,7 +8,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.decide import danger_zone
 from cca_core.path import Lane, Road
-from cca_core.planner.frenet import HORIZON, Ego, Neighbour
+from cca_core.planner.frenet import HORIZON, Ego, Neighbor
 
 __all__ = ["lane_beside"]
 
@@ -19,7 +19,7 @@ def lane_beside(
     ego: Ego,
     road: Road,
     lane: Lane | None,
-    others: Sequence[Neighbour],
+    others: Sequence[Neighbor],
     times: Array,
     *,
     x_safety: float,
@@ -38,7 +38,7 @@ def lane_beside(
         Route, lanes and speed limit.
     lane : Lane or None
         The lane to be entered, None if there is none.
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         All vehicles but the one that is passed.
     times : ndarray, shape (n,)
         Times from now during which the body is on the lane [s].
@@ -79,22 +79,22 @@ def lane_beside(
     return worst
 
 
-def _is_on(other: Neighbour, lane: Lane) -> bool:
+def _is_on(other: Neighbor, lane: Lane) -> bool:
     return (
         other.d + other.half_width > lane.right + _STRAY and other.d - other.half_width < lane.left - _STRAY
     )
 
 
 def _vehicles_on(
-    lane: Lane, ego: Ego, road: Road, others: Sequence[Neighbour], known_range: float
+    lane: Lane, ego: Ego, road: Road, others: Sequence[Neighbor], known_range: float
 ) -> list[tuple[str, float, float, float, float, bool]]:
     """Name, rear and front relative to the ego, speed, age and whether it is known, of all on a lane."""
-    centre = ego.s + ego.vehicle.box_offset
+    center = ego.s + ego.vehicle.box_offset
     found = [
         (
             o.remote.id,
-            o.s - o.half_length - centre,
-            o.s + o.half_length - centre,
+            o.s - o.half_length - center,
+            o.s + o.half_length - center,
             o.v_s,
             o.remote.age,
             True,

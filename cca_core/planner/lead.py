@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from cca_core.decide import Leader
 from cca_core.follow import SpeedSettings, follow_acceleration, required_deceleration
-from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.frenet import Ego, Neighbor
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["IN_THE_WAY", "kept_behind", "leader_ahead", "make_leader", "oncoming_beside"]
@@ -16,7 +16,7 @@ IN_THE_WAY = 0.3
 """Lateral gap to the route below which a vehicle blocks it [m]."""
 
 _STANDS = 1.0  # slower than this a vehicle stands; messages err by 0.2 [m/s]
-_STALE_AFTER = 1.0  # age from which on where one that comes towards the ego will be is a guess [s]
+_STALE_AFTER = 1.0  # age from which on where one that comes toward the ego will be is a guess [s]
 _OUTLOOK = 2.0  # for which it is taken to go on across the route as it heads [s]
 _SOFTLY = 0.5  # time in which a creeping car comes to rest [s]
 _BRAKES = -2.0  # acceleration below which a hidden vehicle is braked for [m/s^2]
@@ -27,17 +27,17 @@ _HORIZON, _DELAY, _SPARE = 5.0, 0.3, 5.0  # of a stop behind a hidden vehicle [s
 
 
 def leader_ahead(
-    blockers: Sequence[Neighbour], s: float, v_x: float, vehicle: VehicleParams, speed: SpeedSettings,
+    blockers: Sequence[Neighbor], s: float, v_x: float, vehicle: VehicleParams, speed: SpeedSettings,
     stopping: Collection[str] = (),
 ) -> Leader | None:  # fmt: skip
     """Find the vehicle on the route that demands most of the ego.
 
     Parameters
     ----------
-    blockers : sequence of Neighbour
+    blockers : sequence of Neighbor
         Vehicles in the way, nearest first.
     s : float
-        Path coordinate of the ego's centre of gravity [m].
+        Path coordinate of the ego's center of gravity [m].
     v_x : float
         Its speed [m/s].
     vehicle : VehicleParams
@@ -87,12 +87,12 @@ def leader_ahead(
     return replace(demanding, follow_acceleration=follow)
 
 
-def kept_behind(blockers: Sequence[Neighbour], leader: Leader, ego: Ego) -> list[Neighbour]:
+def kept_behind(blockers: Sequence[Neighbor], leader: Leader, ego: Ego) -> list[Neighbor]:
     """Find who need not be passed on the way around a hidden vehicle.
 
     Parameters
     ----------
-    blockers : sequence of Neighbour
+    blockers : sequence of Neighbor
         Vehicles in front on the route, nearest first.
     leader : Leader
         What is to be passed.
@@ -101,7 +101,7 @@ def kept_behind(blockers: Sequence[Neighbour], leader: Leader, ego: Ego) -> list
 
     Returns
     -------
-    kept : list of Neighbour
+    kept : list of Neighbor
         Those before the hidden vehicle that are about as fast as the ego, which goes on following them.
     """
     if leader.kind != "hidden":
@@ -122,7 +122,7 @@ def make_leader(
 
 
 def _sooner(
-    leader: Leader, blockers: Sequence[Neighbour], hidden: Neighbour, front: float, s: float, v_x: float,
+    leader: Leader, blockers: Sequence[Neighbor], hidden: Neighbor, front: float, s: float, v_x: float,
     speed: SpeedSettings,
 ) -> Leader:  # fmt: skip
     """Take the next one in front to brake as hard as it can when a hidden one says that it brakes hard."""
@@ -138,14 +138,12 @@ def _sooner(
     return replace(brakes, follow_acceleration=follow)
 
 
-def oncoming_beside(
-    neighbours: Sequence[Neighbour], vehicle: VehicleParams, met: dict[str, bool]
-) -> set[str]:
-    """Find those that come towards the ego beside its route, wherever they may be since they were heard.
+def oncoming_beside(neighbors: Sequence[Neighbor], vehicle: VehicleParams, met: dict[str, bool]) -> set[str]:
+    """Find those that come toward the ego beside its route, wherever they may be since they were heard.
 
     Parameters
     ----------
-    neighbours : sequence of Neighbour
+    neighbors : sequence of Neighbor
         All vehicles.
     vehicle : VehicleParams
         The ego.
@@ -162,7 +160,7 @@ def oncoming_beside(
     """
     known, beside = dict(met), set()
     met.clear()
-    for n in neighbours:
+    for n in neighbors:
         name, fresh = n.remote.id, n.remote.age <= _STALE_AFTER
         reach = 0.5 * vehicle.width + IN_THE_WAY + n.half_width - 2.0 * n.remote.sigma_across
         then = n.d + _OUTLOOK * n.remote.v_x * math.sin(n.angle)

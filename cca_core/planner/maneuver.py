@@ -20,7 +20,7 @@ from cca_core.errors import Status
 from cca_core.geometry import Boxes
 from cca_core.path import Lane, Path, Road, detour_path
 from cca_core.planner.committed import first_free, forgiven, resampled, settled
-from cca_core.planner.frenet import HORIZON, Ego, Neighbour
+from cca_core.planner.frenet import HORIZON, Ego, Neighbor
 from cca_core.planner.gap_acceptance import lane_beside
 from cca_core.planner.settings import EvasionSettings
 from cca_core.predict import boxes_between
@@ -28,14 +28,14 @@ from cca_core.predict import boxes_between
 __all__ = ["GRIP_USED", "Evasion", "EvasionSettings", "boxes_of", "plan_evasion"]
 
 GRIP_USED = 0.8
-"""Share of the tyres' grip that a swerve may use when it cannot be given up any more."""
+"""Share of the tires' grip that a swerve may use when it cannot be given up any more."""
 
 _BEHIND = 2.0  # a window starts this far behind the car [m]
 _GROWTH = 2.0  # an end that would move on by less stays: it is an effect of rounding [m]
 _AS_BENT = 1.002  # as a multiple of how it is bent already, what can hardly change may be bent
 _BESIDE_EDGE = 0.05  # by which an edge is farther for what can hardly change [m]
 _NODES = 140  # in a window, at most; never closer than 1 m
-_MANOEUVRING = 5.0  # slower than this the steering limits curvature, not the tyres [m/s]
+_MANEUVERING = 5.0  # slower than this the steering limits curvature, not the tires [m/s]
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 _TIMES = 24  # at which the lane beside is looked at
 _AHEAD = np.arange(-_BEHIND, HORIZON, 1.0)  # distances at which the ego is looked at beside others [m]
@@ -94,8 +94,8 @@ class Evasion:
 def plan_evasion(
     ego: Ego,
     road: Road,
-    blockers: Sequence[Neighbour],
-    others: Sequence[Neighbour],
+    blockers: Sequence[Neighbor],
+    others: Sequence[Neighbor],
     side: Side,
     settings: EvasionSettings,
     ongoing: Evasion | None = None,
@@ -110,16 +110,16 @@ def plan_evasion(
         The ego on its route.
     road : Road
         Route, lanes and edges.
-    blockers : sequence of Neighbour
+    blockers : sequence of Neighbor
         Vehicles in the way, nearest first; at least one.
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         All other vehicles.
     side : {"left", "right"}
         Side to pass on.
     settings : EvasionSettings
         Clearance, comfort and caution.
     ongoing : Evasion, optional
-        The manoeuvre that is being driven: its window is kept, only its end may move on, and what has been
+        The maneuver that is being driven: its window is kept, only its end may move on, and what has been
         driven of it stays.
     at_once : bool
         Whether the swerve begins now even if there would be time to drive on; of an ongoing one, whether it
@@ -184,7 +184,7 @@ def plan_evasion(
     s, t = whole[k:], ego.times(whole[k:])
     right = road.own_lane.right if side == "left" or beside is None else beside.right
     left = road.own_lane.left if side == "right" or beside is None else beside.left
-    squared = np.maximum(_speeds(ego, s), _MANOEUVRING) ** 2
+    squared = np.maximum(_speeds(ego, s), _MANEUVERING) ** 2
     curvature_limit, room = settings.lateral_limit / squared, np.zeros(len(s))
     if was is not None:
         m = min(settled(t), len(s) - 1)
@@ -234,7 +234,7 @@ def plan_evasion(
     )  # fmt: skip
 
 
-def _span(other: Neighbour, t: Array, settings: EvasionSettings, passed: bool) -> tuple[Array, Array]:
+def _span(other: Neighbor, t: Array, settings: EvasionSettings, passed: bool) -> tuple[Array, Array]:
     """Stretch of the route that another vehicle may cover, within the bounds that are provided for."""
     acceleration = settings.passed_acceleration if passed else settings.acceleration
     return other.span(t, braking=settings.braking, acceleration=acceleration)
@@ -243,7 +243,7 @@ def _span(other: Neighbour, t: Array, settings: EvasionSettings, passed: bool) -
 def boxes_of(
     path: Path,
     s: Array,
-    others: Sequence[Neighbour],
+    others: Sequence[Neighbor],
     t: Array,
     settings: EvasionSettings,
 ) -> Boxes:
@@ -255,7 +255,7 @@ def boxes_of(
         The route.
     s : ndarray, shape (n,)
         Places of the ego [m].
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         The vehicles, first the one that is passed first.
     t : ndarray, shape (n,)
         Times from now at which the ego is there [s].
@@ -273,7 +273,7 @@ def boxes_of(
 
 
 def _contact(
-    ego: Ego, other: Neighbour, settings: EvasionSettings, t: Array, passed: bool
+    ego: Ego, other: Neighbor, settings: EvasionSettings, t: Array, passed: bool
 ) -> tuple[float, tuple[float, float]]:
     """Find where the ego, which is `_AHEAD` at times t, must be beside the other.
 
@@ -312,7 +312,7 @@ def _speeds(ego: Ego, s: Array) -> Array:
     return speeds
 
 
-def _named(message: str, others: Sequence[Neighbour], ahead: Array) -> str:
+def _named(message: str, others: Sequence[Neighbor], ahead: Array) -> str:
     """Message of a band, with the vehicles' names and the distance ahead of the ego instead of its counts."""
     message = re.sub(r"obstacle (\d+)", lambda found: others[int(found[1])].remote.id, message)
     return re.sub(r"at node (\d+)", lambda found: f"{ahead[int(found[1])]:.0f} m ahead", message)

@@ -1,6 +1,6 @@
 """One cycle: decide, bend the route, follow it.
 
-The state of a manoeuvre, its renewal and the fall-back ladder belong together, so this module is longer
+The state of a maneuver, its renewal and the fall-back ladder belong together, so this module is longer
 than others.
 """
 
@@ -27,7 +27,7 @@ from cca_core.follow import (
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.abort import is_beside, put_off, slow_enough
 from cca_core.planner.command import Command
-from cca_core.planner.frenet import Ego, Neighbour, locate, unusable
+from cca_core.planner.frenet import Ego, Neighbor, locate, unusable
 from cca_core.planner.lead import IN_THE_WAY, kept_behind, leader_ahead, oncoming_beside
 from cca_core.planner.maneuver import Evasion
 from cca_core.planner.replan import renew, swerves_of, ways_around
@@ -45,7 +45,7 @@ _PERIOD = 0.1  # between two looks at the same vehicles [s]
 _STILL_FOLLOWED = 0.3  # share of the brakes within which a swerve is given up for following
 _FALLBACK_BRAKE = 4.0  # [m/s^2]
 _COMFORTABLE = 2.0  # deceleration up to which a stop behind who stands is preferred to a swerve [m/s^2]
-_GRIP, _GRIP_IN_NEED = 0.9, 0.98  # shares of the tyres' grip used for braking, and in an emergency
+_GRIP, _GRIP_IN_NEED = 0.9, 0.98  # shares of the tires' grip used for braking, and in an emergency
 _HARD = 0.7  # share of the brakes from which on jerk is not spared, as from twice the comfortable share
 _CURVE_ACCELERATION = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
 
@@ -182,8 +182,8 @@ class Planner:
             headings = f"{state.psi:.2f} instead of {heading:.2f} rad"
             return self._give_up(f"the ego heads against its route ({headings})")
         self._s = s
-        neighbours, dropped = locate(remotes, path, self._places, self._matters)
-        blockers = self._blockers(neighbours, s)
+        neighbors, dropped = locate(remotes, path, self._places, self._matters)
+        blockers = self._blockers(neighbors, s)
         v_target = math.sqrt(max(float(np.interp(s, *self._cap)), 0.0))
         leader = self._leader(blockers, s, state.v_x)
         if self._maneuver is not None:
@@ -197,24 +197,24 @@ class Planner:
                 self._decided = -math.inf
         if not (self._decision.action.evades or self._retreating):
             self._status = Status.OK
-        if self._is_news(t, neighbours):
+        if self._is_news(t, neighbors):
             ego = Ego(vehicle=self.vehicle, s=s, v_x=max(state.v_x, 0.0), v_target=v_target, speed=self.speed)
-            self._conflict = conflict_ahead(ego, self.road, neighbours, self._conflict)
+            self._conflict = conflict_ahead(ego, self.road, neighbors, self._conflict)
             leader = self._leader(blockers, s, state.v_x)
-            self._decide(ego, leader, blockers, neighbours)
+            self._decide(ego, leader, blockers, neighbors)
         if self._maneuver is not None and self._decision.action.evades:
             late, at = self._status is not Status.OK, self._maneuver.offset_at
-            kept = [n for n in neighbours if n.remote.id in self._kept]
+            kept = [n for n in neighbors if n.remote.id in self._kept]
             if late:  # whoever is in the way of the swerve is kept behind, as seen from it
                 # not for what may be of one unheard: braking endangers those that are being passed
-                likely = [n.likely() if n.unheard else n for n in neighbours if n not in kept]
+                likely = [n.likely() if n.unheard else n for n in neighbors if n not in kept]
                 kept += [replace(n, d=n.d - at(n.s)) for n in likely if self._blocks(n, at(n.s))]
             leader = self._leader(sorted(kept, key=lambda n: n.s), s, state.v_x)
         reference = path if self._maneuver is None else self._maneuver.reference
         most = math.inf
         if self._retreating:
             most = -slow_enough(reference, s, state.v_x)
-            if is_beside(self.vehicle, self.road, s, neighbours):
+            if is_beside(self.vehicle, self.road, s, neighbors):
                 most = min(most, 0.0)
         a_x = self._acceleration(s, state.v_x, state.r, leader, dt, most)
         delta = self._controller.steer(state, reference, dt, near=s)
@@ -223,30 +223,30 @@ class Planner:
             band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,
         ))  # fmt: skip
 
-    def _is_news(self, t: float, neighbours: list[Neighbour]) -> bool:
+    def _is_news(self, t: float, neighbors: list[Neighbor]) -> bool:
         """Whether to decide again: once a period, and at once when a vehicle or one of its events is new."""
-        seen = frozenset((n.remote.id, n.remote.events) for n in neighbours)
+        seen = frozenset((n.remote.id, n.remote.events) for n in neighbors)
         if t - self._decided < _PERIOD - 1e-6 and seen == self._seen:
             return False
         self._seen, self._decided = seen, t
         return True
 
-    def _blockers(self, neighbours: list[Neighbour], s: float) -> list[Neighbour]:
+    def _blockers(self, neighbors: list[Neighbor], s: float) -> list[Neighbor]:
         """Vehicles on the route whose front is not behind the ego's rear, nearest first."""
         rear = s + self.vehicle.box_offset - 0.5 * self.vehicle.length
-        beside = oncoming_beside(neighbours, self.vehicle, self._met)
+        beside = oncoming_beside(neighbors, self.vehicle, self._met)
         found = [
             n
-            for n in neighbours
+            for n in neighbors
             if n.s + n.half_length > rear and self._blocks(n, 0.0) and n.remote.id not in beside
         ]
         return sorted(found, key=lambda n: n.s)
 
-    def _blocks(self, other: Neighbour, d: float) -> bool:
+    def _blocks(self, other: Neighbor, d: float) -> bool:
         """Whether a vehicle leaves too little room beside the ego at lateral coordinate `d`."""
         return abs(other.d - d) < 0.5 * self.vehicle.width + IN_THE_WAY + other.half_width
 
-    def _leader(self, blockers: list[Neighbour], s: float, v_x: float) -> Leader | None:
+    def _leader(self, blockers: list[Neighbor], s: float, v_x: float) -> Leader | None:
         """Return what demands most of the ego: on the route, or crossing it."""
         leader = leader_ahead(blockers, s, v_x, self.vehicle, self.speed, self._stopping)
         if self._conflict is None:
@@ -260,15 +260,15 @@ class Planner:
         self,
         ego: Ego,
         leader: Leader | None,
-        blockers: list[Neighbour],
-        neighbours: list[Neighbour],
+        blockers: list[Neighbor],
+        neighbors: list[Neighbor],
     ) -> None:
-        """Renew the manoeuvre that is under way, or choose whether to begin one."""
+        """Renew the maneuver that is under way, or choose whether to begin one."""
         if self._maneuver is not None:
             if self._retreating:
-                self._maneuver = put_off(ego, self.road, self._maneuver, neighbours)
+                self._maneuver = put_off(ego, self.road, self._maneuver, neighbors)
             else:
-                self._renew(ego, self._maneuver, leader, neighbours)
+                self._renew(ego, self._maneuver, leader, neighbors)
             return
         plans: dict[str, Evasion] = {}
         candidates: list[Candidate] = []
@@ -279,7 +279,7 @@ class Planner:
             ahead = [b for b in blockers if b.s > ego.s]
             kept = kept_behind(ahead, leader, ego)
             self._kept = {n.remote.id for n in kept}
-            others = [] if self._leader_only else _without(neighbours, ahead)
+            others = [] if self._leader_only else _without(neighbors, ahead)
             ahead = _without(ahead, kept)
             if leader.v_x > ego.v_target - self.evasion.speed_floor:
                 candidates.append(Candidate(side="left", obstruction=f"{leader.id} is almost as fast"))
@@ -301,16 +301,16 @@ class Planner:
             side = "left" if self._decision.action is Action.EVADE_LEFT else "right"
             self._maneuver, self._inside, self._status = plans[side], True, status
 
-    def _renew(self, ego: Ego, maneuver: Evasion, leader: Leader | None, neighbours: list[Neighbour]) -> None:
-        """Go on with the manoeuvre for what is known now, or give it up."""
-        neighbours = [n for n in neighbours if n.remote.id not in self._kept]
-        passing = [n for n in neighbours if self._blocks(n, 0.0) and n.s + n.half_length > maneuver.start]
+    def _renew(self, ego: Ego, maneuver: Evasion, leader: Leader | None, neighbors: list[Neighbor]) -> None:
+        """Go on with the maneuver for what is known now, or give it up."""
+        neighbors = [n for n in neighbors if n.remote.id not in self._kept]
+        passing = [n for n in neighbors if self._blocks(n, 0.0) and n.s + n.half_length > maneuver.start]
         if not passing:
             return
         need = 0.0 if leader is None else leader.required_deceleration
         now = renew(
             ego, self.road, maneuver, sorted(passing, key=lambda n: n.s),
-            [] if self._leader_only else _without(neighbours, passing), self._swerves, inside=self._inside,
+            [] if self._leader_only else _without(neighbors, passing), self._swerves, inside=self._inside,
             can_follow=need < _STILL_FOLLOWED * self.speed.b_max, known_range=self._known_range,
         )  # fmt: skip
         self._maneuver, self._status = now.maneuver, now.status
@@ -358,6 +358,6 @@ class Planner:
         return command
 
 
-def _without(neighbours: list[Neighbour], others: list[Neighbour]) -> list[Neighbour]:
+def _without(neighbors: list[Neighbor], others: list[Neighbor]) -> list[Neighbor]:
     left_out = {n.remote.id for n in others}
-    return [n for n in neighbours if n.remote.id not in left_out]
+    return [n for n in neighbors if n.remote.id not in left_out]

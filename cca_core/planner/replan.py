@@ -10,7 +10,7 @@ from cca_core.errors import Status
 from cca_core.geometry import box_gap
 from cca_core.path import Road
 from cca_core.planner.abort import plan_retreat, plan_shortcut
-from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.frenet import Ego, Neighbor
 from cca_core.planner.maneuver import GRIP_USED, Evasion, boxes_of, plan_evasion
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import VehicleParams
@@ -73,8 +73,8 @@ def swerves_of(
 def ways_around(
     ego: Ego,
     road: Road,
-    blockers: Sequence[Neighbour],
-    others: Sequence[Neighbour],
+    blockers: Sequence[Neighbor],
+    others: Sequence[Neighbor],
     swerves: Sequence[tuple[EvasionSettings, Status]],
     *,
     at_once: bool,
@@ -89,9 +89,9 @@ def ways_around(
         The ego on its lane.
     road : Road
         Route and lanes.
-    blockers : sequence of Neighbour
+    blockers : sequence of Neighbor
         Vehicles in the way, nearest first.
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         All other vehicles.
     swerves : sequence of (EvasionSettings, Status)
         Ways to drive, the best first; those that are to be tried.
@@ -136,8 +136,8 @@ def renew(
     ego: Ego,
     road: Road,
     maneuver: Evasion,
-    passing: Sequence[Neighbour],
-    others: Sequence[Neighbour],
+    passing: Sequence[Neighbor],
+    others: Sequence[Neighbor],
     swerves: Sequence[tuple[EvasionSettings, Status]],
     *,
     inside: bool,
@@ -154,9 +154,9 @@ def renew(
         Route and lanes.
     maneuver : Evasion
         The swerve as it was.
-    passing : sequence of Neighbour
+    passing : sequence of Neighbor
         Vehicles that block the route from its start on, nearest first; at least one.
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         All other vehicles.
     swerves : sequence of (EvasionSettings, Status)
         Ways to drive it, as `swerves_of` gives them.
@@ -197,7 +197,7 @@ def renew(
 
 
 def _room_on(
-    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbour], settings: EvasionSettings
+    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbor], settings: EvasionSettings
 ) -> float:
     """Least distance between body and bounds [m] if a swerve is driven to its end as it is."""
     left = maneuver.places >= ego.s - _BEHIND

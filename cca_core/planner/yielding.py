@@ -11,7 +11,7 @@ from cca_core.decide import Conflict, Leader, crossing
 from cca_core.follow import SpeedSettings, friction_limited
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import Path, Road
-from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.frenet import Ego, Neighbor
 from cca_core.planner.lead import make_leader
 from cca_core.predict import predict_free
 
@@ -49,7 +49,7 @@ def leader_at(conflict: Conflict, s: float, v_x: float, speed: SpeedSettings) ->
 
 
 def conflict_ahead(
-    ego: Ego, road: Road, others: Sequence[Neighbour], last: Conflict | None = None
+    ego: Ego, road: Road, others: Sequence[Neighbor], last: Conflict | None = None
 ) -> Conflict | None:
     """Find the nearest place at which the ego must wait for a crossing vehicle.
 
@@ -59,7 +59,7 @@ def conflict_ahead(
         The ego and how it intends to drive.
     road : Road
         Its route; where a stop line lies before the conflict, the ego waits there.
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         Vehicles around.
     last : Conflict, optional
         What the ego waits for already; it goes on only when there is a little more time than it needs.
@@ -114,12 +114,12 @@ def _braked(ego: Ego, path: Path, t: Array, delay: float) -> tuple[float, Array]
     return ego.v_x * delay + ego.v_x**2 / (2.0 * brakes), ego.s + x
 
 
-def _apart(ego: Ego, path: Path, s: Array, other: Neighbour, t: Array) -> float:
+def _apart(ego: Ego, path: Path, s: Array, other: Neighbor, t: Array) -> float:
     """Least distance between the bodies [m] if the ego is at places at times and the other goes on."""
     moments = np.arange(0.0, _LOOK, _STEP)
-    centre, tangent, _ = path.derivatives(np.interp(moments, t, s))
+    center, tangent, _ = path.derivatives(np.interp(moments, t, s))
     psi = np.arctan2(tangent[:, 1], tangent[:, 0])
-    x, y = centre.T + ego.vehicle.box_offset * np.array((np.cos(psi), np.sin(psi)))
+    x, y = center.T + ego.vehicle.box_offset * np.array((np.cos(psi), np.sin(psi)))
     body = boxes(x, y, psi, ego.vehicle.length, ego.vehicle.width)
     met = boxes(*predict_free(other.remote, moments), other.remote.length, other.remote.width)
     return float(box_gap(body, met).min())

@@ -12,7 +12,7 @@ from cca_core.errors import InputError
 from cca_core.path import Road
 from cca_core.plot.player import SCRIPT, STYLE
 from cca_core.plot.road_surface import borders, lines_beside
-from cca_core.plot.style import colours, plain, scenario_name, who_drives
+from cca_core.plot.style import colors, plain, scenario_name, who_drives
 from cca_core.plot.verdict import contact
 from cca_core.sim import Log
 from cca_core.sim.world.radio import sender_id
@@ -54,7 +54,7 @@ def animate(logs: Sequence[Log], *, alone: bool = True) -> str:
 
     Notes
     -----
-    Embedded are times [ms] and, as differences from frame to frame, the poses of all bodies' centres [cm,
+    Embedded are times [ms] and, as differences from frame to frame, the poses of all bodies' centers [cm,
     0.1 mrad] and speeds [cm/s] at 10 Hz, relative to the ego's first place, whose coordinates [m] are with
     them. The view moves along the route, so that the ego's way across the lanes is seen; a scenario with
     other roads is shown by a view that stands.
@@ -100,7 +100,7 @@ def _rows(log: Log) -> "np.ndarray[Any, np.dtype[np.intp]]":
 
 
 def _poses(log: Log) -> Array:
-    """Place of the bodies' centres, heading and speed of all, the ego first, shape (n, 1 + n_users, 4)."""
+    """Place of the bodies' centers, heading and speed of all, the ego first, shape (n, 1 + n_users, 4)."""
     ego, _ = log.bodies()
     own = np.stack((ego.x[:, 0], ego.y[:, 0], log.ego[:, 2], log.ego[:, 3]), axis=-1)
     return np.concatenate((own[:, None], log.users), axis=1)
@@ -181,7 +181,7 @@ def _figure(log: Log, view: tuple[Array, tuple[float, float, float, float]]) -> 
     poses = _poses(log)[0]
     origin = poses[0, :2]
     users, vehicle = log.scenario.users, log.scenario.vehicle
-    palette = colours([user.id for user in users])
+    palette = colors([user.id for user in users])
     bodies = [(vehicle.length, vehicle.width, "car ego", "")]
     bodies += [(u.length, u.width, "car", f' fill="{palette[u.id]}"') for u in users]
     cars = "".join(

@@ -79,7 +79,7 @@ def fig_12() -> "Figure":
 
 
 def fig_15() -> "Figure":
-    """Draw the first swerve that the two tunings of manoeuvring case 1 plan, as Fig 15 of the paper does.
+    """Draw the first swerve that the two tunings of maneuvering case 1 plan, as Fig 15 of the paper does.
 
     Returns
     -------
@@ -93,15 +93,15 @@ def fig_15() -> "Figure":
     """
     figure = new_figure(4.6)
     place, push = figure.subplots(2, 1, sharex=True)
-    for tuning, colour, line in (("fast", EGO, "-"), ("smooth", _SMOOTH, "--")):
+    for tuning, color, line in (("fast", EGO, "-"), ("smooth", _SMOOTH, "--")):
         aim, reference, band = _first_swerve(f"1-{tuning}")
         s = np.linspace(reference.start, reference.end, 1000)
         x, d = reference.position(s).T
         near = (x > band.nodes[0, 0] - 20.0) & (x < band.nodes[-1, 0] + 20.0)
         a_y = _V**2 * reference.curvature(s)
         label = f"{tuning}: aims at {aim:g} m/s², peak {np.abs(a_y).max():.1f} m/s²"
-        place.plot(x[near], d[near], line, color=colour, label=tuning)
-        push.plot(x[near], a_y[near], line, color=colour, label=label)
+        place.plot(x[near], d[near], line, color=color, label=tuning)
+        push.plot(x[near], a_y[near], line, color=color, label=label)
     beside = np.flatnonzero(band.lower > 0.0)
     place.axvspan(
         *band.nodes[beside[[0, -1]], 0], color=PARKED, alpha=0.25, linewidth=0.0, label="passing R1"

@@ -7,7 +7,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.errors import InputError
-from cca_core.plot.style import EGO, HIT, colours, new_figure, spelled_out, who_drives
+from cca_core.plot.style import EGO, HIT, colors, new_figure, spelled_out, who_drives
 from cca_core.plot.verdict import contact, verdict
 from cca_core.sim import Log
 
@@ -49,7 +49,7 @@ def plot_braking(logs: Sequence[Log]) -> "Figure":
     for log, (place, speed, brake) in zip(logs, axes.T, strict=True):
         _draw_bands(place, log)
         users = log.scenario.users
-        palette = colours([user.id for user in users])
+        palette = colors([user.id for user in users])
         speed.plot(log.t, log.ego[:, 3], color=EGO)
         brake.plot(log.t, -log.ego[:, 7], color=EGO)
         for i, user in enumerate(users):
@@ -83,10 +83,10 @@ def _middles(log: Log) -> Array:
 
 def _draw_bands(axis: Any, log: Log) -> None:
     users = log.scenario.users
-    palette = colours([user.id for user in users])
+    palette = colors([user.id for user in users])
     bodies = [("ego", log.scenario.vehicle.length, EGO), *((u.id, u.length, palette[u.id]) for u in users)]
-    for (name, length, colour), s in zip(bodies, _middles(log).T, strict=True):
-        axis.fill_between(log.t, s - 0.5 * length, s + 0.5 * length, color=colour, linewidth=0.3, label=name)
+    for (name, length, color), s in zip(bodies, _middles(log).T, strict=True):
+        axis.fill_between(log.t, s - 0.5 * length, s + 0.5 * length, color=color, linewidth=0.3, label=name)
     hit = contact(log)
     if hit is not None:
         s = _middles(log)[-1, 0] + 0.5 * log.scenario.vehicle.length

@@ -9,7 +9,7 @@ from cca_core._checks import Array, check_array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
-from cca_core.plot.style import ASPHALT, EGO, colours
+from cca_core.plot.style import ASPHALT, EGO, colors
 from cca_core.sim.commonroad.drive import CommonRoadRun
 
 if TYPE_CHECKING:
@@ -88,20 +88,20 @@ def _draw_moment(axis: Any, run: CommonRoadRun, t: float, view: int, limits: tup
     axis.plot(*run.ego[: row + 1, :2].T, color=EGO, linewidth=1.4, zorder=3)
     axis.plot(*run.ego[row:, :2].T, color=EGO, linewidth=1.0, linestyle=":", zorder=3)
     halo = require_extra("matplotlib.patheffects", "plot").withStroke(linewidth=2.0, foreground="white")
-    palette = colours([obstacle.id for obstacle in run.scenario.obstacles])
+    palette = colors([obstacle.id for obstacle in run.scenario.obstacles])
     x, y, psi, v_x = run.ego[row, :4]
     along, car = run.vehicle.box_offset, run.vehicle
-    centre = (x + along * np.cos(psi), y + along * np.sin(psi))
-    drawn = [("ego", *centre, psi, car.length, car.width, v_x, EGO)]
+    center = (x + along * np.cos(psi), y + along * np.sin(psi))
+    drawn = [("ego", *center, psi, car.length, car.width, v_x, EGO)]
     for obstacle in run.scenario.obstacles:
         other = obstacle.at(float(run.t[row]))
         if other is not None:
             where = (other.x, other.y, other.psi, other.length, other.width, other.v_x)
             drawn.append((other.id, *where, palette[other.id]))
     low, high = limits
-    for id_, x, y, psi, length, width, v_x, colour in drawn:
+    for id_, x, y, psi, length, width, v_x, color in drawn:
         corners = boxes(x, y, psi, length, width).corners()
-        axis.fill(*corners.T, color=colour, alpha=0.85, zorder=4, gid=f"{id_}@{view}")
+        axis.fill(*corners.T, color=color, alpha=0.85, zorder=4, gid=f"{id_}@{view}")
         if low[0] < x < high[0] and low[1] < y < high[1]:
             axis.annotate(
                 f"{id_} {v_x:.0f} m/s", (x, y), color="black", fontsize=7,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_growth", "plot_plans", "plot_time_quality"]
 
-# colour and marker of each method, the same in all figures: the paper's band is purple, the relaxed one blue
+# color and marker of each method, the same in all figures: the paper's band is purple, the relaxed one blue
 _STYLES = {
     "band, eq 9": ("#882255", "o"),
     "band, relaxed": (EGO, "D"),
@@ -34,7 +34,7 @@ _STYLES = {
 def _styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
     spare = cycle([style for name, style in _STYLES.items() if name not in names] or _STYLES.values())
     chosen = {name: _STYLES.get(name) or next(spare) for name in names}
-    return {name: {"color": colour, "marker": marker} for name, (colour, marker) in chosen.items()}
+    return {name: {"color": color, "marker": marker} for name, (color, marker) in chosen.items()}
 
 
 def plot_time_quality(rows: Sequence[Row]) -> "Figure":

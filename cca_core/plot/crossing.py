@@ -9,7 +9,7 @@ from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.geometry import box_gap, boxes
 from cca_core.plot.road_surface import draw_ground
-from cca_core.plot.style import EGO, HIT, colours, new_figure, row_at, spelled_out, who_drives
+from cca_core.plot.style import EGO, HIT, colors, new_figure, row_at, spelled_out, who_drives
 from cca_core.plot.verdict import contact, verdict
 from cca_core.sim import Log
 
@@ -92,7 +92,7 @@ def _draw_view(axis: Any, log: Log, middle: Array) -> None:
     if contact(log) is not None:
         rows = [row for row in rows if log.t[-1] - log.t[row] > 0.4 * _PERIOD] + [len(log.t) - 1]
     names = ["ego", *(user.id for user in users)]
-    palette = {"ego": EGO, **colours(names[1:])}
+    palette = {"ego": EGO, **colors(names[1:])}
     for i, name in enumerate(names):
         track = corners[:, i].mean(axis=1)
         axis.plot(*track.T, color=palette[name], linewidth=0.8, alpha=0.7, zorder=2)
@@ -122,7 +122,7 @@ def _draw_view(axis: Any, log: Log, middle: Array) -> None:
 
 
 def _ways(log: Log) -> Array:
-    """Path coordinates of the ego's centre of gravity that are looked at."""
+    """Path coordinates of the ego's center of gravity that are looked at."""
     path = log.scenario.road.path
     return np.arange(log.place[0, 0], min(log.place[-1, 0] + 15.0, path.end), _STEP)
 
@@ -163,9 +163,9 @@ def _draw_diagram(axis: Any, log: Log) -> None:
     base = log.place[0, 0] if line is None else line
     touched, ways = _blocked(log), _ways(log) + front - base
     t = log.t[0] + _EVERY * (log.t[1] - log.t[0]) * np.arange(len(touched))
-    colour = colours([user.id for user in scenario.users])[scenario.users[0].id]
-    axis.contourf(t, ways, touched.T.astype(float), levels=(0.5, 1.5), colors=[colour], alpha=0.45)
-    axis.plot([], [], color=colour, alpha=0.45, linewidth=8, label="would touch another")
+    color = colors([user.id for user in scenario.users])[scenario.users[0].id]
+    axis.contourf(t, ways, touched.T.astype(float), levels=(0.5, 1.5), colors=[color], alpha=0.45)
+    axis.plot([], [], color=color, alpha=0.45, linewidth=8, label="would touch another")
     axis.plot(log.t, log.place[:, 0] + front - base, color=EGO, linewidth=2.0, label="ego")
     if line is not None:
         axis.axhline(0.0, color="#555555", linewidth=1.0, linestyle="--", label="stop line")

@@ -22,7 +22,7 @@ _LENGTH, _ASKED = 100.0, 1.0  # route and clearance [m]
 _K_E = 0.03  # external per spring stiffness of the paper's band [-]
 _VEHICLE = VehicleParams.bmw_320i()
 _CAR = 4.5, 1.8  # length and width of the parked car [m]
-_APART = 0.5 * (_CAR[1] + _VEHICLE.width)  # of the centres when the bodies touch [m]
+_APART = 0.5 * (_CAR[1] + _VEHICLE.width)  # of the centers when the bodies touch [m]
 _R_0 = _APART + _ASKED
 _BESIDE = -0.5  # where the parked car stands if not on the route [m]
 
@@ -88,9 +88,9 @@ def _relaxed(d: float = _BESIDE, h: float = 1.0, **options: Any) -> Band:
 
 
 def _plan(axis: Any, bands: Iterable[tuple[Array, str, str, str]], d: float, **style: Any) -> None:
-    """Draw bands (nodes, label, colour, line style) past the parked car."""
-    for nodes, label, colour, line in bands:
-        axis.plot(*nodes.T, line, color=colour, label=label, **style)
+    """Draw bands (nodes, label, color, line style) past the parked car."""
+    for nodes, label, color, line in bands:
+        axis.plot(*nodes.T, line, color=color, label=label, **style)
     axis.axhline(0.0, color="black", linewidth=0.8, linestyle=(0, (4, 4)), zorder=0)
     axis.fill(*_car(d).corners().T, color=PARKED, zorder=1)
     axis.set(xlabel="along the route [m]", ylabel="left of the route [m]")
@@ -109,11 +109,11 @@ def _on_the_path(left: Any, right: Any) -> None:
 
 def _mesh(left: Any, right: Any) -> None:
     for h, line in ((2.0, ":"), (1.0, "--"), (0.5, "-")):
-        for axis, nodes, colour in (
+        for axis, nodes, color in (
             (left, _one_shot(_BESIDE, h), _PAPER), (right, _relaxed(h=h).nodes, EGO),
         ):  # fmt: skip
             label = f"a node each {h:g} m: peak {nodes[:, 1].max():.2f} m"
-            _plan(axis, [(nodes, label, colour, line)], _BESIDE)
+            _plan(axis, [(nodes, label, color, line)], _BESIDE)
     right.sharey(left)
     left.set_ylim(-2.0, 17.0)
     left.set_title(f"{_SHOT}: finer mesh, other band", fontsize=10)
@@ -163,15 +163,15 @@ def _gap(nodes: Array) -> float:
 def _pinned(left: Any, right: Any) -> None:
     x = np.arange(10.0)
     before, behind = (np.column_stack((x + at, 0.0 * x)) for at in (-10.0, _LENGTH + 1.0))
-    for nodes, label, colour in (
+    for nodes, label, color in (
         (_one_shot(_BESIDE), _SHOT, _PAPER), (_relaxed().nodes, _RELAXED, EGO),
     ):  # fmt: skip
         line = np.vstack((before, nodes, behind))
         heading = np.arctan2(*np.diff(line, axis=0).T[::-1])
-        left.plot(0.5 * (line[1:, 0] + line[:-1, 0]), np.degrees(heading), color=colour, label=label)
+        left.plot(0.5 * (line[1:, 0] + line[:-1, 0]), np.degrees(heading), color=color, label=label)
         a_y = _V**2 * np.diff(heading) / np.linalg.norm(np.diff(line, axis=0), axis=1)[1:]
         label += f": peak {np.abs(a_y).max():.1f} m/s²"
-        right.plot(line[1:-1, 0], a_y, color=colour, label=label)
+        right.plot(line[1:-1, 0], a_y, color=color, label=label)
     left.set(xlabel="along the route [m]", ylabel="heading against the route [°]")
     right.set(xlabel="along the route [m]", ylabel=f"lateral acceleration\nat {_V:g} m/s [m/s²]")
 
@@ -200,8 +200,8 @@ def _clustering(left: Any, right: Any) -> None:
     bands = (_one_shot(-0.1), _SHOT, _PAPER, ".-"), (_relaxed(-0.1).nodes, _RELAXED, EGO, ".-")
     _plan(left, bands, -0.1, markersize=6.0, linewidth=0.8)
     left.set(xlim=(42.0, 58.0), ylim=(-1.6, 4.9))
-    for nodes, label, colour, _ in bands:
-        right.plot(_route()[:, 0], nodes[:, 0] - _route()[:, 0], ".-", color=colour, label=label)
+    for nodes, label, color, _ in bands:
+        right.plot(_route()[:, 0], nodes[:, 0] - _route()[:, 0], ".-", color=color, label=label)
     right.set(xlabel="along the route [m]", ylabel="shift along the route [m]", ylim=(-0.1, 0.15))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
-from cca_core.plot.style import ACTIONS, EGO, LEAST_A_Y, colours, draw_lanes, spelled_out, title, widen
+from cca_core.plot.style import ACTIONS, EGO, LEAST_A_Y, colors, draw_lanes, spelled_out, title, widen
 from cca_core.sim import Log
 
 if TYPE_CHECKING:
@@ -78,20 +78,20 @@ def plot_tunings(fast: Log, smooth: Log) -> "Figure":
     road = fast.scenario.road
     draw_lanes(axis, road)
     view = []
-    for i, (log, colour, name) in enumerate(((fast, EGO, "fast"), (smooth, _SMOOTH, "smooth"))):
+    for i, (log, color, name) in enumerate(((fast, EGO, "fast"), (smooth, _SMOOTH, "smooth"))):
         s, d = log.place.T
         start, end = lane_change(log)
         height = road.left_edge + 0.6 + 0.9 * i
         aim, peak = log.scenario.evasion.lateral_acceleration, np.abs(log.a_y).max()
         axis.plot(
-            s, d, color=colour, label=f"{name}: aims at {aim:g} m/s², peak |a_y| {peak:.2f} m/s²",
+            s, d, color=color, label=f"{name}: aims at {aim:g} m/s², peak |a_y| {peak:.2f} m/s²",
             linestyle=("-", "--")[i], linewidth=1.8,
         )  # fmt: skip
-        axis.vlines((start, end), np.interp((start, end), s, d), height, color=colour, linewidth=0.8)
-        axis.annotate("", (start, height), (end, height), arrowprops={"arrowstyle": "<->", "color": colour})
+        axis.vlines((start, end), np.interp((start, end), s, d), height, color=color, linewidth=0.8)
+        axis.annotate("", (start, height), (end, height), arrowprops={"arrowstyle": "<->", "color": color})
         axis.annotate(
             f"{name}: lane change in {end - start:.0f} m", (end, height), (6, 0),
-            textcoords="offset points", color=colour, va="center",
+            textcoords="offset points", color=color, va="center",
         )  # fmt: skip
         view += np.interp([log.decisions[1][0], log.decisions[-1][0]], log.t, s).tolist()
     axis.set_xlim(min(view) - 20.0, max(view) + 20.0)
@@ -125,7 +125,7 @@ def plot_time_series(log: Log) -> "Figure":
         figsize=(9.0, 7.6), layout="constrained"
     )
     speed, steer, lateral, gap = figure.subplots(4, 1, sharex=True)
-    t, palette = log.t, colours([user.id for user in log.scenario.users])
+    t, palette = log.t, colors([user.id for user in log.scenario.users])
     speed.plot(t, log.ego[:, 3], color=EGO, label="ego")
     leader = leader_speed(log)
     speed.plot(

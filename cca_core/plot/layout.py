@@ -10,7 +10,7 @@ from cca_core.plot.road_surface import draw_ground
 from cca_core.plot.style import (
     ASPHALT,
     EGO,
-    colours,
+    colors,
     draw_lanes,
     new_figure,
     plain,
@@ -84,7 +84,7 @@ def deed(user: RoadUser) -> str:
 def _draw_plane(axis: Any, scenario: Scenario) -> None:
     draw_ground(axis, scenario)
     axis.set_aspect("equal")
-    palette = colours([user.id for user in scenario.users])
+    palette = colors([user.id for user in scenario.users])
     route = scenario.road.path
     way = route.position(np.linspace(scenario.start, min(scenario.start + 110.0, route.end), 200))
     axis.plot(*way.T, color=EGO, linewidth=1.4, linestyle=":", zorder=1)
@@ -96,19 +96,19 @@ def _draw_plane(axis: Any, scenario: Scenario) -> None:
         (u.id, u.route or route, u.s, u.d, u.direction, u.v_x, u.length, u.width, palette[u.id])
         for u in scenario.users
     ]
-    for name, path, s, d, along, v, long, wide, colour in bodies:
+    for name, path, s, d, along, v, long, wide, color in bodies:
         ((x, y),) = path.to_cartesian([s], [d])
         psi = float(path.heading(s)) + (0.0 if along > 0 else np.pi)
-        _draw_body(axis, boxes(x, y, psi, long, wide).corners(), colour)
+        _draw_body(axis, boxes(x, y, psi, long, wide).corners(), color)
         if v > 0.0:
             tip = (x + v * _ARROW * np.cos(psi), y + v * _ARROW * np.sin(psi))
-            arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.4}
+            arrow = {"arrowstyle": "-|>", "color": color, "linewidth": 1.4}
             axis.annotate("", tip, (x, y), arrowprops=arrow)
         user = next((u for u in scenario.users if u.id == name), None)
         told = f"{scenario.v_x:.1f} m/s" if user is None else deed(user)
         axis.annotate(
             f"{plain(name)}: {told}", (x, y), (0, 13 if y > -1.0 else -13), textcoords="offset points",
-            ha="center", va="center", fontsize=9, color=colour, weight="bold", zorder=6,
+            ha="center", va="center", fontsize=9, color=color, weight="bold", zorder=6,
             bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.8},
         )  # fmt: skip
         shown.append((x, y))
@@ -122,7 +122,7 @@ def _draw_strip(axis: Any, scenario: Scenario) -> None:
     road, car = scenario.road, scenario.vehicle
     draw_lanes(axis, road)
     axis.axhline(0.0, color="#777777", linewidth=0.9, linestyle=":", zorder=0.4)
-    palette = colours([user.id for user in scenario.users])
+    palette = colors([user.id for user in scenario.users])
     v = scenario.v_x
     told = [("ego", car.box_offset, 0.0, 1, v, car.length, car.width, EGO, f"{v:.0f} m/s")]
     far = []
@@ -134,21 +134,21 @@ def _draw_strip(axis: Any, scenario: Scenario) -> None:
             far.append(u)
     ends = [place for entry in told for place in (entry[1], entry[1] + entry[3] * entry[4] * _ARROW)]
     view = (min(ends) - _MARGIN, max(ends) + 2.0 * _MARGIN)
-    for i, (name, x, y, along, v, long, wide, colour, text) in enumerate(sorted(told, key=lambda e: e[1])):
+    for i, (name, x, y, along, v, long, wide, color, text) in enumerate(sorted(told, key=lambda e: e[1])):
         psi = 0.0 if along > 0 else np.pi
-        _draw_body(axis, boxes(x, y, psi, long, wide).corners(), colour)
+        _draw_body(axis, boxes(x, y, psi, long, wide).corners(), color)
         if v > 0.0:
             tip = (x + along * (0.5 * long + v * _ARROW), y)
             axis.annotate(
-                "", tip, (x + along * 0.5 * long, y), arrowprops={"arrowstyle": "-|>", "color": colour}
+                "", tip, (x + along * 0.5 * long, y), arrowprops={"arrowstyle": "-|>", "color": color}
             )
         above = i % 2 == 0
         edge = road.left_edge if above else road.right_edge
         side = "left" if x - view[0] < 0.06 * (view[1] - view[0]) else "center"
         axis.annotate(
             f"{plain(name)}: {text}", (x, y), (x, edge + (1.6 if above else -1.6)), ha=side, va="center",
-            fontsize=9, color=colour, weight="bold", annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.6},
+            fontsize=9, color=color, weight="bold", annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.6},
         )  # fmt: skip
     for u in far:
         ahead = u.s > scenario.start
@@ -164,5 +164,5 @@ def _draw_strip(axis: Any, scenario: Scenario) -> None:
     )  # fmt: skip
 
 
-def _draw_body(axis: Any, corners: Array, colour: str) -> None:
-    axis.fill(*corners.T, facecolor=colour, edgecolor="white", linewidth=0.5, zorder=3)
+def _draw_body(axis: Any, corners: Array, color: str) -> None:
+    axis.fill(*corners.T, facecolor=color, edgecolor="white", linewidth=0.5, zorder=3)

@@ -11,7 +11,7 @@ from cca_core.plot.style import (
     EGO,
     HIT,
     LEAST_A_Y,
-    colours,
+    colors,
     draw_lanes,
     new_figure,
     plain,
@@ -45,7 +45,7 @@ def plot_passing(logs: Sequence[Log], obstacle: str) -> "Figure":
     -------
     figure : Figure
         A strip of road for each run, with the bodies each half second, to scale; below, all ways of the ego's
-        centre of gravity beside each other, the width drawn larger, and the lateral accelerations.
+        center of gravity beside each other, the width drawn larger, and the lateral accelerations.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def _draw_strip(axis: Any, log: Log, base: float) -> None:
     axis.tick_params(labelsize=8)
     axis.set_ylabel("left [m]", fontsize=7.5)
     names = ["ego", *(user.id for user in users)]
-    palette = {"ego": EGO, **colours(names[1:])}
+    palette = {"ego": EGO, **colors(names[1:])}
     rows = np.arange(len(log.t) - 1, -1, -round(_PERIOD / (log.t[1] - log.t[0])))
     corners = _corners(log) - (base, 0.0)
     for i, name in enumerate(names):
@@ -120,7 +120,7 @@ def _draw_ways(way: Any, push: Any, logs: Sequence[Log], at: list[int]) -> None:
     user = log.scenario.users[i]
     base = log.user_places[-1, i, 0]
     box = _corners(log)[-1, 1 + i] - (base, 0.0)
-    way.fill(*box.T, color=colours([u.id for u in log.scenario.users])[user.id], zorder=2)
+    way.fill(*box.T, color=colors([u.id for u in log.scenario.users])[user.id], zorder=2)
     for run, j in zip(logs, at, strict=True):
         kind = run.scenario.ego
         s = run.place[:, 0] - run.user_places[-1, j, 0]
@@ -140,7 +140,7 @@ def _draw_ways(way: Any, push: Any, logs: Sequence[Log], at: list[int]) -> None:
             label="swept by the body",
         )  # fmt: skip
     way.set(xlim=_VIEW, ylim=(road.right_edge - 0.3, road.left_edge + 0.3), ylabel="left of the\nroute [m]")
-    way.set_title("The ways of the centre of gravity, width drawn larger", fontsize=10, loc="left")
+    way.set_title("The ways of the center of gravity, width drawn larger", fontsize=10, loc="left")
     push.set(xlim=_VIEW, xlabel=f"distance along the route from {plain(user.id)} [m]")
     push.set_ylabel("lateral acc.\na_y [m/s²]")
     way.legend(fontsize=8, loc="upper left")

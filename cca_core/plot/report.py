@@ -148,7 +148,7 @@ def headline(groups: Sequence[Sequence[Log]]) -> str:
     ]
     if freed:
         names = listed([case_name(pair[1].scenario) for pair in freed])
-        text += f" When manoeuvring ({names}) it stays behind slow traffic without V2V"
+        text += f" When maneuvering ({names}) it stays behind slow traffic without V2V"
         text += " and passes it with V2V."
     return text
 

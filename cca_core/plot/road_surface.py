@@ -1,4 +1,4 @@
-"""Roads of a scenario from above, in metres of the plane."""
+"""Roads of a scenario from above, in meters of the plane."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from cca_core.sim import Scenario
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_GREY, _EDGE, _VERGE = "#E3E3E3", "#777777", "#F6F7F4"
+_GRAY, _EDGE, _VERGE = "#E3E3E3", "#777777", "#F6F7F4"
 _SAGITTA = 0.03  # of a drawn line under the true one [m]
 
 
@@ -82,7 +82,7 @@ def draw_ground(axis: "Axes", scenario: Scenario) -> None:
 
 def _surface(axis: Any, road: Road, level: float) -> None:
     right, left = (lines_beside(road.path, road.path.start, road.path.end, d) for d in borders(road)[0])
-    axis.fill(*np.vstack((right, left[::-1])).T, color=_GREY, linewidth=0.0, zorder=level)
+    axis.fill(*np.vstack((right, left[::-1])).T, color=_GRAY, linewidth=0.0, zorder=level)
 
 
 def _edges(axis: Any, road: Road, level: float) -> None:

@@ -76,8 +76,8 @@ def cast(log: Log) -> str:
         ahead = s - log.place[0, 0]
         where = f"{abs(ahead):.0f} m {'ahead' if ahead > 0.0 else 'behind'}"
         lane = "its lane" if own.right < d < own.left else f"the lane to the {'left' if d > 0.0 else 'right'}"
-        towards = ", oncoming" if user.direction < 0 else ""
-        told.append(f"{user.id} {does} on {lane}, {where}{towards}")
+        toward = ", oncoming" if user.direction < 0 else ""
+        told.append(f"{user.id} {does} on {lane}, {where}{toward}")
     pinned = log.scenario.pinned
     if pinned is not None:
         told.append(f"the ego keeps {pinned.time_gap:g} s behind {pinned.leader} until it knows of a hazard")

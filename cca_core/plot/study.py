@@ -84,8 +84,8 @@ def _draw(axis: Any, table: StudyTable, x: Array, bins: int, egos: Sequence[str]
         value = np.array([rate.value if rate.n else np.nan for rate in rates])
         below = value - np.array([rate.low for rate in rates])
         above = np.array([rate.high for rate in rates]) - value
-        label, colour, style = _LINES[ego]
+        label, color, style = _LINES[ego]
         axis.errorbar(
             middle + _APART * (i - 1) * span, value, np.clip((below, above), 0.0, None), fmt=style,
-            color=colour, label=label, capsize=3, markersize=4, linewidth=1.1,
+            color=color, label=label, capsize=3, markersize=4, linewidth=1.1,
         )  # fmt: skip

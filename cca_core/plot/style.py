@@ -1,4 +1,4 @@
-"""Colours and words that all pictures share."""
+"""Colors and words that all pictures share."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 EGO = "#0072B2"
-"""Colour of the ego (blue of the Okabe-Ito set, which colour-blind readers can tell apart)."""
+"""Color of the ego (blue of the Okabe-Ito set, which color-blind readers can tell apart)."""
 
 ACTIONS = {
     "KEEP": "#EEEEEE",
@@ -22,16 +22,16 @@ ACTIONS = {
     "EVADE_RIGHT": "#C3B8EE",
     "BRAKE": "#F3A683",
 }
-"""Background colour of each action."""
+"""Background color of each action."""
 
 ASPHALT = "#F2F2F2"
-"""Colour of the road."""
+"""Color of the road."""
 
 PARKED = "#777777"
-"""Colour of a parked car."""
+"""Color of a parked car."""
 
 HIT = "#A33000"
-"""Colour of a contact."""
+"""Color of a contact."""
 
 LEAST_A_Y = 1.0
 """Height of a view of lateral acceleration, at least [m/s²]."""
@@ -42,7 +42,7 @@ _SCENARIOS = {
     "eebl": "Emergency braking ahead",
     "ima": "Hidden traffic at an intersection",
     "curbside": "Stopped vehicle at the roadside",
-    "maneuver": "Manoeuvring in traffic",
+    "maneuver": "Maneuvering in traffic",
 }
 _CASES = {
     ("eebl", "A"): "nobody connected",
@@ -59,8 +59,8 @@ _CASES = {
 _EGOS = {"v2v": "with V2V", "driver": "driver without V2V", "sensor": "sensor without V2V"}
 
 
-def colours(ids: Sequence[str]) -> dict[str, str]:
-    """Colour of each road user; the same ids get the same colours.
+def colors(ids: Sequence[str]) -> dict[str, str]:
+    """Color of each road user; the same ids get the same colors.
 
     Parameters
     ----------
@@ -69,8 +69,8 @@ def colours(ids: Sequence[str]) -> dict[str, str]:
 
     Returns
     -------
-    colours : dict
-        Colour of each id; ``"red"`` and ``"yellow"`` have their own, the others' repeat after five.
+    colors : dict
+        Color of each id; ``"red"`` and ``"yellow"`` have their own, the others' repeat after five.
     """
     others = sorted(set(ids) - _NAMED.keys())
     palette = {id_: _OTHERS[i % len(_OTHERS)] for i, id_ in enumerate(others)}
@@ -124,7 +124,7 @@ def scenario_name(scenario: Scenario, *, cased: bool = True) -> str:
     Returns
     -------
     name : str
-        Such as ``"Manoeuvring in traffic, case 2"``.
+        Such as ``"Maneuvering in traffic, case 2"``.
     """
     name = _SCENARIOS.get(scenario.name, scenario.name)
     return f"{name}, {case_name(scenario)}" if cased and scenario.case is not None else name
@@ -157,7 +157,7 @@ def title(log: Log) -> str:
     Returns
     -------
     title : str
-        Such as ``"Manoeuvring in traffic, case 2: with V2V"``.
+        Such as ``"Maneuvering in traffic, case 2: with V2V"``.
     """
     return f"{scenario_name(log.scenario)}: {who_drives(log)}"
 

@@ -10,7 +10,7 @@ from cca_core._checks import Array, check_array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.plot.story import Frame, story, telling_frames
-from cca_core.plot.style import ASPHALT, EGO, colours, draw_lanes, row_at, spelled_out, title
+from cca_core.plot.style import ASPHALT, EGO, colors, draw_lanes, row_at, spelled_out, title
 from cca_core.sim import Log
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def _draw_overview(axis: Any, log: Log, frames: list[Frame]) -> None:
     _draw_road(axis, log, view)
     axis.plot(log.place[:, 0], log.place[:, 1], color=EGO, linewidth=1.2)
     users = log.scenario.users
-    palette = {"ego": EGO, **colours([user.id for user in users])}
+    palette = {"ego": EGO, **colors([user.id for user in users])}
     outline = require_extra("matplotlib.patheffects", "plot").withStroke(linewidth=2.0, foreground=ASPHALT)
     # numbers above the ego, below the others, in two rows on each lane, so that they do not meet
     down = {user.id: 5 + 9 * (sum(u.d == user.d for u in users[:i]) % 2) for i, user in enumerate(users)}
@@ -111,7 +111,7 @@ def _draw_overview(axis: Any, log: Log, frames: list[Frame]) -> None:
     axis.set_ylabel("left of the\nroute [m]", fontsize=8.5)
     patches = require_extra("matplotlib.patches", "plot")
     axis.legend(
-        handles=[patches.Patch(facecolor=colour, label=id_) for id_, colour in palette.items()],
+        handles=[patches.Patch(facecolor=color, label=id_) for id_, color in palette.items()],
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(palette), frameon=False, fontsize=9,
         handlelength=1.0, columnspacing=1.2, borderaxespad=0.1,
     )  # fmt: skip
@@ -124,7 +124,7 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: Frame) -> None:
     axis.plot(log.place[: row + 1, 0] - s, log.place[: row + 1, 1], color=EGO, linewidth=1.2)
     axis.plot(log.place[row:, 0] - s, log.place[row:, 1], color=EGO, linewidth=1.0, linestyle=":")
     axis.set_title(f"{number}   {frame.t:.1f} s   {frame.text}", fontsize=9, loc="left", pad=3)
-    palette = {"ego": EGO, **colours([user.id for user in log.scenario.users])}
+    palette = {"ego": EGO, **colors([user.id for user in log.scenario.users])}
     taken: list[tuple[float, float, float]] = []  # from, to, lateral: where no text may stand
     inside, outside = [], []
     for id_, box, v in _boxes(log, row):
@@ -155,7 +155,7 @@ def _place(
     places: list[tuple[float, str]],
     d: float,
     text: str,
-    colour: str,
+    color: str,
     width: float,
     taken: list[tuple[float, float, float]],
 ) -> None:
@@ -167,7 +167,7 @@ def _place(
             break
     taken.append((left, left + width, d))
     axis.text(
-        x, d, text, color=colour, fontsize=8, ha=align, va="center_baseline",
+        x, d, text, color=color, fontsize=8, ha=align, va="center_baseline",
         bbox={"facecolor": ASPHALT, "edgecolor": "none", "pad": 0.5},
     )  # fmt: skip
 
@@ -198,9 +198,9 @@ def _boxes(log: Log, row: int) -> list[tuple[str, Array, float]]:
     return [(name, box, float(v)) for name, box, v in zip(names, boxes, speeds, strict=True)]
 
 
-def _draw_box(axis: Any, corners: Array, colour: str, gid: str) -> None:
+def _draw_box(axis: Any, corners: Array, color: str, gid: str) -> None:
     polygon = require_extra("matplotlib.patches", "plot").Polygon
-    axis.add_patch(polygon(corners, facecolor=colour, edgecolor="white", linewidth=0.4, zorder=3, gid=gid))
+    axis.add_patch(polygon(corners, facecolor=color, edgecolor="white", linewidth=0.4, zorder=3, gid=gid))
 
 
 def _exaggeration(axis: Any, height: float) -> str:

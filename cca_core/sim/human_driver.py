@@ -16,7 +16,7 @@ from cca_core.follow import (
 )
 from cca_core.path import Road
 from cca_core.planner.command import Command
-from cca_core.planner.frenet import Neighbour, locate
+from cca_core.planner.frenet import Neighbor, locate
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["CURVE_ACCELERATION", "Driver"]
@@ -122,9 +122,9 @@ class Driver:
 
     def _look(self, t: float, s: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> str:
         """Name a danger in words; empty if there is none."""
-        neighbours, _ = locate(remotes, self.road.path, self._places)
+        neighbors, _ = locate(remotes, self.road.path, self._places)
         front = s + self.vehicle.box_offset + 0.5 * self.vehicle.length
-        for n in neighbours:
+        for n in neighbors:
             gap = n.s - n.half_length - front
             if gap < -self.vehicle.length or abs(n.d) >= 0.5 * self.vehicle.width + n.half_width:
                 continue
@@ -134,12 +134,12 @@ class Driver:
                 return f"{n.remote.id} is in the way"
         if t - self._looked >= _PERIOD - 1e-6:
             self._looked = t
-            return self._crosses(s, state.v_x, neighbours)
+            return self._crosses(s, state.v_x, neighbors)
         return ""
 
-    def _crosses(self, s: float, v_x: float, neighbours: list[Neighbour]) -> str:
+    def _crosses(self, s: float, v_x: float, neighbors: list[Neighbor]) -> str:
         v = max(v_x, 1.0)
-        for n in neighbours:
+        for n in neighbors:
             conflict = crossing(
                 self.road.path, s, np.array([s, s + _HORIZON * v]), np.array([0.0, _HORIZON]), self.vehicle,
                 n.remote, horizon=_HORIZON, settings=_CROSSING,

@@ -28,7 +28,7 @@ class Log:
     ego : ndarray, shape (n, 8)
         x [m], y [m], psi [rad], v_x [m/s], v_y [m/s], r [rad/s], delta [rad], a_x [m/s^2].
     a_y : ndarray, shape (n,)
-        Lateral acceleration of the centre of gravity [m/s^2], left positive.
+        Lateral acceleration of the center of gravity [m/s^2], left positive.
     command : ndarray, shape (n, 2)
         Road-wheel angle [rad] and acceleration [m/s^2] asked for.
     place : ndarray, shape (n, 2)
@@ -36,7 +36,7 @@ class Log:
     tracking : ndarray, shape (n,)
         Lateral error to the reference that was steered along [m], left positive.
     users : ndarray, shape (n, n_users, 4)
-        x [m], y [m], psi [rad], v_x [m/s] of the others' body centres.
+        x [m], y [m], psi [rad], v_x [m/s] of the others' body centers.
     user_motion : ndarray, shape (n, n_users, 2)
         Their acceleration [m/s^2] and yaw rate [rad/s].
     user_places : ndarray, shape (n, n_users, 2)

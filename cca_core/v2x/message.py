@@ -49,7 +49,7 @@ class Bsm:
     """What a Basic Safety Message says of its sender, in SI units and ISO 8855; None is unavailable.
 
     It is a record of what somebody else said, so it accepts any value; `encode_bsm` checks. The position is
-    the centre of the body box. The largest value of a speed, acceleration, steering angle or accuracy stands
+    the center of the body box. The largest value of a speed, acceleration, steering angle or accuracy stands
     for that or more.
 
     Parameters

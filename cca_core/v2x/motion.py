@@ -24,7 +24,7 @@ _SWERVING = 1.0
 
 
 class Fix(NamedTuple):
-    """Motion of a sender at one time, in the local frame at the centre of its body.
+    """Motion of a sender at one time, in the local frame at the center of its body.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ class TrackerSettings:
         to both of a vehicle's.
     most_accuracy : float
         The standard deviation that a sender tells of its position (`Accuracy.semi_major`) counts up to this
-        [m] and is added likewise; 0 leaves it out, since devices tell metres where they err by decimetres.
+        [m] and is added likewise; 0 leaves it out, since devices tell meters where they err by decimeters.
     length, width : float
         Body of a sender that does not tell it [m].
 

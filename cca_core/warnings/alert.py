@@ -152,7 +152,7 @@ class EgoView:
     path : Path
         The route.
     s, d : float
-        Path coordinates of the centre of its body [m], d left positive.
+        Path coordinates of the center of its body [m], d left positive.
     v : float
         Speed along the route [m/s].
     half_length, half_width : float
@@ -186,7 +186,7 @@ class Sighting:
     beside : float
         Lateral distance from the middle of the ego to the middle of the vehicle [m], left positive.
     v : float
-        Its speed along the route [m/s], negative if it comes towards the ego.
+        Its speed along the route [m/s], negative if it comes toward the ego.
     angle : float
         Its heading relative to the route [rad] in [-pi, pi), counter-clockwise.
     half_length, half_width : float
@@ -194,7 +194,7 @@ class Sighting:
     conflict : Conflict, optional
         Where its way crosses that of the ego.
     turns_across : bool
-        Whether the ego turns in front of it there, and it comes towards the ego's approach.
+        Whether the ego turns in front of it there, and it comes toward the ego's approach.
     hidden_by : str
         Id of a vehicle in the line of sight to it; empty if there is none.
     """

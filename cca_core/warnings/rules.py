@@ -198,7 +198,7 @@ def do_not_pass(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert
     time = max(other.gap, 0.0) / (max(ego.v, 0.0) - other.v)
     if time >= settings.dnpw_time:
         return None
-    reason = f"{other.remote.id} comes towards the ego, {other.gap:.0f} m ahead: {time:.1f} s to collision"
+    reason = f"{other.remote.id} comes toward the ego, {other.gap:.0f} m ahead: {time:.1f} s to collision"
     return alert(Application.DNPW, Level.WARN, other, time, reason)
 
 
@@ -258,7 +258,7 @@ def left_turn(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert |
     if gap >= settings.lta_gap or c.ego[0] - c.expected[1] > settings.ima_difference:
         return None
     reason = (
-        f"{other.remote.id} comes towards the turning ego: a gap of {gap:.1f} s, "
+        f"{other.remote.id} comes toward the turning ego: a gap of {gap:.1f} s, "
         f"{settings.lta_gap:.1f} s are needed"
     )
     time = max(c.ego[0], c.expected[0])

@@ -128,7 +128,7 @@ def _place(ego: EgoView, remotes: list[RemoteVehicle], settings: AlertSettings) 
 def _judge(
     ego: EgoView, s: float, vehicle: VehicleParams, others: Sequence[Sighting], settings: AlertSettings
 ) -> list[Sighting]:
-    """Add where ways cross, and who hides a standing vehicle; `s` is that of the centre of gravity."""
+    """Add where ways cross, and who hides a standing vehicle; `s` is that of the center of gravity."""
     v = max(ego.v, settings.turning_speed if ego.intent else 0.0)
     horizon = settings.ima_time + settings.lta_gap
     at, t = np.array((s, s + v * horizon)), np.array((0.0, horizon))
@@ -151,7 +151,7 @@ def _judge(
 
 
 def _turns_across(path: Path, body: Sweep, conflict: Conflict, remote: RemoteVehicle) -> bool:
-    """Whether the route turns in front of a vehicle that comes towards its approach."""
+    """Whether the route turns in front of a vehicle that comes toward its approach."""
     at, start = conflict.s_in - _APPROACH, float(body.station[0])
     before = body.heading_at(at) if at >= start else float(path.heading(at))
     oncoming = abs(wrap_angle(remote.psi - before)) > math.pi - ALIKE

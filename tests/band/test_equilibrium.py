@@ -125,7 +125,7 @@ def test_no_other_displacement_has_less_energy(stiffness: BandStiffness, seed: i
 
 
 @each_stiffness
-def test_against_a_general_optimiser(stiffness: BandStiffness) -> None:
+def test_against_a_general_optimizer(stiffness: BandStiffness) -> None:
     """The public energy and gradient are enough for somebody else's solver."""
     h, n = 1.0, 31
     lower, upper = np.full(n, -np.inf), np.full(n, np.inf)

@@ -177,7 +177,7 @@ def test_correction_makes_the_true_curvature_keep_the_limit() -> None:
     for _ in range(4):
         band = smoothest(**passing(n, at=3.0, kappa=kappa, curvature_limit=limit), curvature_error=error)
         assert band.solved, band.message
-        r = 1.0 / kappa - np.pad(band.u, 1)  # polar coordinates around the centre of the route's circle
+        r = 1.0 / kappa - np.pad(band.u, 1)  # polar coordinates around the center of the route's circle
         slope, bend = (r[2:] - r[:-2]) / (2.0 * kappa), np.diff(r, 2) / kappa**2
         r = r[1:-1]
         true = (r**2 + 2.0 * slope**2 - r * bend) / (r**2 + slope**2) ** 1.5

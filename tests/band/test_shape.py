@@ -54,7 +54,7 @@ OFFSETS = np.linspace(-2.0, 2.0, 161)
 
 @pytest.mark.parametrize("h", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize(("side", "sign"), [("left", 1.0), ("right", -1.0)])
-def test_peak_grows_with_the_offset_towards_the_side(side: str, sign: float, h: float) -> None:
+def test_peak_grows_with_the_offset_toward_the_side(side: str, sign: float, h: float) -> None:
     """Steadily, without a dead zone or a jump at 0."""
     route = straight(150.0, h)
     bands = [relax(scene(route, [boxes(75.0, d, 0.0, 4.5, 1.8)]), side=side) for d in OFFSETS]

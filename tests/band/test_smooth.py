@@ -25,7 +25,7 @@ def rate(band: Band) -> float:
 
 
 def roughness(band: Band) -> float:
-    """What is minimised: change of curvature by the displacement, squared and summed."""
+    """What is minimized: change of curvature by the displacement, squared and summed."""
     return float((np.diff(np.pad(band.displacement, 2), 3) ** 2).sum()) / band.spacing**5
 
 

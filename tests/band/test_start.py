@@ -165,7 +165,7 @@ def test_misuse(start: object) -> None:
         relax_band(straight(), vehicle=CAR, start=start)  # type: ignore[arg-type]
 
 
-def test_the_quadratic_programme_wants_a_band_that_begins_on_its_route() -> None:
+def test_the_quadratic_program_wants_a_band_that_begins_on_its_route() -> None:
     band = relax_band(straight(), vehicle=CAR, start=(1.0, 1.0, 1.0))
     with pytest.raises(InputError, match="must begin on its route"):
         smooth_band(band)

@@ -95,7 +95,7 @@ def test_every_outcome_is_a_row_and_an_interrupted_run_goes_on(tmp_path: Path) -
 
 @pytest.mark.parametrize(
     ("make", "outcome", "words"),
-    [(Raises, "ERROR", "of its own"), (Dies, "ERROR", "ended"), (CannotBeMade, "ERROR", "no licence"),
+    [(Raises, "ERROR", "of its own"), (Dies, "ERROR", "ended"), (CannotBeMade, "ERROR", "no license"),
      (Empty, "false OK", "no trajectory")],
 )  # fmt: skip
 def test_a_failing_method_is_an_entry(make: Any, outcome: str, words: str, tmp_path: Path) -> None:

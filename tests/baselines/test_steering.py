@@ -9,7 +9,7 @@ import pytest
 
 from cca_core import InputError, Path, VehicleParams, VehicleState
 from cca_core.baselines import LqrSteering, PurePursuit, Stanley
-from cca_core.follow import discretised, single_track, steady_sideslip, steady_steering
+from cca_core.follow import discretized, single_track, steady_sideslip, steady_steering
 from cca_core.path import interpolate_path
 from cca_core.sim import SingleTrackPlant, lane_change, track
 
@@ -30,7 +30,7 @@ LEFT, RIGHT = arc(200.0), arc(-200.0)
 
 
 def in_turn(path: Path, s: float, v: float, car: VehicleParams, ahead: float) -> VehicleState:
-    """Steady turn of kappa with the point `ahead` of the centre of gravity on the path."""
+    """Steady turn of kappa with the point `ahead` of the center of gravity on the path."""
     kappa = float(path.curvature(s))
     beta = float(steady_sideslip(kappa, v, car))
     (x, y), psi = path.position(s), float(path.heading(s))
@@ -102,7 +102,7 @@ def test_stanley_and_lqr_hold_a_steady_turn(car: VehicleParams, v: float) -> Non
 def test_lqr_is_optimal(v: float) -> None:
     """No change of a gain by a hundredth lowers the cost of x_0 with the weights given."""
     law = LqrSteering(CAR, q_d=0.05, q_rate=0.001, q_psi=0.7)
-    model, k = discretised(single_track(CAR, v, 0.0), 0.02), law.gains(v)
+    model, k = discretized(single_track(CAR, v, 0.0), 0.02), law.gains(v)
     rate = np.array([v, 0.0, v, 0.0])
     Q = 0.001 * np.outer(rate, rate) + np.diag([0.0, 0.0, 0.7, 0.05])
 

@@ -22,7 +22,7 @@ class Fiss:
     """FISS in receding horizon: a plan of 1 to 3 s every 0.3 s, of which so much is kept, until the end.
 
     Its limits are those of the problem: its safety rules beyond a clearance are off, speed may change by 5 %.
-    The other lane costs extra and the distance to the centre of a lane ten times the default, or it would not
+    The other lane costs extra and the distance to the center of a lane ten times the default, or it would not
     return to the route; it may be back up to 3 s later than at the goal, since it knows none.
     """
 

@@ -70,8 +70,8 @@ PLANNERS: dict[str, Callable[[Scenario], Any]] = {
 
 
 def steps() -> list[Step]:
-    """What grows: nodes over 120 m, metres at the same spacing, and cars on 300 m."""
-    nodes, metres, cars = AXES
+    """What grows: nodes over 120 m, meters at the same spacing, and cars on 300 m."""
+    nodes, meters, cars = AXES
     found = []
 
     def add(axis: str, value: float, length: float, others: int, n: int) -> None:
@@ -92,7 +92,7 @@ def steps() -> list[Step]:
     for n in (30, 60, 120):
         add(nodes, n, 120.0, 1, n)
     for length in (100.0, 200.0, 400.0):
-        add(metres, length, length, 1, round(length / 4.0))
+        add(meters, length, length, 1, round(length / 4.0))
     for others in (1, 2, 4, 6):
         add(cars, others, 300.0, others, 75)
     example = draw("one car", 1).problem
@@ -126,7 +126,7 @@ def main() -> int:
         os.sched_setaffinity(0, {core})
     drives = drive_closed(
         PLANNERS, scenarios, out=OUT / "drives.csv",
-        progress=lambda d: told(f"{d.planner}: manoeuvring {d.case}: {d.cycle_us:.0f} us a cycle"),
+        progress=lambda d: told(f"{d.planner}: maneuvering {d.case}: {d.cycle_us:.0f} us a cycle"),
     )  # fmt: skip
     folder = DOCS / "table1"
     folder.mkdir(exist_ok=True)

@@ -122,7 +122,7 @@ def _closed(m: Measured) -> Lines:
         "cycles without solution [%]",
     )  # fmt: skip
     return [
-        "The manoeuvring scenario of the paper, driven from the beginning to the end on the friction-limited "
+        "The maneuvering scenario of the paper, driven from the beginning to the end on the friction-limited "
         "plant, with messages over its lossy channel; a cycle is 20 ms, and a new solution is asked "
         "for in every fifth. *Band* "
         "is the "

@@ -13,7 +13,7 @@ CONDITIONS = """
 ## What is compared
 
 **Methods.** The elastic band as printed (eqs 8-10, forces at the undeformed nodes, k_e/k_s = 0.03),
-relaxed, and smoothed by a quadratic programme, a node each metre; motion primitives (a state lattice
+relaxed, and smoothed by a quadratic program, a node each meter; motion primitives (a state lattice
 with 0.15 s between stations and 0.25 m between offsets, searched completely); RRT and RRT* of OMPL over
 Dubins curves (up to 40 000 samples); a linear time-varying MPC (PIQP) and a nonlinear one (CasADi,
 FATROP or IPOPT) with 40 intervals; and FISS, by its own package, where it is installed. do-mpc is not
@@ -32,15 +32,15 @@ acceleration, the wanted speed within 10 %. All others keep lane and speed; ever
 boxes at any time, and none is told on which side to pass.
 
 **The judge** knows the samples of a plan alone. It lays a cubic spline through them, takes the distance
-of the boxes every 5 ms, the corners against the edges, and curvature over a metre of way, so that the
+of the boxes every 5 ms, the corners against the edges, and curvature over a meter of way, so that the
 jumps of Dubins curves are no fault. It forgives, of everybody alike, 5 cm, 5 % of the lateral
 acceleration, and at start and end 10 cm and 1.7° to the route. Then the plan is *driven*: the same
-preview steering and speed control follow it on the single-track plant with saturating tyres, from a
+preview steering and speed control follow it on the single-track plant with saturating tires, from a
 start on the route. Jerk is the change of lateral acceleration within 0.1 s.
 
 **Time** is processor time in a process of its own, on one core, one thread, garbage collection off: the
 *first* plan for a problem, with all that a method builds for a new speed or road, and the median of up
-to three plans after it, for which libraries and programmes are at hand. A plan that raises or takes
+to three plans after it, for which libraries and programs are at hand. A plan that raises or takes
 longer than 10 s is an entry, not an end.
 """
 
@@ -49,10 +49,10 @@ DIFFERS = """
 
 - RRT, RRT*, the lattice and the bands pass each station of the route at the wanted speed; the MPCs and
   FISS may change speed a little. For RRT this makes moving others a matter of place alone.
-- RRT and RRT* hold what the tree finds, shortened by direct motions; RRT* looks for neighbours in 8
+- RRT and RRT* hold what the tree finds, shortened by direct motions; RRT* looks for neighbors in 8
   times the radius of OMPL's default, without which it does not rewire in a narrow road, and stops at its
   first solution.
-- RRT and the lattice look up a table of free poses that is a few centimetres on the safe side; gaps with
+- RRT and the lattice look up a table of free poses that is a few centimeters on the safe side; gaps with
   less to spare are closed to them.
 - The MPCs keep an elastic limit to others and judge their own result before they claim it. The nonlinear
   one sees each other as a rounded box, |x/a|^8 + |y/b|^8 = 1, which is 3 % wider than the body, and

@@ -101,7 +101,7 @@ def sentences(m: Measured) -> Lines:
         [
             "Model predictive control: “On-line path generation and modification are combined.”",
             _verdict(done == len(mpc)),
-            f"In closed loop the controllers complete {done} of {len(mpc)} manoeuvring drives without any "
+            f"In closed loop the controllers complete {done} of {len(mpc)} maneuvering drives without any "
             "path given. (Confirmed if all.)",
         ],
         [

@@ -164,7 +164,7 @@ def test_certified_path(benchmark: Any, problem: Problem, within: Within) -> Non
 
 @EACH
 def test_smoothed(benchmark: Any, problem: Problem, within: Within) -> None:
-    """The same, smoothed by a quadratic programme in PIQP."""
+    """The same, smoothed by a quadratic program in PIQP."""
     nodes, obstacles, sides = problem.nodes, problem.obstacles, problem.sides
 
     def run() -> Band:
@@ -274,6 +274,6 @@ def test_fiss_takes_as_long(benchmark: Any, budget: Budget) -> None:
 
 @pytest.mark.parametrize("least", [0.0, None], ids=["no_time_to_collision", "no_rules"])
 def test_fiss_without_rules(benchmark: Any, least: float | None) -> None:
-    """For the record: less than the metre that ours keeps is what its speed then costs."""
+    """For the record: less than the meter that ours keeps is what its speed then costs."""
     against(benchmark, fiss(A.cars, least_time_to_collision=least), A)
     assert benchmark.extra_info["clearance_m"] < A.clearance

@@ -19,8 +19,8 @@ from cca_core.sim import (
 
 CAR = VehicleParams.bmw_320i()
 COURSES: dict[str, tuple[DoubleLaneChange, int]] = {  # entry speed that must be passed [km/h]
-    "part 1, centre to centre": (iso3888_1(CAR.width), 80),
-    "part 1, edge to centre": (iso3888_1(CAR.width, offset="edge to centre"), 80),
+    "part 1, center to center": (iso3888_1(CAR.width), 80),
+    "part 1, edge to center": (iso3888_1(CAR.width, offset="edge to center"), 80),
     "part 1, edge to edge": (iso3888_1(CAR.width, offset="edge to edge"), 80),
     "part 2": (iso3888_2(CAR.width), 55),
 }

@@ -78,7 +78,7 @@ def test_steer(benchmark: Bench, route: Path) -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_manoeuvring_in_real_time(benchmark: Bench, case: str, slowness: float, budget: Budget) -> None:
+def test_maneuvering_in_real_time(benchmark: Bench, case: str, slowness: float, budget: Budget) -> None:
     """At least 50 times faster than real time, less 30 % of scatter, planner and lossy channel included."""
     (scenario,) = (s for s in paper_scenarios() if s.name == "maneuver" and s.v2v and s.case == case)
     log = benchmark.pedantic(simulate, args=(scenario,), rounds=3, iterations=1, warmup_rounds=1)

@@ -200,7 +200,7 @@ def curve(rng: np.random.Generator) -> Path:
 
 
 def places(remote: RemoteVehicle, u: Any) -> tuple[Any, Any, Any]:
-    """Where a vehicle is after `u` metres: straight, or round a corner and then straight, by summation."""
+    """Where a vehicle is after `u` meters: straight, or round a corner and then straight, by summation."""
     step = 0.02
     grid = np.arange(0.0, float(u.max()) + 2.0 * step, step)
     kappa = remote.r / max(remote.v_x, 1.0)
@@ -212,7 +212,7 @@ def places(remote: RemoteVehicle, u: Any) -> tuple[Any, Any, Any]:
     return np.interp(u, grid, x), np.interp(u, grid, y), heading
 
 
-def travelled(v: float, a: float, t: Any) -> Any:
+def traveled(v: float, a: float, t: Any) -> Any:
     until = np.minimum(t, -v / a) if a < 0.0 else t
     return v * until + 0.5 * a * until**2
 
@@ -222,7 +222,7 @@ def encounter(rng: np.random.Generator) -> tuple[Path, float, Any, Any, RemoteVe
     path, s = curve(rng), float(rng.uniform(0.0, 15.0))
     v, a = rng.uniform(2.0, 15.0), rng.uniform(-1.0, 2.0)
     times = np.arange(0.0, 12.0, 0.5)
-    stations = s + travelled(v, a, times)
+    stations = s + traveled(v, a, times)
     increasing = np.concatenate(([True], np.diff(stations) > 1e-6))
     stations, times = stations[increasing], times[increasing]
     target_s = rng.uniform(s, min(float(stations[-1]), 110.0))
@@ -257,7 +257,7 @@ def sweep_gaps(
     s = np.interp(t, times, stations)
     point, psi = path.position(s), path.heading(s)
     v = max(remote.v_x + a * late, 0.0)
-    u = travelled(v, a, t) + 0.5 * a * late**2 + shift * 2.0 * remote.sigma_along
+    u = traveled(v, a, t) + 0.5 * a * late**2 + shift * 2.0 * remote.sigma_along
     x, y, heading = places(remote, np.maximum(u, 0.0))
     x, y = x + np.minimum(u, 0.0) * np.cos(remote.psi), y + np.minimum(u, 0.0) * np.sin(remote.psi)
     across = shift * 2.0 * remote.sigma_across

@@ -50,7 +50,7 @@ class TestSingleCases:
         assert z[1] == pytest.approx(float(danger_zone_end(front, 30.0, 20.0, 4.0, 10.0)))
         assert z[0] == pytest.approx(front - LENGTH - 10.0)  # it only comes closer
 
-    def test_oncoming_reaches_170_m_towards_the_ego(self) -> None:
+    def test_oncoming_reaches_170_m_toward_the_ego(self) -> None:
         # its front, nearest to the ego, is the least path coordinate of its body
         z = zone(0.0, LENGTH, -20.0, 20.0, 4.0, x_safety=10.0)
         assert z[0] == pytest.approx(-170.0)
@@ -73,7 +73,7 @@ class TestSingleCases:
         z = zone(-1.0, 3.5, 20.0, 20.0, 6.0, x_safety=0.0)
         assert z.tolist() == pytest.approx([-1.0, 3.5])
 
-    def test_standing_car_passed_in_the_middle_of_the_manoeuvre(self) -> None:
+    def test_standing_car_passed_in_the_middle_of_the_maneuver(self) -> None:
         z = zone(30.0, 34.5, 0.0, 20.0, 4.0, x_safety=0.0)
         assert z[0] == pytest.approx(-50.0)
         assert z[1] == pytest.approx(34.5)

@@ -140,8 +140,8 @@ def test_survives_the_worst_case_and_is_not_too_long(v_rear: float, v_front: flo
     needed = max(float((rear - front)[-1]), 0.0)
     distance = float(rss_same_direction(v_rear, v_front))
     assert distance == pytest.approx(needed, abs=0.1)
-    towards = driven(v_rear, RSS_EGO, RSS_EGO.b_correct)[-1] + driven(v_front, RSS_OTHER, 4.0)[-1]
-    assert float(rss_opposite_direction(v_rear, v_front)) == pytest.approx(float(towards), abs=0.1)
+    toward = driven(v_rear, RSS_EGO, RSS_EGO.b_correct)[-1] + driven(v_front, RSS_OTHER, 4.0)[-1]
+    assert float(rss_opposite_direction(v_rear, v_front)) == pytest.approx(float(toward), abs=0.1)
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))

@@ -11,7 +11,7 @@ from scipy.signal import cont2discrete
 from cca_core.errors import InputError
 from cca_core.follow import (
     PreviewGains,
-    discretised,
+    discretized,
     kinematic_rates,
     shipped_gains,
     single_track,
@@ -32,7 +32,7 @@ CARS = [*PRESETS, UNDERSTEER]
 def nonlinear(
     x: np.ndarray, delta: float, rho: float, car: VehicleParams, v: float, l_s: float
 ) -> np.ndarray:
-    """Bicycle with tan, sin and cos kept, linear tyres, v_x held, on a path of curvature rho.
+    """Bicycle with tan, sin and cos kept, linear tires, v_x held, on a path of curvature rho.
 
     x = [beta, r, e_psi, h + l_s e_psi]; the foot point moves at (v_x cos e - v_y sin e) / (1 - h rho).
     """
@@ -258,22 +258,22 @@ def test_bad_gains(changes: dict, words: str) -> None:
 
 @pytest.mark.parametrize("car", CARS)
 @pytest.mark.parametrize(("v", "dt"), [(3.0, 0.02), (20.0, 0.02), (35.0, 0.1)])
-def test_discretisation_is_zero_order_hold(car: VehicleParams, v: float, dt: float) -> None:
+def test_discretization_is_zero_order_hold(car: VehicleParams, v: float, dt: float) -> None:
     model = single_track(car, v, 10.0)
     B = np.column_stack((model.B, model.E))
     Ad, Bd, *_ = cont2discrete((model.A, B, np.eye(4), np.zeros((4, 2))), dt, method="zoh")
-    ours = discretised(model, dt)
+    ours = discretized(model, dt)
     np.testing.assert_allclose(ours.A, Ad, rtol=1e-10, atol=1e-12)
     np.testing.assert_allclose(np.column_stack((ours.B, ours.E)), Bd, rtol=1e-10, atol=1e-12)
 
 
 def test_two_half_steps_are_one() -> None:
     model = single_track(UNDERSTEER, 15.0, 15.0)
-    half, whole = discretised(model, 0.05), discretised(model, 0.1)
+    half, whole = discretized(model, 0.05), discretized(model, 0.1)
     np.testing.assert_allclose(half.A @ half.A, whole.A, atol=1e-12)
     np.testing.assert_allclose(half.A @ half.B + half.B, whole.B, atol=1e-12)
     with pytest.raises(InputError, match=r"^dt must be greater than 0"):
-        discretised(model, 0.0)
+        discretized(model, 0.0)
 
 
 @given(st.floats(-3.0, 3.0), st.floats(0.1, 20.0), st.floats(-0.5, 0.5))
@@ -281,9 +281,9 @@ def test_kinematic_rates_roll_without_slip(psi: float, v: float, delta: float) -
     """The rear axle moves along the body, the front axle along its wheels."""
     x, y, r = (float(a) for a in kinematic_rates(psi, v, delta, UNDERSTEER))
     forward, left = np.array([math.cos(psi), math.sin(psi)]), np.array([-math.sin(psi), math.cos(psi)])
-    centre = np.array([x, y])
-    rear = centre - UNDERSTEER.l_r * r * left
-    front = centre + UNDERSTEER.l_f * r * left
+    center = np.array([x, y])
+    rear = center - UNDERSTEER.l_r * r * left
+    front = center + UNDERSTEER.l_f * r * left
     np.testing.assert_allclose(rear, v * forward, atol=1e-9)
     assert math.atan2(front @ left, front @ forward) == pytest.approx(delta, abs=1e-12)
 
@@ -296,7 +296,7 @@ def test_kinematic_rates_broadcast() -> None:
 
 @pytest.mark.requires("vehiclemodels")
 @pytest.mark.parametrize("v", [10.0, 20.0, 30.0])
-def test_agrees_with_the_commonroad_single_track_linearised(v: float) -> None:
+def test_agrees_with_the_commonroad_single_track_linearized(v: float) -> None:
     """States there: x, y, delta, v, psi, psi', beta; the steering angle is a state."""
     from vehiclemodels.parameters_vehicle2 import parameters_vehicle2
     from vehiclemodels.vehicle_dynamics_st import vehicle_dynamics_st
@@ -309,7 +309,7 @@ def test_agrees_with_the_commonroad_single_track_linearised(v: float) -> None:
 
     columns = [(rates(*e) - rates(*-e)) / (2.0 * step) for e in step * np.eye(3)]
     model = single_track(VehicleParams.bmw_320i(), v, 0.0)
-    # the moment of the two axles about the centre of gravity is the small difference of large numbers
+    # the moment of the two axles about the center of gravity is the small difference of large numbers
     moment = max(BMW.C_f * BMW.l_f, BMW.C_r * BMW.l_r) / BMW.I_z
     scale = np.array([[abs(model.A[0, 0]), 1.0], [moment, abs(model.A[1, 1])]])
     np.testing.assert_allclose(np.column_stack(columns[:2]) / scale, model.A[:2, :2] / scale, atol=5e-4)

@@ -13,7 +13,7 @@ from cca_core.follow import (
     PreviewGains,
     StabilityRegion,
     design_gains,
-    discretised,
+    discretized,
     gain_region,
     shipped_gains,
     single_track,
@@ -122,7 +122,7 @@ def growth(car: VehicleParams, gains: PreviewGains, v: float, delay: float, fact
     """How fast the linear loop grows, in 1/s: spectral radius of the loop with a line of held commands."""
     dt = delay / max(8, math.ceil(delay / 0.005))
     A, B, C = open_loop(car, gains, v)
-    step = discretised(SingleTrack(A=A, B=B, E=np.zeros(5)), dt)
+    step = discretized(SingleTrack(A=A, B=B, E=np.zeros(5)), dt)
     n = round(delay / dt)
     # a command held for dt is half of dt late by itself
     M = np.zeros((5 + n, 5 + n))

@@ -28,7 +28,7 @@ LINE = Path([0.0, 2000.0], [[[0, 0, 2000, 0], [0, 0, 0, 0]]])
 
 
 def arc(radius: float, angle: float = 3.0, n: int = 601) -> Path:
-    """Arc from the origin towards +x, left for a positive radius."""
+    """Arc from the origin toward +x, left for a positive radius."""
     phi, sign = np.linspace(0.0, angle, n), math.copysign(1.0, radius)
     nodes = np.column_stack((abs(radius) * np.sin(phi), radius * (1.0 - np.cos(phi))))
     return interpolate_path(
@@ -69,7 +69,7 @@ def test_law_on_a_straight_path(d: float, psi: float, v: float, v_y: float, r: f
 def test_a_car_that_turns_steadily_is_steered_steadily(car: VehicleParams, v: float) -> None:
     """On the circle with sideslip beta_ss and r = v kappa only the feed-forward remains."""
     kappa = 1.0 / 300.0
-    car = dataclasses.replace(car, mu=1e3)  # tyres as linear as those of the formulas
+    car = dataclasses.replace(car, mu=1e3)  # tires as linear as those of the formulas
     beta = float(steady_sideslip(kappa, v, car))
     x, y = LEFT.position(400.0)
     psi = float(LEFT.heading(400.0)) - beta
@@ -164,8 +164,8 @@ def test_converges_on_a_circle(path: Path, v: float, d0: float) -> None:
 
 
 @pytest.mark.parametrize("v", [30.0, 35.0])
-def test_converges_on_a_circle_at_3_and_4_metres_per_second_squared(v: float) -> None:
-    """R = 300 m, where the tyres are no longer linear (a_y = 3.0 and 4.1 m/s^2)."""
+def test_converges_on_a_circle_at_3_and_4_meters_per_second_squared(v: float) -> None:
+    """R = 300 m, where the tires are no longer linear (a_y = 3.0 and 4.1 m/s^2)."""
     d, _ = drive(arc(300.0, 6.0, 1201), CAR, v, 0.5, 12.0)
     assert np.ptp(d[-100:]) < 0.02
     assert np.abs(d[-100:]).max() < 0.05
@@ -173,7 +173,7 @@ def test_converges_on_a_circle_at_3_and_4_metres_per_second_squared(v: float) ->
 
 @pytest.mark.parametrize("car", [CAR, UNDERSTEER])
 @pytest.mark.parametrize("v", [5.0, 20.0, 35.0])
-def test_no_error_is_left_on_a_circle_for_a_car_with_linear_tyres(car: VehicleParams, v: float) -> None:
+def test_no_error_is_left_on_a_circle_for_a_car_with_linear_tires(car: VehicleParams, v: float) -> None:
     """x' = A x + B delta + E rho of theory.md, steered by the controller: h -> 0 although l_s beta is not."""
     kappa, dt, path = 1.0 / 300.0, 0.01, arc(300.0, 6.0, 1201)
     car = dataclasses.replace(car, mu=1e3)
@@ -281,7 +281,7 @@ def test_rate_limit() -> None:
 
 @pytest.mark.parametrize("v", [10.0, 20.0, 30.0])
 def test_lateral_acceleration_limit(v: float) -> None:
-    """Of the steady turn of the largest command, and of the front tyres before the car has begun to turn."""
+    """Of the steady turn of the largest command, and of the front tires before the car has begun to turn."""
     controller = PreviewController(CAR, a_y_max=3.0)
     plant = SingleTrackPlant(CAR, VehicleState(x=50.0, y=-50.0, psi=0.0, v_x=v))
     deltas, a_y = [], []

@@ -134,8 +134,8 @@ def test_required_deceleration_behind_a_braking_leader(
 
 @given(st.floats(1.0, 30.0), st.floats(-30.0, -0.1), st.floats(10.0, 200.0))
 @example(20.0, -10.0, 100.0)
-def test_required_deceleration_towards_an_oncoming_vehicle(v: float, v_lead: float, room: float) -> None:
-    """'Negative if it comes towards the ego': the gap is kept until the ego stands."""
+def test_required_deceleration_toward_an_oncoming_vehicle(v: float, v_lead: float, room: float) -> None:
+    """'Negative if it comes toward the ego': the gap is kept until the ego stands."""
     gap = S.standstill_gap + room
     b = required_deceleration(v, gap, v_lead, S)
     assert least_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-3 * room
@@ -211,7 +211,7 @@ def test_follow_is_finite_and_not_below_b_max(v: float, gap: float, v_lead: floa
 
 
 @pytest.mark.parametrize("gap", [S.standstill_gap + 1e-6, S.standstill_gap, S.standstill_gap - 1e-6])
-def test_no_full_braking_for_a_micrometre_of_gap_and_of_speed(gap: float) -> None:
+def test_no_full_braking_for_a_micrometer_of_gap_and_of_speed(gap: float) -> None:
     """Same speed, a hair inside the standstill gap: the answer must not depend on the last digit."""
     calm = follow_acceleration(5.0, gap, 5.0, S)
     assert follow_acceleration(5.0 + 1e-6, gap, 5.0, S) == pytest.approx(calm, abs=0.1)

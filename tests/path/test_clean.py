@@ -81,7 +81,7 @@ def test_a_spike_beyond_the_largest_gap_is_dropped_and_splits_nothing() -> None:
 
 
 @pytest.mark.parametrize("i", [0, 1, 5, 17, 18])
-def test_neighbours_out_of_order_are_sorted(i: int) -> None:
+def test_neighbors_out_of_order_are_sorted(i: int) -> None:
     xy = STRAIGHT.copy()
     xy[[i, i + 1]] = xy[[i + 1, i]]
     route = clean_route(xy)

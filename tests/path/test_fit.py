@@ -282,7 +282,7 @@ def test_two_points_cannot_be_closed(xy: list) -> None:
 
 
 def test_a_hairpin_of_gps_points_does_not_break_the_fit() -> None:
-    """Reversed neighbours occur in logs: the fit stays finite and keeps its tolerance."""
+    """Reversed neighbors occur in logs: the fit stays finite and keeps its tolerance."""
     xy = winding(60, 0.0)
     xy[[30, 31]] = xy[[31, 30]]
     path = fit_path(xy, tolerance=0.3)

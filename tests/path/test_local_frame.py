@@ -29,7 +29,7 @@ def test_against_pymap3d_over_50_km(lat0: float, lon0: float) -> None:
 @given(st.floats(-89.0, 89.0), st.floats(-180.0, 180.0), st.floats(0.0, 50e3), st.floats(0.0, 2.0 * math.pi))
 @example(0.0, 180.0, 5e4, 1.0)
 @example(60.0, -180.0, 5e4, 4.0)
-def test_round_trip_from_metres(lat0: float, lon0: float, r: float, azimuth: float) -> None:
+def test_round_trip_from_meters(lat0: float, lon0: float, r: float, azimuth: float) -> None:
     frame = LocalFrame(lat0, lon0)
     xy = np.array([r * math.cos(azimuth), r * math.sin(azimuth)])
     lat, lon = frame.to_geodetic(xy)

@@ -25,7 +25,7 @@ along = st.floats(0.0, WINDING.length)
 
 
 @given(along, st.floats(-0.95, 0.95))
-def test_round_trip_where_the_offset_is_short_of_the_centre(s: float, share: float) -> None:
+def test_round_trip_where_the_offset_is_short_of_the_center(s: float, share: float) -> None:
     """|d kappa| < 1 on the inner side; elsewhere up to 30 m."""
     kappa = float(WINDING.curvature(s))
     d = math.copysign(min(abs(share) / max(abs(kappa), 1e-9), 30.0), share)

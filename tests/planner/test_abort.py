@@ -7,7 +7,7 @@ from cca_core import Lane, Road
 from cca_core.follow import SpeedSettings
 from cca_core.path import Path, interpolate_path
 from cca_core.planner.abort import plan_retreat, plan_shortcut, put_off, slow_enough
-from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.frenet import Ego, Neighbor
 from cca_core.planner.maneuver import Evasion, plan_evasion
 from cca_core.planner.settings import EvasionSettings
 from tests.planner.test_planner import CAR, START, car, straight
@@ -16,8 +16,8 @@ ROAD = Road(straight(), (Lane(d=0.0), Lane(d=3.5)))
 SETTINGS = EvasionSettings(braking=0.0, acceleration=0.0, known_range=np.inf)
 
 
-def at(gap: float, d: float, v: float, name: str = "R") -> Neighbour:
-    return Neighbour.seen_from(car(START + gap, d, v, id=name), START + gap, d, 0.0, 0.0)
+def at(gap: float, d: float, v: float, name: str = "R") -> Neighbor:
+    return Neighbor.seen_from(car(START + gap, d, v, id=name), START + gap, d, 0.0, 0.0)
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def maneuver() -> Evasion:
     return plan
 
 
-def retreat(maneuver: Evasion, gap: float, *others: Neighbour) -> Evasion | None:
+def retreat(maneuver: Evasion, gap: float, *others: Neighbor) -> Evasion | None:
     ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
     return plan_retreat(ego, ROAD, maneuver, [at(gap, 0.0, 12.0), *others], "somebody comes")
 
@@ -108,7 +108,7 @@ def test_who_is_passed_by_now_is_not_fallen_back_behind(maneuver: Evasion) -> No
 def test_those_behind_are_behind_however_little_is_known(maneuver: Evasion, age: float) -> None:
     """The bounds of a stale one reach to the ego, which does not make it one to fall back behind."""
     remote = car(START - 15.0, 3.5, 26.0, id="A", age=age, sigma_along=2.5 * age, sigma_across=0.3 * age)
-    stale = Neighbour.seen_from(remote, START - 15.0, 3.5, 0.0, 0.0)
+    stale = Neighbor.seen_from(remote, START - 15.0, 3.5, 0.0, 0.0)
     assert retreat(maneuver, 15.0, stale) is None
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from cca_core import RemoteVehicle
 from cca_core.path import fit_path
-from cca_core.planner.frenet import Neighbour, locate
+from cca_core.planner.frenet import Neighbor, locate
 
 S = np.linspace(0.0, 3.0, 60)
 PATH = fit_path(np.column_stack((150.0 * np.sin(S), 150.0 * (1.0 - np.cos(S)))), tolerance=0.05)
@@ -35,19 +35,19 @@ def test_many_at_once_as_one_by_one(warm: bool) -> None:
     before = dict(places)
     together, _ = locate(many, PATH, places)
     assert len(together) == len(places) == 80
-    for remote, neighbour in zip(many, together, strict=True):
+    for remote, neighbor in zip(many, together, strict=True):
         own = {remote.id: before[remote.id]} if warm else {}
         (alone,), _ = locate([remote], PATH, own)
         for name in ("s", "d", "v_s", "half_length", "half_width", "angle"):
-            assert getattr(neighbour, name) == pytest.approx(getattr(alone, name), abs=1e-6)
+            assert getattr(neighbor, name) == pytest.approx(getattr(alone, name), abs=1e-6)
         assert own[remote.id] == pytest.approx(places[remote.id], abs=1e-6)
 
 
 def test_one_vehicle_instead_of_a_list_is_not_lost_in_silence() -> None:
     (at,) = PATH.to_cartesian([100.0], [0.0])
     van = RemoteVehicle(id="van", x=float(at[0]), y=float(at[1]), psi=float(PATH.heading(100.0)), v_x=10.0)
-    (neighbour,), dropped = locate(van, PATH, {})  # type: ignore[arg-type]
-    assert (neighbour.remote, dropped) == (van, ())
+    (neighbor,), dropped = locate(van, PATH, {})  # type: ignore[arg-type]
+    assert (neighbor.remote, dropped) == (van, ())
     assert locate(7, PATH, {}) == ([], (("7", "not a RemoteVehicle"),))  # type: ignore[arg-type]
     assert locate(None, PATH, {}) == ([], (("None", "not a RemoteVehicle"),))  # type: ignore[arg-type]
 
@@ -61,10 +61,10 @@ def test_what_keeps_its_side_far_off_is_left_out() -> None:
         (True, {"sigma_across": 2.2}), (False, {"sigma_along": 5.0}),
         (True, {"sigma_along": 9.0, "psi": psi + 0.3}),
     ):  # fmt: skip
-        neighbours, dropped = locate([replace(far, **changes)], PATH, {})
-        assert (len(neighbours), dropped) == (int(kept), ())
-        reach = 0.0 if not kept else neighbours[0].d - neighbours[0].half_width
-        assert reach < 15.0 or abs(math.sin(neighbours[0].angle)) > 0.35
+        neighbors, dropped = locate([replace(far, **changes)], PATH, {})
+        assert (len(neighbors), dropped) == (int(kept), ())
+        reach = 0.0 if not kept else neighbors[0].d - neighbors[0].half_width
+        assert reach < 15.0 or abs(math.sin(neighbors[0].angle)) > 0.35
     assert len(locate([far], PATH, {}, within=(-30.0, 30.0))[0]) == 1
 
 
@@ -73,8 +73,8 @@ def test_what_keeps_its_side_far_off_is_left_out() -> None:
 )
 def test_speed_of_who_is_not_heard(v_s: float, age: float, least: float) -> None:
     remote = RemoteVehicle(id="a", x=0.0, y=0.0, psi=0.0, v_x=abs(v_s), age=age)
-    neighbour = Neighbour.seen_from(remote, 0.0, 0.0, 0.0 if v_s > 0.0 else math.pi, 0.0)
-    assert neighbour.v_least == pytest.approx(least)
+    neighbor = Neighbor.seen_from(remote, 0.0, 0.0, 0.0 if v_s > 0.0 else math.pi, 0.0)
+    assert neighbor.v_least == pytest.approx(least)
 
 
 @pytest.mark.parametrize("value", [3, np.float64(3.0), np.float32(3.0), 1e308, -1e308])
@@ -97,7 +97,7 @@ def test_likely_is_without_bounds_and_as_fast_as_told() -> None:
         id="A", x=80.0, y=0.0, psi=0.3, v_x=14.0, age=5.0, sigma_along=30.0, sigma_across=5.0
     )
     known = replace(told, age=0.0, sigma_along=0.0, sigma_across=0.0)
-    vague, sure = (Neighbour.seen_from(remote, 80.0, 0.0, 0.3, 0.0) for remote in (told, known))
+    vague, sure = (Neighbor.seen_from(remote, 80.0, 0.0, 0.3, 0.0) for remote in (told, known))
     assert vague.likely() == sure
     assert sure.likely() == sure
     assert vague.v_least == 0.0

@@ -215,7 +215,7 @@ class TestUncertain:
 
 
 class TestOncoming:
-    """One that comes towards the ego, heard at a place, and then no more: its bounds grow, it drifts."""
+    """One that comes toward the ego, heard at a place, and then no more: its bounds grow, it drifts."""
 
     def then(
         self, heard_at: float, d: float, age: float, sigma: float, v: float = -20.0, turn: float = 0.0,

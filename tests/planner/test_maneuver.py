@@ -8,7 +8,7 @@ import pytest
 
 from cca_core import Lane, Road
 from cca_core.follow import SpeedSettings
-from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.frenet import Ego, Neighbor
 from cca_core.planner.maneuver import Evasion, plan_evasion
 from cca_core.planner.settings import EvasionSettings
 from tests.planner.test_planner import CAR, START, car, straight
@@ -17,11 +17,11 @@ ROAD = Road(straight(), (Lane(d=0.0), Lane(d=3.5)))
 SETTINGS = EvasionSettings(braking=0.0, acceleration=0.0, known_range=np.inf)
 
 
-def at(gap: float, d: float, name: str) -> Neighbour:
-    return Neighbour.seen_from(car(START + gap, d, 0.0, id=name), START + gap, d, 0.0, 0.0)
+def at(gap: float, d: float, name: str) -> Neighbor:
+    return Neighbor.seen_from(car(START + gap, d, 0.0, id=name), START + gap, d, 0.0, 0.0)
 
 
-def obstruction(blocker: Neighbour, *others: Neighbour) -> str:
+def obstruction(blocker: Neighbor, *others: Neighbor) -> str:
     ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
     return plan_evasion(ego, ROAD, [blocker], others, "left", SETTINGS, at_once=True).candidate.obstruction
 

@@ -477,7 +477,7 @@ class TestLeader:
         assert not any(name.startswith("EVADE") for name in run.actions)
         assert run.v[-1] == pytest.approx(18.5, abs=0.1)
 
-    def test_reference_is_the_route_again_after_the_manoeuvre(self) -> None:
+    def test_reference_is_the_route_again_after_the_maneuver(self) -> None:
         p = planner()
         run = Drive(p, [Mover("R", 70.0, 0.0, 12.0)], 20.0)
         assert run.commands[-1].reference is p.road.path
@@ -559,7 +559,7 @@ class TestDanger:
 
     @pytest.mark.parametrize("gap", [35.0, 37.0, 38.0, 40.0, 60.0])
     def test_a_usable_swerve_can_be_driven(self, gap: float) -> None:
-        """Status OK promises a band that the tyres can hold, with some reserve."""
+        """Status OK promises a band that the tires can hold, with some reserve."""
         run = Drive(planner(), [Mover("R", gap, 0.0, 0.0)], 8.0)
         swerves = [
             v * v * c.band.curvature
@@ -624,7 +624,7 @@ def test_steady_traffic_is_never_touched(
 @pytest.mark.parametrize("v_x", [15.0, 20.0, 28.0])
 @pytest.mark.parametrize("d", [0.0, 0.3, -0.5])
 def test_replanning_past_a_parked_car_holds_side_and_shape(v_x: float, d: float) -> None:
-    """Ten times a second on the way past: the side stays, d(s) moves by millimetres, nothing tightens."""
+    """Ten times a second on the way past: the side stays, d(s) moves by millimeters, nothing tightens."""
     x = np.arange(0.0, 801.0, 5.0)
     path = fit_path(np.column_stack((x, np.zeros_like(x))), tolerance=0.05)
     road = Road(path, (Lane(d=0.0), Lane(d=3.5), Lane(d=-3.5)))

@@ -4,7 +4,7 @@ import pytest
 
 from cca_core import Status
 from cca_core.follow import SpeedSettings
-from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.frenet import Ego, Neighbor
 from cca_core.planner.maneuver import Evasion
 from cca_core.planner.replan import Renewal, renew, swerves_of, ways_around
 from tests.planner.test_abort import ROAD, SETTINGS, at, maneuver
@@ -17,7 +17,7 @@ SLOW = at(25.0, 0.0, 12.0)
 
 
 def renewed(
-    old: Evasion, *others: Neighbour, s: float = START, inside: bool = False, can_follow: bool = False
+    old: Evasion, *others: Neighbor, s: float = START, inside: bool = False, can_follow: bool = False
 ) -> Renewal:
     speed = SpeedSettings()
     ego = Ego(vehicle=CAR, s=s, v_x=20.0, v_target=20.0, speed=speed)
@@ -47,8 +47,8 @@ def test_given_up_inside_the_lane_while_following_is_easy(maneuver: Evasion) -> 
 
 
 def test_as_it_was_while_that_is_clear(maneuver: Evasion, monkeypatch: pytest.MonkeyPatch) -> None:
-    from cca_core import swerve
     from cca_core.decide import Candidate
+    from cca_core.planner import replan as swerve
 
     def fails(*args: object, **kwargs: object) -> Candidate:
         return Candidate(side="left", obstruction="contact set did not settle")
@@ -82,7 +82,7 @@ def test_at_last_past_where_somebody_most_likely_is() -> None:
     """His bounds leave no room on the road, and to hit him is certain otherwise."""
     ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
     remote = car(START + 50.0, 0.5, 0.0, id="R", sigma_along=0.5, sigma_across=1.0)
-    vague = Neighbour.seen_from(remote, START + 50.0, 0.5, 0.0, 0.0)
+    vague = Neighbor.seen_from(remote, START + 50.0, 0.5, 0.0, 0.0)
     plans, candidates, _ = ways_around(ego, ROAD, [vague], [], SWERVES, at_once=True)
     assert all(c.obstruction for c in candidates)
     plans, candidates, status = ways_around(ego, ROAD, [vague], [], SWERVES, at_once=True, helpless=True)

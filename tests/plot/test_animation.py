@@ -32,7 +32,7 @@ def pair(run: Run) -> tuple[Log, Log]:
     return run("eebl", "A", "driver"), run("eebl", "C", "v2v")
 
 
-def test_positions_are_those_of_the_log_within_a_centimetre(pair: tuple[Log, Log]) -> None:
+def test_positions_are_those_of_the_log_within_a_centimeter(pair: tuple[Log, Log]) -> None:
     for log, data in zip(pair, data_of(animate(pair)), strict=True):
         rows = np.searchsorted(log.t, np.asarray(data["t"]) - 1e-3)
         np.testing.assert_allclose(log.t[rows], data["t"], atol=1e-3)
@@ -168,8 +168,8 @@ def test_the_view_stands_where_roads_cross_and_moves_else(run: Run, pair: tuple[
     (crossing,) = data_of(animate([run("ima", "left-turn", "v2v")]))
     assert np.ptp(np.asarray(crossing["camera"]), axis=1).max() == 0.0
     for log, data in zip(pair, data_of(animate(pair)), strict=True):
-        travelled = np.ptp(np.asarray(data["camera"])[0])
-        assert travelled == pytest.approx(100.0 * np.ptp(log.place[:, 0]), rel=1e-3)
+        traveled = np.ptp(np.asarray(data["camera"])[0])
+        assert traveled == pytest.approx(100.0 * np.ptp(log.place[:, 0]), rel=1e-3)
 
 
 def test_no_run() -> None:

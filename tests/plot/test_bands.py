@@ -27,7 +27,7 @@ def test_each_defect_is_drawn_with_units_and_both_bands(defect: str) -> None:
 
 def test_unknown_defect() -> None:
     with pytest.raises(InputError, match="on the path"):
-        plot_defect("colour")
+        plot_defect("color")
 
 
 def test_on_the_path_only_the_relaxed_band_moves() -> None:

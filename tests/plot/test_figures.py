@@ -64,7 +64,7 @@ def test_each_strip_shows_who_is_near_at_its_place(waiting: Log) -> None:
     assert {f"ego@{number}" for number in (1, 2, 3)} <= boxes_of(overview).keys()
 
 
-def test_the_ego_is_drawn_at_its_body_and_not_at_its_centre_of_gravity(waiting: Log) -> None:
+def test_the_ego_is_drawn_at_its_body_and_not_at_its_center_of_gravity(waiting: Log) -> None:
     ahead = replace(waiting.scenario.vehicle, box_offset=1.0)
     log = replace(waiting, scenario=replace(waiting.scenario, vehicle=ahead))
     strip = plot_traffic(log, times=[2.0]).axes[1]

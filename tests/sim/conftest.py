@@ -1,4 +1,4 @@
-"""Roads, and every run of the manoeuvring cases driven once for all tests."""
+"""Roads, and every run of the maneuvering cases driven once for all tests."""
 
 from collections.abc import Callable
 from functools import cache

@@ -26,7 +26,7 @@ def test_lanelets(tmp_path: Path) -> None:
     assert scenario.dt == 0.1
     assert sorted(scenario.lanelets) == [1, 2, 3, 4, 5, 6]
     one = scenario.lanelets[1]
-    np.testing.assert_array_equal(one.centre, [[0.0, 0.0], [50.0, 0.0], [100.0, 0.0]])
+    np.testing.assert_array_equal(one.center, [[0.0, 0.0], [50.0, 0.0], [100.0, 0.0]])
     assert (one.length, one.width) == (100.0, 3.5)
     assert (one.successors, one.on_left, one.on_right) == ((2,), (3, 1), (5, -1))
     assert scenario.lanelets[2].predecessors == (1,)

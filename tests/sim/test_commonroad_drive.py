@@ -122,8 +122,8 @@ def test_arguments_are_checked(tmp_path: Path) -> None:
         drive_commonroad(scenario, problem=1)
     with pytest.raises(InputError, match="plant must be"):
         drive_commonroad(scenario, plant="train")
-    with pytest.raises(InputError, match="towards must be the id of a lanelet, was 99"):
-        drive_commonroad(scenario, towards=99)
+    with pytest.raises(InputError, match="toward must be the id of a lanelet, was 99"):
+        drive_commonroad(scenario, toward=99)
     with pytest.raises(InputError, match="vehicle must be the BMW"):
         drive_commonroad(scenario, plant="multi_body", vehicle=VehicleParams.vw_vanagon())
     with pytest.raises(InputError, match="scenario must be"):
@@ -167,7 +167,7 @@ def assert_unhurt(run: CommonRoadRun) -> None:
 
 @pytest.mark.parametrize("plant", PLANTS)
 def test_a_turn_behind_a_bicycle(data_dir: Path, plant: str) -> None:
-    run = drive_commonroad(recorded(data_dir, "BEL_Putte-10_2_T-1"), plant=plant, towards=12231)
+    run = drive_commonroad(recorded(data_dir, "BEL_Putte-10_2_T-1"), plant=plant, toward=12231)
     assert_unhurt(run)
     assert run.summary()["reached"]
     assert run.t_goal == pytest.approx(3.3)

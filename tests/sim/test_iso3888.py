@@ -13,7 +13,7 @@ from cca_core.sim import DoubleLaneChange, Passage, drive_through, iso3888_1, is
 from cca_core.sim.handling.iso3888 import Offset
 
 CAR = VehicleParams.bmw_320i()
-OFFSETS: tuple[Offset, ...] = ("centre to centre", "edge to centre", "edge to edge")
+OFFSETS: tuple[Offset, ...] = ("center to center", "edge to center", "edge to edge")
 CASES = [*((iso3888_1(CAR.width, offset=offset), 80.0 / 3.6) for offset in OFFSETS),
          (iso3888_2(CAR.width), 55.0 / 3.6)]  # fmt: skip
 NAMES = [f"part 1, {offset}" for offset in OFFSETS] + ["part 2"]
@@ -26,10 +26,10 @@ def test_gates_of_part_1(offset: Offset) -> None:
     assert gates[:, :2].ravel().tolist() == [0.0, 15.0, 45.0, 70.0, 95.0, 125.0]
     np.testing.assert_allclose(gates[:, 3] - gates[:, 2], [2.45, 2.65, 2.85])
     assert gates[[0, 2], 2].tolist() == [0.0, 0.0]
-    centres = 0.5 * (gates[:, 2] + gates[:, 3])
+    centers = 0.5 * (gates[:, 2] + gates[:, 3])
     apart = {
-        "centre to centre": centres[1] - centres[0] - 3.5,
-        "edge to centre": gates[1, 2] - centres[0] - 3.5,
+        "center to center": centers[1] - centers[0] - 3.5,
+        "edge to center": gates[1, 2] - centers[0] - 3.5,
         "edge to edge": gates[1, 2] - gates[0, 3] - 1.0,
     }
     assert apart[offset] == pytest.approx(0.0, abs=1e-12)
@@ -37,7 +37,7 @@ def test_gates_of_part_1(offset: Offset) -> None:
 
 def test_the_readings_in_order() -> None:
     shift = {offset: iso3888_1(CAR.width, offset=offset).gates[1, 2] for offset in OFFSETS}
-    assert shift["edge to edge"] < shift["centre to centre"] < shift["edge to centre"]
+    assert shift["edge to edge"] < shift["center to center"] < shift["edge to center"]
 
 
 @pytest.mark.parametrize(("width", "last"), [(1.61, 3.0), (2.0, 3.0), (2.3, 3.24)])

@@ -88,7 +88,7 @@ def test_place_and_tracking_are_lateral_errors(run: Run) -> None:
     log = run("1-fast", "curved", 1)
     _, d = log.scenario.road.path.project(log.ego[:, :2])
     assert d == pytest.approx(log.place[:, 1], abs=1e-6)
-    # off a manoeuvre the reference is the route
+    # off a maneuver the reference is the route
     assert log.tracking[:100] == pytest.approx(log.place[:100, 1], abs=1e-9)
 
 

@@ -1,4 +1,4 @@
-"""The paper's manoeuvring scenario, cases 1 to 3: what must come true in every run."""
+"""The paper's maneuvering scenario, cases 1 to 3: what must come true in every run."""
 
 import itertools
 from collections.abc import Callable
@@ -33,7 +33,7 @@ def front(log: Log) -> Any:
 
 @pytest.mark.parametrize(("case", "road", "seed"), EVERY)
 class TestEveryRun:
-    def test_no_contact_and_half_a_metre_at_least(self, run: Run, case: str, road: str, seed: int) -> None:
+    def test_no_contact_and_half_a_meter_at_least(self, run: Run, case: str, road: str, seed: int) -> None:
         log = run(case, road, seed)
         assert log.t[-1] == pytest.approx(log.scenario.duration)  # not ended by a contact
         assert log.gaps().min() >= 0.5
@@ -208,7 +208,7 @@ def test_without_the_decision_it_collides_with_the_other_car(
 
 
 def test_the_contrast_is_the_decision_alone(run: Run) -> None:
-    """Up to the second manoeuvre both planners do the same."""
+    """Up to the second maneuver both planners do the same."""
     for case in ("2", "3"):
         with_zone, without = run(case), run(case, leader_only=True)
         same = int(np.searchsorted(with_zone.t, begins(with_zone, "FOLLOW")[0] - 0.1))

@@ -26,7 +26,7 @@ def drive(plant: MultiBodyPlant, seconds: float, delta: float = 0.0, a_x: float 
 
 
 def test_straight_on() -> None:
-    """Its tyre law has a jump at zero camber, so straight running drifts by millimetres."""
+    """Its tire law has a jump at zero camber, so straight running drifts by millimeters."""
     end = drive(MultiBodyPlant(state(20.0)), 3.0)[-1]
     assert end.x == pytest.approx(60.0, abs=0.3)
     assert abs(end.y) < 0.05
@@ -96,7 +96,7 @@ def test_steering_lags_and_its_rate_is_limited() -> None:
 
 
 @pytest.mark.parametrize("v", [0.0, 0.5, 1.9])
-def test_below_two_metres_per_second_it_only_rolls_out(v: float) -> None:
+def test_below_two_meters_per_second_it_only_rolls_out(v: float) -> None:
     plant = MultiBodyPlant(state(v))
     states = drive(plant, 3.0, delta=0.1, a_x=-1.0)
     assert all(math.isfinite(s.x + s.v_x) for s in states)

@@ -262,7 +262,7 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
         ("maneuver", 21, 106), ("maneuver", 21, 125), ("maneuver", 21, 1221),
         # R2 unheard for seconds, 100 m ahead: braked for fully because of its bounds, in front of R1
         ("maneuver", 22, 858), ("maneuver", 22, 1650),
-        ("maneuver", 24, 1002),  # still going out, so that the way back was too sharp for the tyres
+        ("maneuver", 24, 1002),  # still going out, so that the way back was too sharp for the tires
         ("maneuver", 25, 364),  # as fast as R1 close behind it, which a way back in front of it cannot be
         ("maneuver", 24, 370),  # crept back as slowly as the way back had been bent for, R1 behind
         ("maneuver", 8, 423),  # A unheard for seconds, dead-reckoned into the lane; R1 behind

@@ -36,7 +36,7 @@ def drive(p: SingleTrackPlant, seconds: float, delta: float = 0.0, a_x: float = 
 
 
 def planar_acceleration(p: SingleTrackPlant) -> tuple[float, float]:
-    """Acceleration of the centre of gravity by finite differences of the velocity in the world."""
+    """Acceleration of the center of gravity by finite differences of the velocity in the world."""
 
     def velocity(s: VehicleState) -> np.ndarray[Any, Any]:
         c, n = math.cos(s.psi), math.sin(s.psi)
@@ -136,7 +136,7 @@ class TestTurning:
     st.sampled_from(CARS), st.floats(2.0, 45.0), st.floats(-0.6, 0.6), st.floats(-12.0, 12.0),
     st.floats(0.2, 1.0),
 )  # fmt: skip
-def test_never_more_than_the_tyres_can_hold(
+def test_never_more_than_the_tires_can_hold(
     vehicle: VehicleParams, v: float, delta: float, a_x: float, mu: float
 ) -> None:
     p = plant(v, replace(vehicle, mu=mu))
@@ -153,7 +153,7 @@ def test_never_more_than_the_tyres_can_hold(
     st.floats(-4.0, 4.0),
     st.floats(-0.6, 0.6),
 )
-def test_tyres_only_take_energy(vehicle: VehicleParams, v: float, v_y: float, r: float, delta: float) -> None:
+def test_tires_only_take_energy(vehicle: VehicleParams, v: float, v_y: float, r: float, delta: float) -> None:
     """Coasting, whatever the slide: kinetic energy never grows."""
     p = plant(v, vehicle, v_y=v_y, r=r, delta=delta)
     energy = math.inf

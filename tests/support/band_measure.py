@@ -31,7 +31,7 @@ def displaced(nodes: Array, u: Array) -> Array:
 def remeasure(nodes: Array, case: "Case") -> float:
     """Least distance of the swept ego to any obstacle [m], minus the depth of the deepest overlap.
 
-    Looked at every few centimetres of the ego's way where it may be least, and closer around the dips.
+    Looked at every few centimeters of the ego's way where it may be least, and closer around the dips.
     """
     n = len(nodes)
     parts = math.ceil(float(np.diff(stations(nodes)).max()) / STEP)
@@ -120,15 +120,15 @@ def left_of(vectors: Array) -> Array:
 
 
 def poses(nodes: Array, index: Array, vehicle: VehicleParams) -> Array:
-    """Centre, heading, length and width of the ego's box at places counted in nodes, shape (m, 5)."""
+    """Center, heading, length and width of the ego's box at places counted in nodes, shape (m, 5)."""
     s = np.interp(index, np.arange(len(nodes)), stations(nodes))
     curve = curve_through(nodes)
     along = curve(s, 1)
     along /= np.hypot(*along.T)[:, None]
-    centre = curve(s) + vehicle.box_offset * along
+    center = curve(s) + vehicle.box_offset * along
     psi = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
     size = np.broadcast_to((vehicle.length, vehicle.width), (len(s), 2))
-    return np.column_stack((centre, psi, size))
+    return np.column_stack((center, psi, size))
 
 
 def corners(pose: Array) -> Array:
@@ -136,8 +136,8 @@ def corners(pose: Array) -> Array:
     x, y, psi, length, width = pose.T
     t = 0.5 * length[:, None] * np.column_stack((np.cos(psi), np.sin(psi)))
     w = 0.5 * width[:, None] * np.column_stack((-np.sin(psi), np.cos(psi)))
-    centre = np.column_stack((x, y))
-    return np.stack((centre + t + w, centre - t + w, centre - t - w, centre + t - w), axis=1)
+    center = np.column_stack((x, y))
+    return np.stack((center + t + w, center - t + w, center - t - w, center + t - w), axis=1)
 
 
 def interpolated(obstacle: Boxes, index: Array, n: int) -> Array:
@@ -148,7 +148,7 @@ def interpolated(obstacle: Boxes, index: Array, n: int) -> Array:
 
 
 def _travel(pose: Array) -> Array:
-    """How far any point of a box moves at most between neighbouring rows [m]."""
+    """How far any point of a box moves at most between neighboring rows [m]."""
     x, y, psi = np.diff(pose[:, :3], axis=0).T
     moved: Array = np.hypot(x, y) + 0.5 * np.hypot(*pose[1:, 3:].T) * np.abs(psi)
     return moved

@@ -36,8 +36,8 @@ SOLVER: tuple[dict[str, Any], ...] = (
     {"max_iter": 60},
     {"max_iter": 200, "reg_lower_limit": 1e-8, "rho_init": 1e-4, "delta_init": 1e-2},  # where that fails
 )
-TOLERANCE = 1e-3  # of a witness, in metres and as a share of the curvature limit
-PENALTY = 1e2  # of lacking room, per metre
+TOLERANCE = 1e-3  # of a witness, in meters and as a share of the curvature limit
+PENALTY = 1e2  # of lacking room, per meter
 
 
 def solvable(case: Case) -> tuple[bool, list[Side], Array]:

@@ -48,7 +48,7 @@ def moving(
     length: float = 4.5,
     width: float = 1.8,
 ) -> Boxes:
-    """Box that is at a place when the ego is at node `met` (not a whole number); velocity in metres a node.
+    """Box that is at a place when the ego is at node `met` (not a whole number); velocity in meters a node.
 
     Headed where it goes unless psi is given.
     """

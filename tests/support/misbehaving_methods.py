@@ -36,7 +36,7 @@ class Dies:
 
 class CannotBeMade:
     def __init__(self) -> None:
-        raise RuntimeError("no licence")
+        raise RuntimeError("no license")
 
     def plan(self, problem: Problem) -> Plan:
         return Plan(status=Status.OK)

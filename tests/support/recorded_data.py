@@ -35,7 +35,7 @@ from cca_core.follow import (
 )  # fmt: skip
 from cca_core.geometry import boxes
 from cca_core.path import Waypoints, clean_route
-from cca_core.planner.frenet import Ego, Neighbour
+from cca_core.planner.frenet import Ego, Neighbor
 from cca_core.planner.maneuver import Evasion
 from cca_core.planner.replan import Renewal
 from cca_core.planner.settings import EvasionSettings
@@ -63,7 +63,7 @@ OTHERS = (
 
 
 def driven(planner: Planner, steps: range) -> list[Command]:
-    """Let a planner drive at 20 m/s from the start of the route towards what is parked on it."""
+    """Let a planner drive at 20 m/s from the start of the route toward what is parked on it."""
     states = (VehicleState(x=0.4 * i, y=0.0, psi=0.0, v_x=20.0) for i in steps)
     return [planner.step(0.02 * i, state, OTHERS) for i, state in zip(steps, states, strict=True)]
 
@@ -117,7 +117,7 @@ def examples() -> dict[str, Any]:
             displacement=np.zeros(20), reference=ROUTE, candidate=candidate,
         ),
         Ego(vehicle=CAR, s=1.0, v_x=20.0, v_target=20.0, speed=SpeedSettings()),
-        Neighbour.seen_from(OTHERS[0], 120.0, 0.0, 0.0, 0.0),
+        Neighbor.seen_from(OTHERS[0], 120.0, 0.0, 0.0, 0.0),
         Accuracy(), Brakes(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
         ChannelSettings(), Outcome(accepted=True, what="new", id="a", t=3.0), PlausibilitySettings(),
         SenderSettings(), TrackerSettings(),

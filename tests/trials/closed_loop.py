@@ -46,7 +46,7 @@ LAYOUTS = {  # other lanes: side in lane widths, direction, whether a shoulder 2
 
 
 class Geometry:
-    """Straight or winding road, sampled every half metre."""
+    """Straight or winding road, sampled every half meter."""
 
     ds, length = 0.5, 2000.0
 
@@ -93,7 +93,7 @@ class Geometry:
 
 
 class Plant:
-    """Single track on saturating tyres, or kinematic; below 4 m/s always kinematic."""
+    """Single track on saturating tires, or kinematic; below 4 m/s always kinematic."""
 
     def __init__(self, car: VehicleParams, x: float, y: float, psi: float, v: float, r: float, kinematic: bool) -> None:
         self.car, self.kinematic = car, kinematic

@@ -46,7 +46,7 @@ def straight(length: float = 2000.0) -> Path:
 
 
 def bend(radius: float, run_in: float = 200.0, angle: float = 2.3, left: bool = True) -> Path:
-    """Straight for `run_in` metres, then a circular bend that begins at x = 0."""
+    """Straight for `run_in` meters, then a circular bend that begins at x = 0."""
     a = np.linspace(0.0, angle, max(int(radius * angle / 4.0), 12))[1:]
     side = 1.0 if left else -1.0
     before = [(x, 0.0) for x in np.arange(-run_in, 1.0, 4.0)]

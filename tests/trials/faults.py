@@ -299,7 +299,7 @@ def _():
 # stopping for ever, told accelerations, swerves at low speed
 
 
-@case("manoeuvres", "stop-behind-hidden", "a standing car was hidden by the leader, which moves over; left is free")
+@case("maneuvers", "stop-behind-hidden", "a standing car was hidden by the leader, which moves over; left is free")
 def _():
     run = on_lane(20.0, lambda t, _: [
         remote("stopped", 500.0, 0.0), remote("lead", 140.0 + 20.0 * t, min(max(t - 12.0, 0.0) / 3.0 * 3.5, 3.5), 20.0)
@@ -326,11 +326,11 @@ def stop_and_go(t_free: float, t_go: float = 99.0, a_go: float = 0.0, most: floa
     return [*keeps_off(run, 0.9), ("largest a_y", run.largest("a_y"), "<=", most)]
 
 
-case("manoeuvres", "swerve-at-low-speed", "a leader has stopped, left becomes free: lateral_limit is kept at 6-9 m/s",
+case("maneuvers", "swerve-at-low-speed", "a leader has stopped, left becomes free: lateral_limit is kept at 6-9 m/s",
      lambda: stop_and_go(3.5))
-case("manoeuvres", "passed-drives-off", "the vehicle that is being passed drives off, and says so",
+case("maneuvers", "passed-drives-off", "the vehicle that is being passed drives off, and says so",
      lambda: stop_and_go(3.8, 4.2, 2.6, 4.2))
-case("manoeuvres", "told-acceleration-stays", "a slow leader tells a_x = 1 all the time and stays at 12 m/s", lambda: [
+case("maneuvers", "told-acceleration-stays", "a slow leader tells a_x = 1 all the time and stays at 12 m/s", lambda: [
     ("actions", on_lane(12.0, ahead(12.0, 25.5, a_x=1.0), 30.0, TWO, 22.0).actions, "has", "EVADE_LEFT")
 ])
 

@@ -1,4 +1,4 @@
-"""Loss and delay of messages on the manoeuvring cases: the ego may wait, it must not collide.
+"""Loss and delay of messages on the maneuvering cases: the ego may wait, it must not collide.
 
 ``python tests/v2x/test_loss.py [case [seeds]]`` drives the whole grid and prints one row a run, then the
 mean waiting time as a table.

@@ -108,7 +108,7 @@ def test_bounds_grow_with_age(v: float, age: float, more: float) -> None:
 
 
 def test_frame_of_one_position() -> None:
-    """Places agree with the frame to a micrometre, up to 100 km away."""
+    """Places agree with the frame to a micrometer, up to 100 km away."""
     tracker = Tracker(FRAME)
     rng = np.random.default_rng(1)
     xy = rng.uniform(-1e5, 1e5, (50, 2))
@@ -351,7 +351,7 @@ def test_far_senders_that_are_turned_away_are_not_missed() -> None:
 
 
 def test_bodies_need_room() -> None:
-    """However small they say that they are: of a crowd within a few metres most are inside another."""
+    """However small they say that they are: of a crowd within a few meters most are inside another."""
     tracker = Tracker(FRAME)
     rng = np.random.default_rng(2)
     for i in range(200):

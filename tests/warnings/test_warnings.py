@@ -1,4 +1,4 @@
-"""V2V applications: each is set off by its situation and silent in the neighbouring one."""
+"""V2V applications: each is set off by its situation and silent in the neighboring one."""
 
 import math
 import time
@@ -77,7 +77,7 @@ def beside(behind: float, apart: float, v: float = 25.0, **more: Any) -> dict[st
 
 HARD = {"events": frozenset({"hard_braking"}), "a_x": -3.0}
 
-# application, speed of the ego, what sets it off, the neighbouring situation, further arguments
+# application, speed of the ego, what sets it off, the neighboring situation, further arguments
 ALONG = {
     "FCW stopped": (FCW, 20.0, ahead(41.9, 0.0), ahead(42.1, 0.0), {}),
     "FCW slower": (FCW, 20.0, ahead(19.9, 10.0), ahead(20.1, 10.0), {}),
@@ -137,7 +137,7 @@ SIDES = {"left": "right", "right": "left", None: None}
 @pytest.mark.parametrize("mirror", [1.0, -1.0])
 def test_along_the_road(name: str, road: str, mirror: float) -> None:
     """In bends, too; distances within 0.3 % there (the body is straight, the road is not)."""
-    application, v, trigger, neighbour, more = ALONG[name]
+    application, v, trigger, neighbor, more = ALONG[name]
     path = ROADS[road]
     if mirror < 0.0:
         path = Path(path.breaks, path.coefficients * np.array((1.0, -1.0))[:, None])
@@ -149,10 +149,10 @@ def test_along_the_road(name: str, road: str, mirror: float) -> None:
             turned["angle"] = mirror * where["angle"]
         return found(path, v, [other(path, **turned)], **more)
 
-    # in a bend its bound, 360 m away, moves by more than the metre on either side of it
+    # in a bend its bound, 360 m away, moves by more than the meter on either side of it
     if road == "straight" or name != "DNPW time":
         assert application in sighted(trigger)
-        assert application not in sighted(neighbour)
+        assert application not in sighted(neighbor)
 
 
 def test_the_straight_line_would_be_wrong_in_a_bend() -> None:

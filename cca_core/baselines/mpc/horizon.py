@@ -10,7 +10,7 @@ from cca_core._checks import Array, check_real
 from cca_core.baselines.problem import Problem
 from cca_core.errors import InputError
 from cca_core.path import Road
-from cca_core.planner.frenet import Neighbour, locate
+from cca_core.planner.frenet import Neighbor, locate
 from cca_core.predict import travel
 from cca_core.vehicle import VehicleParams
 
@@ -46,7 +46,7 @@ class MpcSettings:
     cpu_time : float
         Time after which a solver gives up [s].
     solver : {"ipopt", "fatrop"}
-        Solver of the nonlinear programme; FATROP has no limit of time.
+        Solver of the nonlinear program; FATROP has no limit of time.
 
     Raises
     ------
@@ -92,7 +92,7 @@ class Horizon:
         The ego.
     t : ndarray, shape (n + 1,)
         Equidistant times from now [s].
-    others : sequence of Neighbour
+    others : sequence of Neighbor
         All others; they keep their lateral coordinate and speed, a braking one stops.
     v_wanted : float
         Wanted speed [m/s].
@@ -111,7 +111,7 @@ class Horizon:
     road: Road
     vehicle: VehicleParams
     t: Array
-    others: Sequence[Neighbour]
+    others: Sequence[Neighbor]
     v_wanted: float
     clearance: float
     a_y_max: float
@@ -149,7 +149,7 @@ class Horizon:
 
     @property
     def edges(self) -> tuple[float, float]:
-        """Least and largest lateral coordinate of the ego's centre line on the road [m]."""
+        """Least and largest lateral coordinate of the ego's center line on the road [m]."""
         half = 0.5 * self.vehicle.width
         return self.road.right_edge + half, self.road.left_edge - half
 
@@ -159,7 +159,7 @@ class Horizon:
         Returns
         -------
         s : ndarray, shape (m, n + 1)
-            Path coordinates of their centres [m].
+            Path coordinates of their centers [m].
         """
         s = np.empty((len(self.others), len(self.t)))
         for row, other in zip(s, self.others, strict=True):
@@ -184,7 +184,7 @@ class FrenetState:
     Parameters
     ----------
     s, d : float
-        Centre of gravity [m], d left positive.
+        Center of gravity [m], d left positive.
     angle : float
         Its course relative to the route [rad], counter-clockwise.
     v : float

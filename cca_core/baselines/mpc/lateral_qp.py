@@ -1,4 +1,4 @@
-"""The quadratic programme of the linear predictive controller, set up once and changed in place."""
+"""The quadratic program of the linear predictive controller, set up once and changed in place."""
 
 import math
 from typing import Any
@@ -27,8 +27,8 @@ def exponentials(c: Array, h: Array | float) -> tuple[Array, Array, Array, Array
     )
 
 
-class LateralProgramme:
-    """The quadratic programme in d, w, a (n + 1 each), j and the elastic way out of the corridor (n each)."""
+class LateralProgram:
+    """The quadratic program in d, w, a (n + 1 each), j and the elastic way out of the corridor (n each)."""
 
     def __init__(self, settings: MpcSettings) -> None:
         self._piqp: Any = require_extra("piqp", "qp")

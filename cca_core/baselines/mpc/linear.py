@@ -6,7 +6,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
-from cca_core.baselines.mpc.lateral_qp import LateralProgramme, exponentials
+from cca_core.baselines.mpc.lateral_qp import LateralProgram, exponentials
 from cca_core.baselines.mpc.side_choice import Passage, passages
 from cca_core.baselines.mpc.trajectory import Trajectory, shortfall
 from cca_core.baselines.problem import Plan, Problem
@@ -19,7 +19,7 @@ __all__ = ["LinearMpc"]
 _ROOMS = 0.03, 0.12
 _SPARE = 0.97  # share of the lateral acceleration that the linear model may use [-]
 _SLOWEST = 2.0  # the model is held at this speed below it [m/s]
-_TRIED = 3  # choices of sides for which the programme is solved
+_TRIED = 3  # choices of sides for which the program is solved
 _FINE = 5  # samples in an interval
 
 
@@ -38,7 +38,7 @@ class LinearMpc:
 
     Notes
     -----
-    The kinematic bicycle linearised about the route at speeds v_k along it: with the lateral rate
+    The kinematic bicycle linearized about the route at speeds v_k along it: with the lateral rate
     w = v angle, the lateral acceleration relative to the route a = v^2 (kappa - kappa_route) and its rate j
     as the input, d' = w, w' = (v'/v) w + a, a' = j. The ego's rear and front end keep out of each other
     vehicle (elastically, with a square penalty) on the side that the corridor gives it; of all choices of
@@ -50,7 +50,7 @@ class LinearMpc:
 
     def __init__(self, settings: MpcSettings | None = None) -> None:
         self.settings = settings or MpcSettings()
-        self._programme = LateralProgramme(self.settings)
+        self._program = LateralProgram(self.settings)
 
     def plan(self, problem: Problem) -> Plan:
         """Plan once, at constant speed along the route.
@@ -63,7 +63,7 @@ class LinearMpc:
         Returns
         -------
         plan : Plan
-            The way of the centre of gravity, five times as fine as the intervals.
+            The way of the center of gravity, five times as fine as the intervals.
         """
         path = problem.road.path
         horizon = Horizon.of(problem, self.settings.intervals)
@@ -110,7 +110,7 @@ class LinearMpc:
         turning = slow**2 * road
         most = _SPARE * horizon.a_y_max
         rate = slow[:-1] ** 2 * vehicle.delta_rate_max / steady_steering(1.0, slow[:-1], vehicle)
-        x, status, cost = self._programme.solve(
+        x, status, cost = self._program.solve(
             horizon.step, stretch, ends / slow, now,
             (passage.lower[:, 1:] + room, passage.upper[:, 1:] - room),
             (np.minimum(-most - turning[1:], 0.0), np.maximum(most - turning[1:], 0.0)), rate,
@@ -132,7 +132,7 @@ class LinearMpc:
         t = np.append((horizon.t[:-1] + h).T.ravel(), horizon.t[-1])
         trajectory = _trajectory(horizon, t, sampled, float(cost), np.diff(v) / horizon.step)
         if status is not Status.OK:
-            return replace(trajectory, status=status, message="the quadratic programme was not solved")
+            return replace(trajectory, status=status, message="the quadratic program was not solved")
         missed = shortfall(trajectory, horizon)
         return trajectory if not missed else replace(trajectory, status=Status.INFEASIBLE, message=missed)
 

@@ -8,14 +8,14 @@ from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
 from cca_core.baselines.mpc.linear import LinearMpc
-from cca_core.baselines.mpc.nonlinear_program import FINE, NU, NX, NonlinearProgramme, programme
+from cca_core.baselines.mpc.nonlinear_program import FINE, NU, NX, NonlinearProgram, program
 from cca_core.baselines.mpc.trajectory import Trajectory, shortfall
 from cca_core.baselines.problem import Plan, Problem
 from cca_core.errors import Status
 
 __all__ = ["NonlinearMpc"]
 
-_SLOTS = (0, 1, 2, 3, 4, 6, 8)  # numbers of others for which a programme is built
+_SLOTS = (0, 1, 2, 3, 4, 6, 8)  # numbers of others for which a program is built
 _LONGER, _WIDER = 1.22, 1.03  # of the body around which the rounded one is laid: 1.22^-8 + 1.03^-8 = 1
 _ROOM = 0.03  # kept beyond the clearance [m]
 _SPARE = 0.2  # clearance that the guess keeps in addition [m]
@@ -45,7 +45,7 @@ class NonlinearMpc:
     rates of delta and a_x as inputs; one Runge-Kutta step an interval, multiple shooting, exact derivatives.
     Each other is a rounded box (x/a)^8 + (y/b)^8 = 1 around all places where the bodies, their clearance and
     their motion within half an interval meet; it and the lane at the end may be left at an exact linear
-    penalty on the farthest way out. A programme is built once for a number of intervals and others, all
+    penalty on the farthest way out. A program is built once for a number of intervals and others, all
     else being parameters. It is begun at what the linear controller finds, which chooses the sides.
     """
 
@@ -67,7 +67,7 @@ class NonlinearMpc:
         Returns
         -------
         plan : Plan
-            The way of the centre of gravity, five times as fine as the intervals; it reaches the goal in the
+            The way of the center of gravity, five times as fine as the intervals; it reaches the goal in the
             time that the wanted speed takes.
         """
         path = problem.road.path
@@ -79,7 +79,7 @@ class NonlinearMpc:
         return self.solve(horizon, start, *guess.nodes(len(v)), v).plan(path)
 
     def prepare(self, others: int) -> None:
-        """Build the programme for a number of others ahead of its use: it takes a tenth of a second, once.
+        """Build the program for a number of others ahead of its use: it takes a tenth of a second, once.
 
         Parameters
         ----------
@@ -88,9 +88,9 @@ class NonlinearMpc:
         """
         self._built(others)
 
-    def _built(self, others: int) -> NonlinearProgramme:
+    def _built(self, others: int) -> NonlinearProgram:
         slots, own = next((m for m in _SLOTS if m >= others), _SLOTS[-1]), self.settings
-        return programme(own.intervals, slots, own.solver, own.iterations, own.cpu_time)
+        return program(own.intervals, slots, own.solver, own.iterations, own.cpu_time)
 
     def solve(self, horizon: Horizon, start: FrenetState, s: Array, d: Array, v: Array) -> Trajectory:
         """Trajectory near a guess.

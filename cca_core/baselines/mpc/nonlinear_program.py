@@ -1,4 +1,4 @@
-"""The nonlinear programme of the nonlinear predictive controller, built once and fed with parameters."""
+"""The nonlinear program of the nonlinear predictive controller, built once and fed with parameters."""
 
 from functools import lru_cache
 from typing import Any
@@ -16,13 +16,13 @@ _ELASTIC = 1e3  # weight of what a limit to others is left by, in half widths [-
 
 
 @lru_cache(maxsize=16)
-def programme(n: int, slots: int, solver: str, iterations: int, cpu_time: float) -> "NonlinearProgramme":
-    """Programme that is built once for the same numbers."""
-    return NonlinearProgramme(n, slots, solver, iterations, cpu_time)
+def program(n: int, slots: int, solver: str, iterations: int, cpu_time: float) -> "NonlinearProgram":
+    """Program that is built once for the same numbers."""
+    return NonlinearProgram(n, slots, solver, iterations, cpu_time)
 
 
-class NonlinearProgramme:
-    """The nonlinear programme for a number of intervals and others, all else being its parameters."""
+class NonlinearProgram:
+    """The nonlinear program for a number of intervals and others, all else being its parameters."""
 
     def __init__(self, n: int, slots: int, solver: str, iterations: int, cpu_time: float) -> None:
         casadi = require_extra("casadi", "mpc")

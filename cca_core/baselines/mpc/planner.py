@@ -16,7 +16,7 @@ from cca_core.errors import InputError, Status
 from cca_core.follow import SpeedSettings, cruise_acceleration, follow_acceleration, jerk_limited
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.command import Command
-from cca_core.planner.frenet import Neighbour, locate, unusable
+from cca_core.planner.frenet import Neighbor, locate, unusable
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["MpcPlanner"]
@@ -158,7 +158,7 @@ class MpcPlanner:
             return self._brake(reason, Status.INVALID_INPUT)
         self._s = s
         if t - self._solved >= _PERIOD - 1e-6:
-            neighbours, self._dropped = locate(remotes, path, self._places)
+            neighbors, self._dropped = locate(remotes, path, self._places)
             v = max(state.v_x, 0.0)
             slip = math.atan2(state.v_y, v) if v > 1.0 else 0.0
             gain = self.vehicle.wheelbase + self.vehicle.understeer_gradient * v * v
@@ -166,7 +166,7 @@ class MpcPlanner:
                 s=s, d=d, angle=math.remainder(state.psi - heading, 2.0 * math.pi) + slip, v=v,
                 kappa=state.delta / gain, a_x=min(max(state.a_x, -self.speed.b_max), self.speed.a_max),
             )  # fmt: skip
-            self._renew(t, start, neighbours)
+            self._renew(t, start, neighbors)
         if self._way is None or t - self._found > _HELD:
             return self._brake("no solution", Status.FALLBACK)
         since = t - self._found
@@ -182,13 +182,13 @@ class MpcPlanner:
             status=self._status, dropped=self._dropped,
         )  # fmt: skip
 
-    def _renew(self, t: float, start: FrenetState, neighbours: list[Neighbour]) -> None:
+    def _renew(self, t: float, start: FrenetState, neighbors: list[Neighbor]) -> None:
         """Solve again, or keep the last solution."""
         self._solved = t
         rear = start.s + self.vehicle.box_offset - 0.5 * self.vehicle.length
         own, half = self.road.own_lane, 0.5 * self.vehicle.width
         others = [
-            n for n in neighbours
+            n for n in neighbors
             if abs(n.s - start.s) < _SEEN
             and not (n.s + n.half_length < rear and own.right < n.d < own.left and n.v_s >= 0.0)
         ]  # fmt: skip
@@ -252,7 +252,7 @@ class MpcPlanner:
         else:
             self._decision = Decision(action=Action.KEEP, reason="the lane is free")
 
-    def _leader(self, others: list[Neighbour], start: FrenetState) -> Neighbour | None:
+    def _leader(self, others: list[Neighbor], start: FrenetState) -> Neighbor | None:
         """Nearest vehicle ahead of the ego, on the route or in its way."""
         half, front = 0.5 * self.vehicle.width + _IN_THE_WAY, start.s + self.vehicle.box_offset
         ahead = [
@@ -261,7 +261,7 @@ class MpcPlanner:
         ]  # fmt: skip
         return min(ahead, key=lambda n: n.s - n.half_length, default=None)
 
-    def _profile(self, start: FrenetState, leader: Neighbour | None, t: Array) -> tuple[Array, Array]:
+    def _profile(self, start: FrenetState, leader: Neighbor | None, t: Array) -> tuple[Array, Array]:
         """Path coordinates and speeds at times, freely or behind a leader."""
         s, v = np.empty_like(t), np.empty_like(t)
         s[0], v[0], h, last = start.s, max(start.v, 0.0), float(t[1] - t[0]), start.a_x

@@ -33,7 +33,7 @@ class Trajectory:
     t : ndarray, shape (n,)
         Times from now [s].
     s, d : ndarray, shape (n,)
-        Centre of gravity [m].
+        Center of gravity [m].
     angle : ndarray, shape (n,)
         Its course relative to the route [rad], counter-clockwise.
     v : ndarray, shape (n,)
@@ -61,7 +61,7 @@ class Trajectory:
     cost: float
 
     def xy(self, path: Path) -> Array:
-        """Centre of gravity in the local frame.
+        """Center of gravity in the local frame.
 
         Parameters
         ----------

@@ -47,7 +47,7 @@ class CommonRoadRun:
     ego : ndarray, shape (n, 8)
         x [m], y [m], psi [rad], v_x [m/s], v_y [m/s], r [rad/s], delta [rad], a_x [m/s^2].
     a_y : ndarray, shape (n,)
-        Lateral acceleration of the centre of gravity [m/s^2], left positive.
+        Lateral acceleration of the center of gravity [m/s^2], left positive.
     place : ndarray, shape (n, 2)
         Ego in path coordinates s, d [m].
     gaps : ndarray, shape (n, n_obstacles)
@@ -111,7 +111,7 @@ def drive_commonroad(
     plant: str = "single_track",
     vehicle: VehicleParams | None = None,
     speed: SpeedSettings | None = None,
-    towards: int | None = None,
+    toward: int | None = None,
 ) -> CommonRoadRun:
     """Drive a planning problem of a CommonRoad scenario, to its goal or to the end of its time.
 
@@ -127,7 +127,7 @@ def drive_commonroad(
         The ego; the default is the BMW 320i.
     speed : SpeedSettings, optional
         How the ego accelerates, follows and brakes.
-    towards : int, optional
+    toward : int, optional
         Lanelet [-] to which the route leads if the goal is no place.
 
     Returns
@@ -139,7 +139,7 @@ def drive_commonroad(
     ------
     InputError
         If an argument is out of range, the ego starts on no lanelet, no goal can be reached on the
-        lanelets, or the centre line cannot be made a path.
+        lanelets, or the center line cannot be made a path.
     MissingExtraError
         If the multi-body plant is asked for and not installed.
 
@@ -150,7 +150,7 @@ def drive_commonroad(
 
     The route is the shortest way on the lanelets; a lane change on the way is part of it, and nobody looks
     behind for it. A lane beside the route counts if it is there, with the same direction, all the way to
-    the goal. If the goal is no place, the route goes straight on, or `towards` a lanelet. The wanted speed
+    the goal. If the goal is no place, the route goes straight on, or `toward` a lanelet. The wanted speed
     is the one nearest to the initial speed with which an undisturbed ego arrives in the goal's window of
     time, with its speed.
     """
@@ -164,12 +164,12 @@ def drive_commonroad(
         raise InputError(f"plant must be 'single_track' or 'multi_body', was {plant!r}")
     if plant == "multi_body" and vehicle != bmw:
         raise InputError("vehicle must be the BMW 320i for the multi-body plant")
-    if towards is not None and towards not in scenario.lanelets:
-        raise InputError(f"towards must be the id of a lanelet, was {towards!r}")
-    road, goal, s_goal = road_to_goal(scenario, task, speed, towards)
+    if toward is not None and toward not in scenario.lanelets:
+        raise InputError(f"toward must be the id of a lanelet, was {toward!r}")
+    road, goal, s_goal = road_to_goal(scenario, task, speed, toward)
     cruise = cruise_speed(road.path, task, goal, s_goal, speed)
     planner = Planner(vehicle, road, cruise_speed=cruise, speed=speed)
-    start = _at_centre_of_gravity(task.state, vehicle)
+    start = _at_center_of_gravity(task.state, vehicle)
     car = SingleTrackPlant(vehicle, start) if plant == "single_track" else MultiBodyPlant(start)
     step = scenario.dt / math.ceil(scenario.dt / _CYCLE - 1e-9)  # so that time steps are cycles
     n = max(1, round((max(g.t[1] for g in task.goals) - task.t) / step) + 1)
@@ -188,7 +188,7 @@ def drive_commonroad(
             t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x,
             car.a_y, s, d,
         )  # fmt: skip
-        x, y = _body_centre(state, vehicle)
+        x, y = _body_center(state, vehicle)
         if remotes:
             others = np.array([(r.x, r.y, r.psi, r.length, r.width) for r in remotes]).T
             gaps[k, there] = box_gap(boxes(x, y, state.psi, vehicle.length, vehicle.width), boxes(*others))
@@ -209,8 +209,8 @@ def drive_commonroad(
     )  # fmt: skip
 
 
-def _at_centre_of_gravity(state: VehicleState, vehicle: VehicleParams) -> VehicleState:
-    """Turn a motion of the body's centre into that of the centre of gravity, the wheels turned to match."""
+def _at_center_of_gravity(state: VehicleState, vehicle: VehicleParams) -> VehicleState:
+    """Turn a motion of the body's center into that of the center of gravity, the wheels turned to match."""
     kappa = state.r / state.v_x if state.v_x > _MOVES else 0.0
     return replace(
         state,
@@ -221,6 +221,6 @@ def _at_centre_of_gravity(state: VehicleState, vehicle: VehicleParams) -> Vehicl
     )
 
 
-def _body_centre(state: VehicleState, vehicle: VehicleParams) -> tuple[float, float]:
+def _body_center(state: VehicleState, vehicle: VehicleParams) -> tuple[float, float]:
     along = vehicle.box_offset
     return state.x + along * math.cos(state.psi), state.y + along * math.sin(state.psi)

@@ -11,12 +11,12 @@ from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings, jerk_limited, profile_acceleration, squared_speed_limit
 from cca_core.geometry import wrap_angle
 from cca_core.path import Lane, Path, Road, fit_path
-from cca_core.sim.commonroad.lanelets import Lanelet, centre_line, find_route, go_straight_on, inside
+from cca_core.sim.commonroad.lanelets import Lanelet, center_line, find_route, go_straight_on, inside
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, Goal, PlanningProblem
 
 __all__ = ["cruise_speed", "road_to_goal"]
 
-_TOLERANCE = 0.1  # of the route about the lanelets' centre lines [m]
+_TOLERANCE = 0.1  # of the route about the lanelets' center lines [m]
 _SPARE = 30.0  # the route goes on behind the goal for this and the way to stop [m]
 _NARROWEST = 2.0  # a strip beside the own lane is a lane if it is as wide [m]
 _LEAST = 0.1  # half width of the own lane, however narrow its lanelets [m]
@@ -34,7 +34,7 @@ def road_to_goal(
     scenario: CommonRoadScenario,
     problem: PlanningProblem,
     speed: SpeedSettings,
-    towards: int | None = None,
+    toward: int | None = None,
 ) -> tuple[Road, Goal, float]:
     """Lay the road from the start of a planning problem to its goal.
 
@@ -46,7 +46,7 @@ def road_to_goal(
         Start and goals.
     speed : SpeedSettings
         Its comfortable deceleration says how far the route goes on behind the goal.
-    towards : int, optional
+    toward : int, optional
         Lanelet [-] to which the route leads if the goal is no place; without it, it goes straight on.
 
     Returns
@@ -56,7 +56,7 @@ def road_to_goal(
     goal : Goal
         The first goal that can be reached on the lanelets.
     s_goal : float
-        Path coordinate of its centre [m]; infinite if it is no place.
+        Path coordinate of its center [m]; infinite if it is no place.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def road_to_goal(
     tail = _SPARE + 0.5 * max(state.v_x, _FASTEST) ** 2 / speed.b_comfort
     for goal in problem.goals:
         for start in starts:
-            route, target = _route(scenario, start, goal, towards)
+            route, target = _route(scenario, start, goal, toward)
             if not route:
                 continue
             if target is None:
@@ -89,11 +89,11 @@ def road_to_goal(
 
 
 def _route(
-    scenario: CommonRoadScenario, start: int, goal: Goal, towards: int | None
+    scenario: CommonRoadScenario, start: int, goal: Goal, toward: int | None
 ) -> tuple[tuple[int, ...], tuple[float, float] | None]:
-    """Lanelets to a goal and the centre of the region reached; no centre if the goal is no place."""
+    """Lanelets to a goal and the center of the region reached; no center if the goal is no place."""
     if not goal.regions:
-        return find_route(scenario.lanelets, start, [start if towards is None else towards]), None
+        return find_route(scenario.lanelets, start, [start if toward is None else toward]), None
     for region in goal.regions:
         x, y = region.mean(axis=0).tolist()
         holding = [lane.id for lane in scenario.lanelets.values() if inside(lane.outline, x, y)]
@@ -106,9 +106,9 @@ def _route(
 def _path(
     lanelets: Mapping[int, Lanelet], route: Sequence[int], problem: PlanningProblem, tail: float
 ) -> Path:
-    """Centre line of the lanelets, and straight on where the map ends."""
+    """Center line of the lanelets, and straight on where the map ends."""
     state = problem.state
-    line = centre_line(lanelets, route, (state.x, state.y), max(state.v_x, 1.0))
+    line = center_line(lanelets, route, (state.x, state.y), max(state.v_x, 1.0))
     ahead = line[-1] - line[-2]
     steps = np.arange(_TAIL_STEP, tail + _TAIL_STEP, _TAIL_STEP)[:, None]
     return fit_path(np.vstack((line, line[-1] + steps * ahead / math.hypot(*ahead))), tolerance=_TOLERANCE)

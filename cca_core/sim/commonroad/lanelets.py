@@ -1,4 +1,4 @@
-"""Lanelets: pieces of lane between two bounds, the way through them, and the centre line of that way."""
+"""Lanelets: pieces of lane between two bounds, the way through them, and the center line of that way."""
 
 import heapq
 import math
@@ -11,10 +11,10 @@ from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.geometry import wrap_angle
 
-__all__ = ["Lanelet", "centre_line", "find_route", "go_straight_on", "inside"]
+__all__ = ["Lanelet", "center_line", "find_route", "go_straight_on", "inside"]
 
 _CHANGE = 50.0  # detour that is worth a lane change [m]
-_LATER = 1e-3  # extra cost of a lane change per metre driven before it [-]
+_LATER = 1e-3  # extra cost of a lane change per meter driven before it [-]
 _CHANGE_TIME = 4.0  # duration of a lane change [s]
 _STEP = 2.0  # between points of a lane change [m]
 _REPEATED = 0.1  # points nearer to each other than this are one [m]
@@ -45,8 +45,8 @@ class Lanelet:
     on_right: tuple[int, int] | None = None
 
     @property
-    def centre(self) -> Array:
-        """Centre line [m], shape (n, 2)."""
+    def center(self) -> Array:
+        """Center line [m], shape (n, 2)."""
         middle: Array = 0.5 * (self.left + self.right)
         return middle
 
@@ -57,8 +57,8 @@ class Lanelet:
 
     @property
     def length(self) -> float:
-        """Length of the centre line [m]."""
-        return float(_arc_length(self.centre)[-1])
+        """Length of the center line [m]."""
+        return float(_arc_length(self.center)[-1])
 
     @property
     def width(self) -> float:
@@ -66,7 +66,7 @@ class Lanelet:
         return float(np.hypot(*(self.left - self.right).T).min())
 
     def heading_at(self, x: float, y: float) -> float:
-        """Direction of the centre line beside a point.
+        """Direction of the center line beside a point.
 
         Parameters
         ----------
@@ -78,11 +78,11 @@ class Lanelet:
         psi : float
             Heading [rad] of the nearest chord, counter-clockwise from +x.
         """
-        centre = self.centre
-        chord = np.diff(centre, axis=0)
+        center = self.center
+        chord = np.diff(center, axis=0)
         square = np.maximum(np.sum(chord * chord, axis=1), 1e-12)
-        share = np.clip(np.sum(((x, y) - centre[:-1]) * chord, axis=1) / square, 0.0, 1.0)
-        off = centre[:-1] + share[:, None] * chord - (x, y)
+        share = np.clip(np.sum(((x, y) - center[:-1]) * chord, axis=1) / square, 0.0, 1.0)
+        off = center[:-1] + share[:, None] * chord - (x, y)
         i = int(np.argmin(np.sum(off * off, axis=1) + 1e12 * (square <= 1e-12)))
         return math.atan2(chord[i, 1], chord[i, 0])
 
@@ -171,17 +171,17 @@ def go_straight_on(lanelets: Mapping[int, Lanelet], route: Sequence[int], length
         onwards = [lanelets[i] for i in here.successors if i not in way]
         if not onwards:
             break
-        along = _direction(here.centre[-2:])
-        after = min(onwards, key=lambda lane: abs(wrap_angle(_direction(lane.centre[-2:]) - along)))
+        along = _direction(here.center[-2:])
+        after = min(onwards, key=lambda lane: abs(wrap_angle(_direction(lane.center[-2:]) - along)))
         way.append(after.id)
         length -= after.length
     return tuple(way)
 
 
-def centre_line(
+def center_line(
     lanelets: Mapping[int, Lanelet], route: Sequence[int], start: tuple[float, float], v_x: float
 ) -> Array:
-    """Centre line of a route, with a gentle change where it goes over to the lane beside.
+    """Center line of a route, with a gentle change where it goes over to the lane beside.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def centre_line(
     Returns
     -------
     xy : ndarray, shape (n, 2)
-        Points of the line [m], no two neighbours equal.
+        Points of the line [m], no two neighbors equal.
 
     Raises
     ------
@@ -214,7 +214,7 @@ def centre_line(
     parts = []
     for i, group in enumerate(groups):
         if len(group) == 1:
-            parts.append(group[0].centre)
+            parts.append(group[0].center)
         else:
             parts.append(_change(group, start if i == 0 else None, v_x))
     points = np.vstack(parts)
@@ -231,7 +231,7 @@ def _change(group: list[Lanelet], start: tuple[float, float] | None, v_x: float)
     """Line from the first of some lanelets beside each other to the last."""
     length, changes = group[0].length, len(group) - 1
     share = np.linspace(0.0, 1.0, math.ceil(length / _STEP) + 1)
-    lines = np.array([_resample(lane.centre, share) for lane in group])
+    lines = np.array([_resample(lane.center, share) for lane in group])
     begin = 0.0
     if start is not None:
         begin = float(share[np.argmin(np.hypot(*(lines[0] - start).T))])

@@ -56,7 +56,7 @@ def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
 
     Notes
     -----
-    A position is read as the centre of the body, which for the cars of this library is their centre of
+    A position is read as the center of the body, which for the cars of this library is their center of
     gravity. A round or polygonal obstacle becomes the box around it, a circular goal a polygon of 36
     corners within it. Only one trajectory of exact states is read, no set of occupancies.
 
@@ -139,9 +139,9 @@ def _obstacle(element: Element, dt: float) -> RecordedObstacle:
     if not (np.diff(step) > 0.0).all():
         raise InputError(f"time of the states of {name} must increase")
     psi = np.unwrap(psi)
-    centre, turn, length, width = _box(child(element, "shape", name), name)
-    x = x + np.cos(psi) * centre[0] - np.sin(psi) * centre[1]
-    y = y + np.sin(psi) * centre[0] + np.cos(psi) * centre[1]
+    center, turn, length, width = _box(child(element, "shape", name), name)
+    x = x + np.cos(psi) * center[0] - np.sin(psi) * center[1]
+    y = y + np.sin(psi) * center[0] + np.cos(psi) * center[1]
     return RecordedObstacle(
         id=str(_id(element)), kind=(element.findtext("type") or "").strip(), length=length, width=width,
         t=frozen(step * dt), states=frozen(np.column_stack((x, y, psi + turn, v_x))),
@@ -162,14 +162,14 @@ def _state(element: Element, name: str, *, stands: bool = False) -> tuple[float,
 
 
 def _box(shape: Element, name: str) -> tuple[tuple[float, float], float, float, float]:
-    """Centre, heading, length and width of the box around a shape, in the obstacle's own frame."""
+    """Center, heading, length and width of the box around a shape, in the obstacle's own frame."""
     form = _only(shape, f"shape of {name}")
     where = f"{form.tag} of {name}"
     if form.tag == "rectangle":
         return _rectangle(form, where)
     if form.tag == "circle":
         size = 2.0 * number(form, "radius", where, least=_SMALLEST)
-        return _centre(form, where), 0.0, size, size
+        return _center(form, where), 0.0, size, size
     if form.tag == "polygon":
         corners = points(form, where, 3)
         (x, y), (length, width) = 0.5 * (corners.min(0) + corners.max(0)), np.ptp(corners, axis=0)
@@ -190,14 +190,14 @@ def _rectangle(form: Element, name: str) -> tuple[tuple[float, float], float, fl
     if form.find("orientation") is not None:
         psi = number(form, "orientation", name, least=-_TURNS, most=_TURNS)
     length, width = (number(form, tag, name, least=_SMALLEST) for tag in ("length", "width"))
-    return _centre(form, name), psi, length, width
+    return _center(form, name), psi, length, width
 
 
-def _centre(form: Element, name: str) -> tuple[float, float]:
+def _center(form: Element, name: str) -> tuple[float, float]:
     if form.find("center") is None:
         return 0.0, 0.0
-    centre = child(form, "center", name)
-    return number(centre, "x", f"center of {name}"), number(centre, "y", f"center of {name}")
+    center = child(form, "center", name)
+    return number(center, "x", f"center of {name}"), number(center, "y", f"center of {name}")
 
 
 def _problem(element: Element, dt: float, lanelets: dict[int, Lanelet]) -> PlanningProblem:
@@ -241,15 +241,15 @@ def _region(form: Element, name: str) -> Array:
     """Polygon [m] of a shape, shape (n, 2)."""
     where = f"{form.tag} of {name}"
     if form.tag == "rectangle":
-        centre, psi, length, width = _rectangle(form, where)
+        center, psi, length, width = _rectangle(form, where)
         ahead, beside = 0.5 * length * np.exp(1j * psi), 0.5j * width * np.exp(1j * psi)
         corners = np.array((ahead + beside, beside - ahead, -ahead - beside, ahead - beside))
     elif form.tag == "circle":
-        centre = _centre(form, where)
+        center = _center(form, where)
         radius = number(form, "radius", where, least=_SMALLEST)
         corners = radius * np.exp(2j * np.pi * np.arange(_CORNERS) / _CORNERS)
     elif form.tag == "polygon":
         return points(form, where, 3)
     else:
         raise InputError(f"position of {name} must hold shapes or lanelets, held {form.tag!r}")
-    return np.column_stack((corners.real, corners.imag)) + centre
+    return np.column_stack((corners.real, corners.imag)) + center

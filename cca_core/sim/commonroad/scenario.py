@@ -30,7 +30,7 @@ class RecordedObstacle:
     t : ndarray, shape (n,)
         Times of its states [s], increasing.
     states : ndarray, shape (n, 4)
-        x [m], y [m], psi [rad], v_x [m/s] of the box's centre; psi without jumps of a full turn.
+        x [m], y [m], psi [rad], v_x [m/s] of the box's center; psi without jumps of a full turn.
     static : bool
         Whether it stands there all the time; else it is there from its first to its last state.
     """

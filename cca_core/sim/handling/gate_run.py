@@ -20,7 +20,7 @@ __all__ = ["Passage", "drive_through"]
 
 _REST = 30.0  # of the path that is not driven [m]
 _PARTS = 8  # of a cycle, in which the body is looked at
-_LINEAR_A_Y = 12.0  # what linear tyres would give at the largest angle; real ones give about 7 [m/s^2]
+_LINEAR_A_Y = 12.0  # what linear tires would give at the largest angle; real ones give about 7 [m/s^2]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,11 +32,11 @@ class Passage:
     gaps : ndarray, shape (3, 2)
         Least distance of the body to the right and the left side of each gate [m], negative if touched.
     sideslip : float
-        Largest sideslip angle of the centre of gravity without sign [rad].
+        Largest sideslip angle of the center of gravity without sign [rad].
     exit_speed : float
         Speed at the end of the run [m/s].
     poses : ndarray, shape (n, 3)
-        Position [m] and heading [rad] of the centre of gravity every 20 ms.
+        Position [m] and heading [rad] of the center of gravity every 20 ms.
     run : TrackingRun
         Steering, lateral acceleration and errors.
     """
@@ -75,7 +75,7 @@ class _Witnessed:
 
     @property
     def state(self) -> VehicleState:
-        """Motion of the centre of gravity now."""
+        """Motion of the center of gravity now."""
         return self.plant.state
 
     def step(self, delta: float, a_x: float, dt: float) -> None:
@@ -109,7 +109,7 @@ def drive_through(
         Makes the car from its initial motion; the default is a single track of the band's vehicle.
     steer : callable, optional
         Steering law; the default is the preview controller for the band's vehicle, allowed the angles that
-        tyres need near their limit.
+        tires need near their limit.
     drag : float
         Deceleration of the engine after the throttle is released [m/s^2].
 

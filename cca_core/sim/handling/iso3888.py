@@ -14,13 +14,13 @@ from cca_core.vehicle import VehicleParams
 
 __all__ = ["DoubleLaneChange", "Offset", "iso3888_1", "iso3888_2", "plan_through"]
 
-Offset = Literal["centre to centre", "edge to centre", "edge to edge"]
+Offset = Literal["center to center", "edge to center", "edge to edge"]
 """What the 3.5 m of lane offset are measured between in part 1."""
 
 _RUN_IN, _RUN_OUT = 40.0, 60.0  # [m]
 _SPACING = 0.5  # of nodes [m]
 _BESIDE = 10.0  # to the side of a gate the ground is taken up to here [m]
-_FINEST = 0.005  # to which the distance to the gates is maximised [m]
+_FINEST = 0.005  # to which the distance to the gates is maximized [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,12 +39,12 @@ class DoubleLaneChange:
     release: float = math.inf
 
     def nodes(self) -> Array:
-        """Return the centreline of the first gate, from 40 m before the track to 60 m behind it.
+        """Return the centerline of the first gate, from 40 m before the track to 60 m behind it.
 
         Returns
         -------
         nodes : ndarray, shape (n, 2)
-            Points of the undeformed route, half a metre apart [m].
+            Points of the undeformed route, half a meter apart [m].
         """
         x = np.arange(-_RUN_IN, self.gates[-1, 1] + _RUN_OUT + 0.5 * _SPACING, _SPACING)
         return np.column_stack((x, np.full(len(x), 0.5 * (self.gates[0, 2] + self.gates[0, 3]))))
@@ -64,16 +64,16 @@ class DoubleLaneChange:
         return ground
 
 
-def iso3888_1(width: float, *, offset: Offset = "centre to centre") -> DoubleLaneChange:
+def iso3888_1(width: float, *, offset: Offset = "center to center") -> DoubleLaneChange:
     """Track of ISO 3888-1, the severe double lane change of 125 m.
 
     Parameters
     ----------
     width : float
         Of the car without its mirrors [m].
-    offset : {"centre to centre", "edge to centre", "edge to edge"}
-        What the 3.5 m of lane offset are measured between: the centrelines of the first two gates; the
-        centreline of the first and the right edge of the second (the longest way, as in Project Chrono); or
+    offset : {"center to center", "edge to center", "edge to edge"}
+        What the 3.5 m of lane offset are measured between: the centerlines of the first two gates; the
+        centerline of the first and the right edge of the second (the longest way, as in Project Chrono); or
         the left edge of the first and the right edge of the second less 2.5 m, which leaves 1 m between them
         (the shortest).
 
@@ -94,12 +94,12 @@ def iso3888_1(width: float, *, offset: Offset = "centre to centre") -> DoubleLan
 
     References
     ----------
-    .. [1] ISO 3888-1, *Passenger cars - Test track for a severe lane-change manoeuvre - Part 1: Double
+    .. [1] ISO 3888-1, *Passenger cars - Test track for a severe lane-change maneuver - Part 1: Double
        lane-change*.
     """
     a, b, c = (k * check_real("width", width, above=0.0) + 0.25 for k in (1.1, 1.2, 1.3))
     right = {
-        "centre to centre": 0.5 * a + 3.5 - 0.5 * b, "edge to centre": 0.5 * a + 3.5, "edge to edge": a + 1.0,
+        "center to center": 0.5 * a + 3.5 - 0.5 * b, "edge to center": 0.5 * a + 3.5, "edge to edge": a + 1.0,
     }.get(offset)  # fmt: skip
     if right is None:
         raise InputError(f"offset must be one of {get_args(Offset)}, was {offset!r}")
@@ -134,7 +134,7 @@ def iso3888_2(width: float) -> DoubleLaneChange:
 
     References
     ----------
-    .. [1] ISO 3888-2, *Passenger cars - Test track for a severe lane-change manoeuvre - Part 2: Obstacle
+    .. [1] ISO 3888-2, *Passenger cars - Test track for a severe lane-change maneuver - Part 2: Obstacle
        avoidance*.
     """
     width = check_real("width", width, above=0.0)

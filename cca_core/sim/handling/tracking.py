@@ -31,7 +31,7 @@ class TrackingRun:
     Parameters
     ----------
     s, d : ndarray, shape (n,)
-        Arc length and lateral error of the centre of gravity [m], left positive.
+        Arc length and lateral error of the center of gravity [m], left positive.
     delta : ndarray, shape (n,)
         Road-wheel angle [rad].
     a_y : ndarray, shape (n,)
@@ -126,7 +126,7 @@ def track(
     Returns
     -------
     run : TrackingRun
-        True errors of the centre of gravity, whatever the law was told.
+        True errors of the center of gravity, whatever the law was told.
 
     Raises
     ------

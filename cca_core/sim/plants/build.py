@@ -39,7 +39,7 @@ class StartingMultiBody:
 
     @property
     def state(self) -> VehicleState:
-        """Motion of the centre of gravity now."""
+        """Motion of the center of gravity now."""
         return self._now.state
 
     @property
@@ -74,7 +74,7 @@ def make_plant(name: str, vehicle: VehicleParams, state: VehicleState) -> Plant:
     Parameters
     ----------
     name : {"single_track", "multi_body"}
-        Single track on tyres that can slide, or the multi-body BMW 320i (extra ``plant``).
+        Single track on tires that can slide, or the multi-body BMW 320i (extra ``plant``).
     vehicle : VehicleParams
         The ego.
     state : VehicleState

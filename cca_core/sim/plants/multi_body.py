@@ -28,7 +28,7 @@ class MultiBodyPlant:
     vehicle : {1, 2, 3}
         Ford Escort, BMW 320i or VW Vanagon [-].
     friction : float
-        Factor on the tyres' peak friction [-]; 1 is the dry road of the model.
+        Factor on the tires' peak friction [-]; 1 is the dry road of the model.
     mass : float
         Factor on the sprung mass and its inertias [-].
     steering_lag, drive_lag : float
@@ -93,7 +93,7 @@ class MultiBodyPlant:
 
     @property
     def state(self) -> VehicleState:
-        """Motion of the centre of gravity now."""
+        """Motion of the center of gravity now."""
         if self._stopped is not None:
             return self._stopped
         x = self._x.tolist()
@@ -118,7 +118,7 @@ class MultiBodyPlant:
         before = self.state
         try:
             self._integrate(delta, a_x, dt)
-        except (ArithmeticError, ValueError):  # spun round: the model's tyres divide by the forward speed
+        except (ArithmeticError, ValueError):  # spun round: the model's tires divide by the forward speed
             self._x[3] = math.nan
         if not np.isfinite(self._x).all():
             self._stopped = replace(before, v_x=0.0, v_y=0.0, r=0.0, a_x=0.0)

@@ -14,7 +14,7 @@ class Plant(Protocol):
 
     @property
     def state(self) -> VehicleState:
-        """Motion of the centre of gravity now."""
+        """Motion of the center of gravity now."""
 
     def step(self, delta: float, a_x: float, dt: float) -> None:
         """Drive on for a while."""

@@ -1,4 +1,4 @@
-"""The car that is driven in simulation: a single track on tyres that can slide."""
+"""The car that is driven in simulation: a single track on tires that can slide."""
 
 import math
 
@@ -12,12 +12,12 @@ _KINEMATIC = 1.0  # below this the car rolls without slip [m/s]
 
 
 class SingleTrackPlant:
-    """Nonlinear single-track car with friction-limited tyres and lagging actuators.
+    """Nonlinear single-track car with friction-limited tires and lagging actuators.
 
     Parameters
     ----------
     vehicle : VehicleParams
-        Geometry, inertia, tyres, friction and steering actuator.
+        Geometry, inertia, tires, friction and steering actuator.
     state : VehicleState
         Where it starts.
     drive_lag : float
@@ -30,7 +30,7 @@ class SingleTrackPlant:
 
     Notes
     -----
-    Brush tyres (Fiala): with slip angle alpha and available side force F_max,
+    Brush tires (Fiala): with slip angle alpha and available side force F_max,
     ``F_y = -F_max z (1 - |z|/3 + z^2/27)`` with ``z = C tan(alpha) / F_max`` up to sliding at ``|z| = 3``.
     The drive or brake force, shared between the axles like the load, takes its part of the friction
     circle first. Integrated by the classical Runge-Kutta scheme.
@@ -63,7 +63,7 @@ class SingleTrackPlant:
 
     @property
     def state(self) -> VehicleState:
-        """Motion of the centre of gravity now."""
+        """Motion of the center of gravity now."""
         x, y, psi, v_x, v_y, r, delta, a_x = self._x
         return VehicleState(x=x, y=y, psi=psi, v_x=v_x, v_y=v_y, r=r, delta=delta, a_x=a_x)
 

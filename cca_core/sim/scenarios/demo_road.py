@@ -9,7 +9,7 @@ from cca_core.path import Path, Waypoints
 
 _STEP = 1.0  # between two looks at the curvature [m]
 
-# Centre line of Interstate 80 eastbound in Wyoming: latitude, longitude [deg]
+# Center line of Interstate 80 eastbound in Wyoming: latitude, longitude [deg]
 # fmt: off
 _INTERSTATE_80 = (
     (41.294724, -110.691588), (41.294696, -110.691309), (41.294675, -110.691016), (41.294663, -110.690728),
@@ -34,7 +34,7 @@ _INTERSTATE_80 = (
 
 
 def demo_route() -> Waypoints:
-    """Centre line of a motorway: 2.5 km with a left bend (radius 700 m) and a right one (850 m).
+    """Center line of a motorway: 2.5 km with a left bend (radius 700 m) and a right one (850 m).
 
     Returns
     -------

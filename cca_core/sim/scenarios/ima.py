@@ -68,7 +68,7 @@ def ima(
     Returns
     -------
     scenario : Scenario
-        x points east and y north, the centre of the junction is the origin.
+        x points east and y north, the center of the junction is the origin.
 
     Raises
     ------

@@ -16,7 +16,7 @@ from cca_core.sim.scenarios.scenario import EGOS, Scenario
 __all__ = ["CASES", "maneuver", "paper_scenarios"]
 
 CASES = ("1-fast", "1-smooth", "2", "3")
-"""Cases of the manoeuvring scenario; the two tunings of case 1 are those of Fig. 15."""
+"""Cases of the maneuvering scenario; the two tunings of case 1 are those of Fig. 15."""
 
 _LANE = 3.5  # width [m]
 _FIGURES = {"1-fast": (13, 14, 15), "1-smooth": (13, 14, 15), "2": (16, 17), "3": (18, 19)}
@@ -32,7 +32,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
         a first slow car at once and before the second waits for a faster car from behind on the left
         lane (2) or an oncoming one (3).
     path : Path
-        Centre line of the ego's lane; about 1.3 km from `start` on.
+        Center line of the ego's lane; about 1.3 km from `start` on.
     start : float
         Where the ego starts on it [m].
     v2v : bool

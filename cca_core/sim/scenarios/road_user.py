@@ -115,7 +115,7 @@ class RoadUser:
     id : str
         Its sender id.
     s, d : float
-        Centre of its body in path coordinates at the start [m], d left positive.
+        Center of its body in path coordinates at the start [m], d left positive.
     v_x : float
         Its speed at the start [m/s].
     direction : int

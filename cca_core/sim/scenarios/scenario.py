@@ -59,7 +59,7 @@ class Scenario:
     vehicle : VehicleParams
         The ego.
     start : float
-        Path coordinate of the ego's centre of gravity at the start [m].
+        Path coordinate of the ego's center of gravity at the start [m].
     v_x : float
         Its speed at the start [m/s].
     cruise_speed : float

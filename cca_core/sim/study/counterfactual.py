@@ -23,7 +23,7 @@ __all__ = ["avoided_by", "first_hazard"]
 
 _BRAKES = 7.0  # of everybody [m/s^2]
 _BESIDE = 0.2  # room that the swerve leaves [m]
-_STEERING = 30.0  # what it may ask for [m/s^2]: only the tyres set a limit
+_STEERING = 30.0  # what it may ask for [m/s^2]: only the tires set a limit
 _NODE = 2.0  # [m]
 _HAZARDS = {"ima": "red", "curbside": "red", "maneuver": "R1"}  # who is the danger; else who brakes hard
 

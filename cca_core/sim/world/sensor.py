@@ -15,7 +15,7 @@ __all__ = ["Sensor", "visible_share"]
 
 _Body = tuple[float, float, float, float, float]
 _CORNERS = (complex(0.5, 0.5), complex(-0.5, 0.5), complex(-0.5, -0.5), complex(0.5, -0.5))
-_RECOGNISED = 0.5  # share of a face that must be seen
+_RECOGNIZED = 0.5  # share of a face that must be seen
 _EYE = 0.25  # share of the ego's length that the eye is ahead of the middle of the body
 
 
@@ -70,7 +70,7 @@ class Sensor:
                 seen.append(False)
                 continue
             hiding = bodies[:i] + bodies[i + 1 :] + self._occluders
-            seen.append(visible_share(eye, ego.psi, self._half, body, hiding) >= _RECOGNISED)
+            seen.append(visible_share(eye, ego.psi, self._half, body, hiding) >= _RECOGNIZED)
         return seen
 
     def report(self, t: float, rows: Sequence[Sequence[float]], seen: Sequence[bool]) -> list[RemoteVehicle]:
@@ -82,7 +82,7 @@ class Sensor:
             Now [s].
         rows : sequence of sequence of float
             x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user; kept,
-            so that they must not change afterwards.
+            so that they must not change afterward.
         seen : sequence of bool
             Who is seen, as by `look`; kept likewise.
 

@@ -49,7 +49,7 @@ class Tailgating:
         command : Command
             What the planner or the driver wants.
         s, v_x : float
-            Path coordinate of the ego's centre of gravity [m] and its speed [m/s].
+            Path coordinate of the ego's center of gravity [m] and its speed [m/s].
         leader : Mover
             The vehicle in front.
 

@@ -60,7 +60,7 @@ def reversals(delta: np.ndarray, least: float = 0.002) -> int:
     return count
 
 
-def summarise(rows: list[dict], cpu: list[float]) -> dict:
+def summarize(rows: list[dict], cpu: list[float]) -> dict:
     """Figures of one episode from its cycles of 20 ms."""
     column = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     a_mean, y_mean = (np.convolve(column[name], np.ones(5) / 5.0, "valid") for name in ("a_x", "a_y"))

@@ -18,7 +18,7 @@ import numpy as np
 from cca_core import Planner, VehicleState
 from cca_core.sim import SingleTrackPlant
 from tests.trials.sumo.glue import CAR, Radio, move_ego, others, road_of, vehicle
-from tests.trials.sumo.metrics import COLUMNS, least_gap, needed, summarise, table_row
+from tests.trials.sumo.metrics import COLUMNS, least_gap, needed, summarize, table_row
 from tests.trials.sumo.nets import SCENARIOS, write_net, write_traffic
 
 STEP = 0.1  # of SUMO; the ego is driven five times as often [s]
@@ -122,7 +122,7 @@ def episode(name: str, seed: int, folder: Path, duration: float, by_radio: bool)
         move_ego(plant.state)
         libsumo.simulationStep()
     libsumo.close()
-    return summarise(rows, cpu)
+    return summarize(rows, cpu)
 
 
 def main() -> None:
