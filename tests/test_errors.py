@@ -45,7 +45,7 @@ def test_check_real_refuses_and_names(value: object) -> None:
         (-np.inf, {"infinite": True, "above": 0.0}, "speed must be greater than 0, was -inf"),
     ],
 )
-def test_check_real_says_the_bound_and_the_value(value: float, bounds: dict, words: str) -> None:
+def test_check_real_message_has_bound_and_value(value: float, bounds: dict, words: str) -> None:
     with pytest.raises(InputError) as caught:
         check_real("speed", value, **bounds)
     assert str(caught.value) == words

@@ -98,7 +98,7 @@ def test_errors_can_be_pickled() -> None:
 
 @pytest.mark.parametrize("how", ["pickle", "deepcopy"])
 @pytest.mark.parametrize("steps", [0, 60, 160])
-def test_a_copied_planner_goes_on_bit_for_bit(how: str, steps: int) -> None:
+def test_copied_planner_is_bitwise_identical(how: str, steps: int) -> None:
     planner = Planner(CAR, ROAD, cruise_speed=20.0)
     before = driven(planner, range(steps))
     assert steps < 160 or before[-1].band is not None

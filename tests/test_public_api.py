@@ -26,12 +26,12 @@ def test_name_can_be_imported(name: str) -> None:
 
 
 @pytest.mark.parametrize("room", ROOMS)
-def test_every_name_of_a_room_exists_once(room: str) -> None:
+def test_package_names_are_unique_and_exist(room: str) -> None:
     module = importlib.import_module(f"cca_core.{room}")
     names = getattr(module, "__all__", [])
     assert len(names) == len(set(names))
     assert [name for name in names if not hasattr(module, name)] == []
 
 
-def test_no_name_shadows_a_room() -> None:
+def test_no_name_shadows_a_package() -> None:
     assert not set(cca_core.__all__) & set(ROOMS)

@@ -91,7 +91,7 @@ def test_infinity_is_a_word() -> None:
         from_dict(EvasionSettings, {"clearance": "Infinity"})
 
 
-def test_a_file_by_hand_needs_only_what_differs() -> None:
+def test_omitted_fields_take_defaults() -> None:
     settings = from_dict(TrackerSettings, {"most_senders": 50, "plausibility": {"frozen": False}})
     assert settings.most_senders == 50
     assert not settings.plausibility.frozen
@@ -130,12 +130,12 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("kind", "data", "words"), WRONG)
-def test_what_is_wrong_is_named(kind: type, data: Any, words: str) -> None:
+def test_error_names_field(kind: type, data: Any, words: str) -> None:
     with pytest.raises(InputError, match=words):
         from_dict(kind, data)
 
 
-def test_what_is_wrong_deep_inside_is_named_with_its_place() -> None:
+def test_error_names_nested_field() -> None:
     data = to_dict(EXAMPLES["Road"])
     data["lanes"][1]["width"] = "wide"
     with pytest.raises(InputError, match=r"^lanes\[1\]\.width must be a number, was 'wide'$"):

@@ -158,7 +158,7 @@ def test_defect_names_the_field_that_is_not_finite(name: str, value: object) -> 
         ({"events": ["hard_braking"]}, "events"),
     ],
 )
-def test_defect_says_what_is_wrong(changes: dict, word: str) -> None:
+def test_invalid_reason_text(changes: dict, word: str) -> None:
     defect = remote(**changes).defect
     assert defect is not None
     assert word in defect

@@ -214,7 +214,7 @@ def test_binding_is_the_edge_where_that_is_nearer() -> None:
     assert band.binding == "right edge"
 
 
-def test_no_room_names_what_there_is_no_room_between() -> None:
+def test_empty_interval_message_names_both_obstacles() -> None:
     edge = 0.9 + 1.0 + CAR.width - 0.05
     left = relax(scene(straight(), [CROSSWISE], corridor=(-20.0, edge)), side="left")
     assert (left.status, left.binding) == (Status.INFEASIBLE, "obstacle 0")
@@ -231,7 +231,7 @@ def test_no_room_names_what_there_is_no_room_between() -> None:
         assert str(caught.value) == band.message
 
 
-def test_too_much_curvature_says_so() -> None:
+def test_excess_curvature_message() -> None:
     free = relax(scene(straight(), [CROSSWISE]), side="left")
     tight = relax(scene(straight(), [CROSSWISE], curvature_limit=0.1 * free.curvature), side="left")
     assert tight.status is Status.INFEASIBLE
@@ -241,7 +241,7 @@ def test_too_much_curvature_says_so() -> None:
     assert "curvature 0.0100 1/m is 1.11 times the limit" in road.message
 
 
-def test_curvature_limit_is_kept_where_it_can_be() -> None:
+def test_curvature_limit_is_kept_if_feasible() -> None:
     free = relax(scene(straight(), [CROSSWISE]), side="left")
     for share in (1.01, 0.95, 0.9):
         case = scene(straight(), [CROSSWISE], curvature_limit=share * free.curvature)
@@ -276,7 +276,7 @@ def test_obstacle_beside_a_pin(x: float, sign: float) -> None:
     assert_certified(band, near)
 
 
-def test_what_stands_at_a_pin_is_named_and_nothing_is_tried() -> None:
+def test_obstacle_at_pinned_end_fails_without_search() -> None:
     """The other one could be passed, as long as it takes to find that."""
     blocked = scene(straight(), [boxes(x, 0.0, 0.0, 4.5, 1.8) for x in (75.0, 148.0)])
     band = relax(blocked)

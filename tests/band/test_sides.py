@@ -45,7 +45,7 @@ def test_left_of_two_equals() -> None:
 
 
 @pytest.mark.parametrize("d", [-0.5, 0.5])
-def test_what_the_corridor_allows(d: float) -> None:
+def test_sides_allowed_by_corridor(d: float) -> None:
     """The dearer side where the cheaper one is closed."""
     o = [boxes(75.0, d, 0.0, 4.5, 1.8)]
     for corridor, expected in (((-20.0, 2.0), "right"), ((-2.0, 20.0), "left")):
@@ -142,7 +142,7 @@ def test_all_that_is_in_the_way_is_passed_on_the_given_side(side: str, sign: flo
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_sides_are_kept_from_cycle_to_cycle(sign: float) -> None:
+def test_sides_are_stable_under_replanning(sign: float) -> None:
     """What wobbles about the middle does not make the band flip; what moves far to one side does."""
 
     def case(d: float) -> Case:

@@ -22,7 +22,7 @@ def rest(nodes: np.ndarray, obstacles: list[Boxes], k: int) -> tuple[np.ndarray,
 
 @pytest.mark.parametrize("nodes", [straight(), bend(), bend(-120.0)])
 @pytest.mark.parametrize("k", [1, 20, 45, 70, 75, 90, 130])
-def test_it_goes_on_as_the_whole_band_does(nodes: np.ndarray, k: int) -> None:
+def test_tail_of_optimal_band_is_optimal(nodes: np.ndarray, k: int) -> None:
     """What is left of the best is the best of what is left."""
     case = scene(nodes, [on(nodes, 75, 0.3), on(nodes, 110, 3.6)], curvature_limit=0.04)
     whole = relax(case, side="left")
@@ -133,7 +133,7 @@ def test_it_is_certified(side: str) -> None:
     assert_certified(relax(case, side=side, start=sign * np.array([0.2, 0.25, 0.3])), case)
 
 
-def test_who_is_where_it_begins_is_named() -> None:
+def test_obstacle_at_start_is_reported() -> None:
     """The route is free there, the start is not; and the other way round."""
     beside = boxes(0.0, 3.0, 0.0, 4.5, 1.8)
     assert relax_band(straight(), [beside], side="right", vehicle=CAR).ok

@@ -36,7 +36,7 @@ def test_every_solvable_problem_has_a_proof(kind: Any) -> None:
         assert verdict.a_y < 0.95 * drawn.problem.a_y_max
 
 
-def test_a_blocked_road_is_blocked_for_all_who_shift_sideways() -> None:
+def test_blocked_problems_have_no_quintic_solution() -> None:
     """Quintic shifts to any offset at full lateral acceleration, begun at once, all fail."""
     for seed in range(1, 21):
         drawn = draw("blocked", seed)
@@ -112,7 +112,7 @@ def test_each_fault_is_named() -> None:
         assert any(name in fault for fault in verdict.faults), (name, verdict.faults)
 
 
-def test_what_is_no_trajectory() -> None:
+def test_malformed_trajectories_are_violations() -> None:
     task, plan = problem([]), along(problem([]))
     broken = plan.xy.copy()
     broken[7] = math.nan

@@ -18,7 +18,7 @@ PAGE = ROOT / "docs" / "performance.md"
 REFERENCE = "test_speed", "test_reference_solve_banded"
 # their result is not a run time: the tables of docs/steering.md
 OTHERWISE = (
-    "test_errors", "test_what_the_high_gains_of_the_others_cost", "test_robust", "test_recorded_drive",
+    "test_errors", "test_high_gain_controllers_with_dead_time", "test_robust", "test_recorded_drive",
     "test_table",
 )  # fmt: skip
 INTERNAL = ("us", "budget")

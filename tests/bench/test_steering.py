@@ -180,7 +180,7 @@ def test_errors(benchmark: Any, request: pytest.FixtureRequest, name: str, plant
 
 @pytest.mark.parametrize("name", [name for name, on in TRACKS.items() if not on.recorded])
 @pytest.mark.parametrize("law", ["Stanley", "LQR"])
-def test_what_the_high_gains_of_the_others_cost(benchmark: Any, name: str, law: str) -> None:
+def test_high_gain_controllers_with_dead_time(benchmark: Any, name: str, law: str) -> None:
     """With a dead time nobody told them of they leave the track, or nearly so; ours only loses accuracy."""
     other = benchmark.pedantic(
         drive, args=(name, "single_track", law, FilePath(), "delay not told"), rounds=1

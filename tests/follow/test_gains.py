@@ -198,14 +198,14 @@ def test_the_choice_is_admissible_and_the_fastest() -> None:
     assert (found.damping[found.admissible] >= region.damping).all()
 
 
-def test_nothing_admissible_is_said_with_the_region_tried() -> None:
+def test_infeasible_design_reports_region() -> None:
     with pytest.raises(InfeasibleError, match=r"^no gains at 10 m/s with a preview of 11 m") as caught:
         design_gains(BMW, [10.0, 30.0], region=StabilityRegion(decay=0.1, damping=0.9, delay=0.5))
     assert caught.value.result.v_x == 10.0
     assert not caught.value.result.admissible.any()
 
 
-def test_told_of_a_delay_the_gains_are_smaller() -> None:
+def test_gains_decrease_with_delay() -> None:
     slow = design_gains(BMW, [10.0, 25.0], region=StabilityRegion(delay=0.19, damping=0.4))
     assert slow.k_p[1] < shipped_gains(BMW).at(25.0)[0]
     assert stability_margins(BMW, slow, 25.0, delay=0.19).gain > 1.5

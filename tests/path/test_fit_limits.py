@@ -68,7 +68,7 @@ def test_curvature_limit_wins_over_the_tolerance(segmentation: str, radius: floa
     assert np.delete(off, slice(6, 15)).max() <= 1.0  # and away from it the road is kept
 
 
-def test_a_limit_that_is_kept_anyway_changes_nothing() -> None:
+def test_inactive_curvature_limit_has_no_effect() -> None:
     x = np.arange(0.0, 500.0, 10.0)
     xy = np.column_stack((x, 20.0 * np.sin(x / 80.0)))
     free, limited = fit_path(xy), fit_path(xy, curvature_limit=0.1)

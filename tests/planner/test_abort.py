@@ -37,7 +37,7 @@ def retreat(maneuver: Evasion, gap: float, *others: Neighbor) -> Evasion | None:
     return plan_retreat(ego, ROAD, maneuver, [at(gap, 0.0, 12.0), *others], "somebody comes")
 
 
-def test_falls_back_and_returns(maneuver: Evasion) -> None:
+def test_abort_returns_behind_lead(maneuver: Evasion) -> None:
     back = retreat(maneuver, 25.0)
     assert back is not None
     assert back.offset_at(START) > 1.0
@@ -45,18 +45,18 @@ def test_falls_back_and_returns(maneuver: Evasion) -> None:
     assert "somebody comes" in back.band.message
 
 
-def test_beyond_the_point_of_no_return(maneuver: Evasion) -> None:
+def test_no_abort_beyond_point_of_no_return(maneuver: Evasion) -> None:
     assert retreat(maneuver, -4.0) is None
 
 
 @pytest.mark.parametrize("d", [0.0, 3.5], ids=["own lane", "lane beside"])
-def test_not_into_the_way_of_those_behind(maneuver: Evasion, d: float) -> None:
+def test_no_abort_in_front_of_following_vehicle(maneuver: Evasion, d: float) -> None:
     assert retreat(maneuver, 15.0, at(-30.0, d, 20.0, "B")) is None
     assert retreat(maneuver, 15.0, at(-80.0, d, 20.0, "B")) is not None
     assert retreat(maneuver, 15.0, at(-30.0, d, -20.0, "B")) is not None
 
 
-def test_waits_beside_until_the_brakes_suffice(maneuver: Evasion) -> None:
+def test_abort_holds_offset_until_gap_opens(maneuver: Evasion) -> None:
     """8 m/s faster and 3.5 m behind: first slower, and only then back."""
     near, far = retreat(maneuver, 8.0), retreat(maneuver, 25.0)
     assert near is not None
@@ -65,7 +65,7 @@ def test_waits_beside_until_the_brakes_suffice(maneuver: Evasion) -> None:
     assert far.offset_at(START + 20.0) < 0.9 * maneuver.offset_at(START + 20.0)
 
 
-def test_given_up_on_the_way_back_it_stays_beside(maneuver: Evasion) -> None:
+def test_abort_while_returning_holds_offset(maneuver: Evasion) -> None:
     """The swerve returns in front of the vehicle; the way back returns behind it, and not before."""
     u = maneuver.band.displacement
     peak = int(u.argmax())
@@ -78,7 +78,7 @@ def test_given_up_on_the_way_back_it_stays_beside(maneuver: Evasion) -> None:
     assert back.offset_at(back.end) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_who_has_not_fallen_back_as_counted_on_returns_later(maneuver: Evasion) -> None:
+def test_late_braking_delays_return(maneuver: Evasion) -> None:
     """A second later the brakes have hardly acted, and the other is still beside; or nobody is."""
     back = retreat(maneuver, 8.0)
     assert back is not None
@@ -92,7 +92,7 @@ def test_who_has_not_fallen_back_as_counted_on_returns_later(maneuver: Evasion) 
     assert put_off(late, ROAD, back, []) is back
 
 
-def test_who_is_passed_by_now_is_not_fallen_back_behind(maneuver: Evasion) -> None:
+def test_passed_vehicle_triggers_early_return(maneuver: Evasion) -> None:
     """It has dropped behind while the ego was to drop behind it: back in front of it, without brakes."""
     back = retreat(maneuver, 8.0)
     assert back is not None
@@ -105,7 +105,7 @@ def test_who_is_passed_by_now_is_not_fallen_back_behind(maneuver: Evasion) -> No
 
 
 @pytest.mark.parametrize("age", [0.0, 2.0])
-def test_those_behind_are_behind_however_little_is_known(maneuver: Evasion, age: float) -> None:
+def test_stale_following_vehicle_is_not_a_lead(maneuver: Evasion, age: float) -> None:
     """The bounds of a stale one reach to the ego, which does not make it one to fall back behind."""
     remote = car(START - 15.0, 3.5, 26.0, id="A", age=age, sigma_along=2.5 * age, sigma_across=0.3 * age)
     stale = Neighbor.seen_from(remote, START - 15.0, 3.5, 0.0, 0.0)
@@ -189,7 +189,7 @@ def bend_after(straight_on: float, radius: float) -> Path:
     )
 
 
-def test_brakes_for_the_bend_of_the_way_back() -> None:
+def test_return_deceleration_respects_path_curvature() -> None:
     """20 m at 4 m/s^2 are for 8.9 m/s: (20^2 - 80) / (2 * 40 m) from 20 m/s 40 m before."""
     way = bend_after(60.0, 20.0)
     assert slow_enough(way, 20.0, 20.0) == pytest.approx(4.0, rel=0.06)

@@ -23,7 +23,7 @@ def beside(d: float) -> Boxes:
 
 
 @given(d=st.floats(2.15, 6.0))
-def test_forgiven_is_what_is_lacking_and_no_longer_than_needed(d: float) -> None:
+def test_relaxation_equals_missing_clearance_and_decays(d: float) -> None:
     m = settled(T)
     box = forgiven(beside(d), ego(0.0, m), T, 1.0)
     gap = box_gap(ego(0.0, N), box)
@@ -35,7 +35,7 @@ def test_forgiven_is_what_is_lacking_and_no_longer_than_needed(d: float) -> None
         assert box.width is beside(d).width or (box.width == 1.8).all()
 
 
-def test_who_is_nearer_than_that_is_not_passed_as_if_nothing_were() -> None:
+def test_relaxation_never_below_minimum_clearance() -> None:
     box = forgiven(beside(1.3), ego(0.0, 4), T, 1.0)
     assert box.width[0] == pytest.approx(1.8 - 2.0 * 0.75)
     assert box_gap(ego(0.0, N), box)[:4].min() < 1.0
@@ -44,34 +44,34 @@ def test_who_is_nearer_than_that_is_not_passed_as_if_nothing_were() -> None:
     assert narrow.width[-1] == box.width[-1] == 1.8
 
 
-def test_bounds_do_not_turn_inside_out() -> None:
+def test_relaxed_boxes_have_nonnegative_size() -> None:
     thin = boxes(S, np.full(N, 1.0), np.zeros(N), np.full(N, 0.4), np.full(N, 0.2))
     box = forgiven(thin, ego(0.0, 4), T, 0.3)
     assert box.width.min() == box.length.min() == 0.0
 
 
-def test_a_creeping_ego_is_forgiven_as_long_as_its_next_nodes_take() -> None:
+def test_relaxation_lasts_over_committed_nodes_at_low_speed() -> None:
     slow = S / 2.0
     box = forgiven(beside(2.4), ego(0.0, 3), slow, 1.0)
     assert box_gap(ego(0.0, N), box)[:3].min() >= 1.0
 
 
 @pytest.mark.parametrize(("here", "k"), [(-5.0, 1), (0.0, 1), (0.5, 1), (10.2, 11), (11.0, 11), (99.0, 95)])
-def test_it_is_bent_anew_from_the_first_node_in_front(here: float, k: int) -> None:
+def test_replanning_starts_at_first_node_ahead(here: float, k: int) -> None:
     assert first_free(S, here) == k
 
 
-def test_soon_is_half_a_second_and_three_nodes_at_least() -> None:
+def test_committed_nodes_span_half_second_and_at_least_three() -> None:
     assert settled(T) == 10
     assert settled(10.0 * S) == 3
 
 
-def test_the_same_places_give_the_same_numbers() -> None:
+def test_resampling_at_same_stations_is_identity() -> None:
     u = np.sin(S)
     assert resampled(S, S, u) is u
 
 
-def test_other_places_give_the_same_curve() -> None:
+def test_resampling_preserves_curve() -> None:
     def swerve(s: np.ndarray) -> np.ndarray:
         share = np.clip(s / 100.0, 0.0, 1.0)
         return 64.0 * 3.5 * share**3 * (1.0 - share) ** 3

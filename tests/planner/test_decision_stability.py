@@ -99,7 +99,7 @@ class TestSteady:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_the_way_round_never_moves_under_the_car(seed: int) -> None:
+def test_reference_is_continuous_at_ego(seed: int) -> None:
     """Bent anew ten times a second for what messages say, it goes on where the car is, as the car heads."""
     movers = [Mover("R", 80.0, 0.0, 12.0), Mover("L", 140.0, 3.5 + 3.4, 12.0)]
     run = Drive(planner(), movers, 22.0, heard=noisy(seed))
@@ -120,7 +120,7 @@ def test_the_way_round_never_moves_under_the_car(seed: int) -> None:
 
 
 @pytest.mark.parametrize(("radius", "v"), [(60.0, 9.0), (100.0, 14.0), (-150.0, 15.0), (-400.0, 24.0)])
-def test_nor_on_a_bend(radius: float, v: float) -> None:
+def test_reference_is_continuous_at_ego_on_curve(radius: float, v: float) -> None:
     """Past a parked car without noise: nothing is new, and the steering goes out, over and back."""
     phi = np.arange(0.0, 451.0, 2.0) / abs(radius)
     path = interpolate_path(

@@ -27,7 +27,7 @@ def remotes(n: int, d: float = 12.0, seed: int = 1) -> list[RemoteVehicle]:
 
 
 @pytest.mark.parametrize("warm", [False, True])
-def test_many_at_once_as_one_by_one(warm: bool) -> None:
+def test_batch_projection_equals_scalar(warm: bool) -> None:
     many, places = remotes(80), {}
     if warm:
         locate(many, PATH, places)
@@ -43,7 +43,7 @@ def test_many_at_once_as_one_by_one(warm: bool) -> None:
         assert own[remote.id] == pytest.approx(places[remote.id], abs=1e-6)
 
 
-def test_one_vehicle_instead_of_a_list_is_not_lost_in_silence() -> None:
+def test_single_vehicle_is_accepted() -> None:
     (at,) = PATH.to_cartesian([100.0], [0.0])
     van = RemoteVehicle(id="van", x=float(at[0]), y=float(at[1]), psi=float(PATH.heading(100.0)), v_x=10.0)
     (neighbor,), dropped = locate(van, PATH, {})  # type: ignore[arg-type]
@@ -52,7 +52,7 @@ def test_one_vehicle_instead_of_a_list_is_not_lost_in_silence() -> None:
     assert locate(None, PATH, {}) == ([], (("None", "not a RemoteVehicle"),))  # type: ignore[arg-type]
 
 
-def test_what_keeps_its_side_far_off_is_left_out() -> None:
+def test_laterally_distant_vehicles_are_ignored() -> None:
     """Who crosses, or reaches near by size, angle or bounds, is not."""
     at, psi = PATH.to_cartesian(100.0, 20.0), float(PATH.heading(100.0))
     far = RemoteVehicle(id="far", x=float(at[0]), y=float(at[1]), psi=psi, v_x=10.0)
@@ -71,14 +71,14 @@ def test_what_keeps_its_side_far_off_is_left_out() -> None:
 @pytest.mark.parametrize(
     ("v_s", "age", "least"), [(20.0, 0.9, 20.0), (20.0, 2.0, 12.0), (20.0, 9.0, 0.0), (-20.0, 5.0, -20.0)]
 )
-def test_speed_of_who_is_not_heard(v_s: float, age: float, least: float) -> None:
+def test_lower_speed_bound_of_stale_vehicle(v_s: float, age: float, least: float) -> None:
     remote = RemoteVehicle(id="a", x=0.0, y=0.0, psi=0.0, v_x=abs(v_s), age=age)
     neighbor = Neighbor.seen_from(remote, 0.0, 0.0, 0.0 if v_s > 0.0 else math.pi, 0.0)
     assert neighbor.v_least == pytest.approx(least)
 
 
 @pytest.mark.parametrize("value", [3, np.float64(3.0), np.float32(3.0), 1e308, -1e308])
-def test_numbers_of_all_kinds_are_judged_alike(value: Any) -> None:
+def test_numeric_types_are_validated_alike(value: Any) -> None:
     remote = RemoteVehicle(id="a", x=value, y=float(value), psi=0.0, v_x=10.0)
     plain = RemoteVehicle(id="a", x=float(value), y=float(value), psi=0.0, v_x=10.0)
     assert remote.defect == plain.defect
@@ -86,13 +86,13 @@ def test_numbers_of_all_kinds_are_judged_alike(value: Any) -> None:
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, np.float64("nan"), None, "3", 3j])
-def test_what_is_no_number_is_named(value: Any) -> None:
+def test_non_numeric_field_is_reported(value: Any) -> None:
     defect = RemoteVehicle(id="a", x=0.0, y=0.0, psi=0.0, v_x=10.0, age=value).defect
     assert defect is not None
     assert defect.startswith("age is not a finite number")
 
 
-def test_likely_is_without_bounds_and_as_fast_as_told() -> None:
+def test_nominal_has_no_uncertainty_and_reported_speed() -> None:
     told = RemoteVehicle(
         id="A", x=80.0, y=0.0, psi=0.3, v_x=14.0, age=5.0, sigma_along=30.0, sigma_across=5.0
     )

@@ -26,7 +26,7 @@ def obstruction(blocker: Neighbor, *others: Neighbor) -> str:
     return plan_evasion(ego, ROAD, [blocker], others, "left", SETTINGS, at_once=True).candidate.obstruction
 
 
-def test_no_room_names_the_vehicle_and_the_place() -> None:
+def test_empty_interval_reports_vehicle_and_station() -> None:
     said = re.fullmatch(
         r"no room between slow and the left edge (\d+) m ahead", obstruction(at(80.0, 2.0, "slow"))
     )

@@ -59,7 +59,7 @@ def test_gap_to_an_oncoming_car(gap: float, v: float) -> None:
     assert attempt.run.gaps["O"] > 0.5
 
 
-def test_some_go_at_once_and_some_wait() -> None:
+def test_both_immediate_and_delayed_passes_occur() -> None:
     if sum(TALLY.values()) < len(GAPS) * len(SPEEDS):
         pytest.skip("sums up all cases of the test above it, which were not all selected to run")
     print(TALLY)  # noqa: T201  # with -s

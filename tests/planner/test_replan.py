@@ -24,14 +24,14 @@ def renewed(
     return renew(ego, ROAD, old, [SLOW], others, SWERVES, inside=inside, can_follow=can_follow)
 
 
-def test_in_comfort(maneuver: Evasion) -> None:
+def test_replan_at_comfort_level(maneuver: Evasion) -> None:
     now = renewed(maneuver)
     assert now.status is Status.OK
     assert now.maneuver is not None
     assert now.maneuver.band.clearance > 0.99
 
 
-def test_narrower_between_two(maneuver: Evasion) -> None:
+def test_replan_at_last_level_between_two_vehicles(maneuver: Evasion) -> None:
     """Less than 2 x 1 m is left between the slow car and one beside it."""
     now = renewed(maneuver, at(25.0, 4.6, 12.0, "L"))
     assert now.status is Status.FALLBACK
@@ -40,13 +40,13 @@ def test_narrower_between_two(maneuver: Evasion) -> None:
     assert not now.reason
 
 
-def test_given_up_inside_the_lane_while_following_is_easy(maneuver: Evasion) -> None:
+def test_cancel_within_lane_if_following_is_feasible(maneuver: Evasion) -> None:
     now = renewed(maneuver, at(30.0, 3.5, 12.0, "L"), inside=True, can_follow=True)
     assert now.maneuver is None
     assert "given up" in now.reason
 
 
-def test_as_it_was_while_that_is_clear(maneuver: Evasion, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_keep_maneuver_while_clear(maneuver: Evasion, monkeypatch: pytest.MonkeyPatch) -> None:
     from cca_core.decide import Candidate
     from cca_core.planner import replan as swerve
 
@@ -64,7 +64,7 @@ def test_as_it_was_while_that_is_clear(maneuver: Evasion, monkeypatch: pytest.Mo
     assert "returning: contact set" in blocked.reason
 
 
-def test_the_first_way_that_is_free_is_taken() -> None:
+def test_first_feasible_level_is_used() -> None:
     """35 m behind a standing car at 25 m/s: comfort comes too late, more grip does not."""
     speed = SpeedSettings()
     ego = Ego(vehicle=CAR, s=START, v_x=25.0, v_target=25.0, speed=speed)
@@ -78,7 +78,7 @@ def test_the_first_way_that_is_free_is_taken() -> None:
     assert candidates[1].obstruction
 
 
-def test_at_last_past_where_somebody_most_likely_is() -> None:
+def test_last_resort_uses_nominal_positions() -> None:
     """His bounds leave no room on the road, and to hit him is certain otherwise."""
     ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
     remote = car(START + 50.0, 0.5, 0.0, id="R", sigma_along=0.5, sigma_across=1.0)

@@ -34,7 +34,7 @@ def test_evade_is_never_followed_by_a_collision(block: int) -> None:
     assert not hits
 
 
-def test_enough_of_them_are_evade_and_few_are_refused_without_need() -> None:
+def test_evade_share_and_false_rejection_rate() -> None:
     if TALLY["situations"] < BLOCKS * EACH:
         pytest.skip("sums up all cases of the test above it, which were not all selected to run")
     assert TALLY["evade"] >= 0.08 * TALLY["situations"], TALLY

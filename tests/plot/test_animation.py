@@ -125,7 +125,7 @@ def test_a_contact_is_marked_and_told(pair: tuple[Log, Log]) -> None:
     assert not [group for group in free.iter("g") if group.get("class") == "contact"]
 
 
-def test_who_is_known_follows_sight_without_and_messages_with_v2v(pair: tuple[Log, Log]) -> None:
+def test_known_vehicles_follow_sensor_or_messages(pair: tuple[Log, Log]) -> None:
     without, with_v2v = data_of(animate(pair))
     assert set(without["known"][1]) == {"0"}  # yellow hides red
     assert set(without["known"][0]) == {"1"}

@@ -104,7 +104,7 @@ def test_frames_tell_what_others_begin(run: Callable[..., Log]) -> None:
     assert not any(frame.t == 0.0 for frame in telling_frames(run("curbside", "fast", "v2v")))
 
 
-def test_the_story_names_whom_the_ego_waited_for(waiting: Log, stuck: Log) -> None:
+def test_narrative_names_awaited_vehicles(waiting: Log, stuck: Log) -> None:
     assert awaited(waiting, 10.0, 25.0) == ["A"]
     assert "until A is through" in story(waiting)
     assert outcome(waiting) == "ends ahead of R1 and R2"

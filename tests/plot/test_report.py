@@ -142,7 +142,7 @@ def test_headline_counts_the_logs(runs: list[Log]) -> None:
     assert "case 2" in text
 
 
-def test_headline_does_not_claim_what_was_not_driven(runs: list[Log]) -> None:
+def test_headline_covers_only_simulated_runs(runs: list[Log]) -> None:
     assert "none of them both with and without" in headline(grouped(runs[:1]))
 
 

@@ -60,7 +60,7 @@ def test_bad_files(text: str, tmp_path: Path) -> None:
         read_frames(tmp_path / "none")
 
 
-def test_what_is_no_message_is_passed_on(tmp_path: Path) -> None:
+def test_undecodable_bytes_are_passed_through(tmp_path: Path) -> None:
     file = tmp_path / "log"
     file.write_text(f"{message(1.0).hex()}\nffff\n{message(1.1).hex()}")
     assert [data for _, data in read_frames(file)][1] == b"\xff\xff"

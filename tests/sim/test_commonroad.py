@@ -158,7 +158,7 @@ def test_goals_of_other_forms(tmp_path: Path) -> None:
         ("<velocity><exact>15.0", "<velocity><exact>-15.0", "velocity of initialState"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_named(tmp_path: Path, old: str, new: str, says: str) -> None:
+def test_error_names_element(tmp_path: Path, old: str, new: str, says: str) -> None:
     assert old in GOOD
     all_of_them = not old.startswith(("<", "draw", "driv")) or old.endswith("Bound>")
     with pytest.raises(InputError) as caught:

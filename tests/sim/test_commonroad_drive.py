@@ -91,7 +91,7 @@ def test_gaps_are_those_of_the_boxes(tmp_path: Path) -> None:
     assert there > 100
 
 
-def test_the_ego_stops_behind_what_fills_the_road(tmp_path: Path) -> None:
+def test_stop_behind_obstacle_spanning_road(tmp_path: Path) -> None:
     wall = "".join(
         f'<staticObstacle id="{40 + i}"><type>x</type>{BOX}{state("initialState", 0, 90.0, y, 0.0)}'
         "</staticObstacle>"

@@ -80,7 +80,7 @@ def test_replay_notices_other_bytes() -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"no log", None])
-def test_what_is_no_log(content: bytes | None, tmp_path: FilePath) -> None:
+def test_invalid_log_file_raises(content: bytes | None, tmp_path: FilePath) -> None:
     file = tmp_path / "run.npz"
     if content is not None:
         file.write_bytes(content)

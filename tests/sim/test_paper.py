@@ -72,7 +72,7 @@ def gap(log: Log, ahead: int, behind: int | None) -> Any:
     return rear - (log.place[:, 0] if behind is None else log.user_places[:, behind, 0]) - 2.25
 
 
-def test_channel_is_a_bad_one() -> None:
+def test_lossy_channel_parameters() -> None:
     assert REALISTIC.latency == 0.1
     assert REALISTIC.loss == 0.3
     assert REALISTIC.burst > 1.0 / (1.0 - REALISTIC.loss)
@@ -91,7 +91,7 @@ def test_the_driver_collides(name: str, case: str, hit: str, plant: str) -> None
 
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize(("name", "case"), WITH)
-def test_with_messages_nobody_collides(name: str, case: str, seed: int) -> None:
+def test_no_collision_with_v2v(name: str, case: str, seed: int) -> None:
     log = drive(name, case, seed=seed)
     assert log.gaps().min() >= 1.0
     assert log.t[-1] == pytest.approx(log.scenario.duration)
@@ -104,7 +104,7 @@ def test_with_messages_nobody_collides(name: str, case: str, seed: int) -> None:
 
 @pytest.mark.requires("vehiclemodels")
 @pytest.mark.parametrize(("name", "case"), WITH)
-def test_with_messages_nobody_collides_in_the_multi_body_car(name: str, case: str) -> None:
+def test_no_collision_with_v2v_multi_body(name: str, case: str) -> None:
     log = drive(name, case, plant="multi_body")
     assert log.gaps().min() >= 1.0
     assert log.t[-1] == pytest.approx(log.scenario.duration)
@@ -228,14 +228,14 @@ class TestIma:
 
 
 @pytest.mark.parametrize("index", [328, 553])
-def test_who_is_between_may_brake_harder_than_the_first(index: int) -> None:
+def test_lead_braking_harder_than_downstream_vehicle(index: int) -> None:
     """Draws in which red brakes with 4 to 5 m/s^2, and yellow, late, with 7."""
     scenario, _ = draw_scenario(Variation(scenario="eebl"), 2, index)
     assert simulate(scenario).gaps().min() > 0.0
 
 
 @pytest.mark.parametrize("index", [347, 1594])
-def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) -> None:
+def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
     """Draws in which the first message leaves just the room for full braking."""
     scenario, _ = draw_scenario(Variation(scenario="ima"), 2, index)
     log = simulate(scenario)
@@ -268,7 +268,7 @@ def test_who_is_heard_late_at_an_intersection_is_braked_for_fully(index: int) ->
         ("maneuver", 8, 423),  # A unheard for seconds, dead-reckoned into the lane; R1 behind
     ],
 )  # fmt: skip
-def test_what_once_ended_in_a_contact(name: str, seed: int, index: int) -> None:
+def test_collision_regressions(name: str, seed: int, index: int) -> None:
     scenario, _ = draw_scenario(Variation(scenario=name), seed, index)
     log = simulate(scenario, planner=make_planner(nominal(scenario)))
     assert log.gaps().min() > 0.0
@@ -334,7 +334,7 @@ class TestSensor:
         assert sensor.time_of("brakes") < driver.time_of("brakes") - 0.5
 
 
-def test_bad_weather_shortens_sight() -> None:
+def test_low_visibility_limits_sensor_range() -> None:
     clear, fog = simulate(ima(ego="driver")), simulate(ima(ego="driver", visibility=8.0))
     assert clear.seen[:, 1].sum() > fog.seen[:, 1].sum()
 

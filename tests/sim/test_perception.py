@@ -49,7 +49,7 @@ def known(seen: bool, until: float, *, ego: str = "v2v") -> list[tuple[float, st
     return found
 
 
-def test_while_messages_are_young_they_count() -> None:
+def test_fresh_messages_take_precedence() -> None:
     young = known(True, 3.0)
     assert len(young) == 150
     assert {source for _, source, _, _ in young} == {"v2v"}
@@ -57,7 +57,7 @@ def test_while_messages_are_young_they_count() -> None:
     assert young == known(False, 3.0)
 
 
-def test_in_sight_nobody_falls_silent() -> None:
+def test_visible_vehicle_never_becomes_stale() -> None:
     ages, sources, x, told = zip(*known(True, 1.0), strict=True)
     assert len(ages) == 150
     assert max(ages) <= 0.4 + 1e-9
@@ -68,14 +68,14 @@ def test_in_sight_nobody_falls_silent() -> None:
     assert told == (True,) * forgotten + (False,) * (150 - forgotten)
 
 
-def test_out_of_sight_silence_ages() -> None:
+def test_occluded_silent_vehicle_becomes_stale() -> None:
     ages, _, x, _ = zip(*known(False, 1.0), strict=True)
     assert ages[-1] > 0.9
     assert x[-1] > 55.0  # nothing told that it stands
     assert len(ages) < 150  # and then it is forgotten
 
 
-def test_who_was_never_heard_is_known_by_sight() -> None:
+def test_unconnected_vehicle_comes_from_sensor() -> None:
     found = known(True, -1.0)
     assert len(found) == 150 - 20
     assert {source for _, source, _, _ in found} == {"sensor"}
@@ -113,7 +113,7 @@ def lost_from_sight(y: float, accuracy: float, until: float) -> list[RemoteVehic
     return found
 
 
-def test_out_of_sight_the_error_that_was_seen_is_taken_off_and_forgotten() -> None:
+def test_sender_bias_is_corrected_and_decays() -> None:
     found = lost_from_sight(0.8, 0.5, 120.0)
     assert max(abs(red.y) for red in found[5:30]) < 0.05
     assert found[20].sigma_across < 0.15
@@ -125,7 +125,7 @@ def test_out_of_sight_the_error_that_was_seen_is_taken_off_and_forgotten() -> No
     assert {red.source for red in found} == {"v2v"}
 
 
-def test_never_is_more_known_than_what_was_told() -> None:
+def test_correction_never_reduces_uncertainty_below_report() -> None:
     """The bounds hold whatever the error was; one that was never in sight keeps what it told."""
     told = lost_from_sight(0.0, 0.3, 10.0)
     assert all(red.sigma_across <= 0.31 for red in told)
@@ -136,7 +136,7 @@ def test_never_is_more_known_than_what_was_told() -> None:
     assert red.sigma_across == pytest.approx(0.5, abs=0.01)
 
 
-def test_who_lies_in_sight_is_not_corrected_by_its_lie() -> None:
+def test_implausible_bias_is_not_applied() -> None:
     perception = Perception(SCENARIO)
     for k in range(150):
         t = 0.02 * k
@@ -148,7 +148,7 @@ def test_who_lies_in_sight_is_not_corrected_by_its_lie() -> None:
     assert red.sigma_across == pytest.approx(0.3, abs=0.02)
 
 
-def test_an_error_is_forgotten_with_its_sender() -> None:
+def test_bias_is_deleted_with_its_track() -> None:
     perception = Perception(SCENARIO)
     for k in range(50):
         t = 0.02 * k

@@ -76,7 +76,7 @@ def test_delay_is_dead_time() -> None:
     assert begins == [1, 6, 11]
 
 
-def test_noise_is_what_the_law_is_told_and_not_what_is_reported() -> None:
+def test_noise_affects_controller_not_metrics() -> None:
     told: list[float] = []
 
     def steer(state: VehicleState, path: Path) -> float:

@@ -299,7 +299,7 @@ def test_ghost_ahead(distance: float, v: float, reals: tuple[Real, ...]) -> None
 
 
 @pytest.mark.parametrize("reals", WORLDS)
-def test_ghost_beside(reals: tuple[Real, ...]) -> None:
+def test_ghost_in_adjacent_lane(reals: tuple[Real, ...]) -> None:
     """It makes the ego wait behind a slow car that it could have passed; it never moves it sideways."""
     run = drive(reals, ghost_beside)
     check(run, reals)
@@ -308,7 +308,7 @@ def test_ghost_beside(reals: tuple[Real, ...]) -> None:
 
 
 @pytest.mark.parametrize("reals", WORLDS)
-def test_ghost_upon_the_ego(reals: tuple[Real, ...]) -> None:
+def test_ghost_at_ego_position(reals: tuple[Real, ...]) -> None:
     """It can make the ego stop."""
     run = drive(reals, ghost_upon_the_ego)
     check(run, reals)
@@ -382,7 +382,7 @@ def test_replay_of_the_minute_before() -> None:
 
 
 @pytest.mark.parametrize("attack", [thousand, thousand_on_the_field])
-def test_thousand_senders_at_once(attack: Attack) -> None:
+def test_sybil_flood(attack: Attack) -> None:
     """They make the ego stop or wait."""
     reals = (SLOW, BESIDE)
     run = drive(reals, attack)
@@ -397,7 +397,7 @@ def test_thousand_senders_at_once(attack: Attack) -> None:
 @pytest.mark.parametrize(
     "reals", [(STANDING,), (STANDING, BESIDE), (SLOW, BESIDE), (replace(BRAKING, brakes_at=2.5), BESIDE)]
 )
-def test_crowd_that_would_hide(reals: tuple[Real, ...]) -> None:
+def test_sybil_flood_keeps_confirmed_vehicles(reals: tuple[Real, ...]) -> None:
     """Nearer than any real car, small and close together: who was heard before them stays heard."""
     run = drive(reals, thousand_close_by)
     check(run, reals)
@@ -407,7 +407,7 @@ def test_crowd_that_would_hide(reals: tuple[Real, ...]) -> None:
     assert known.issuperset(f"{i:08x}" for i in range(len(reals)))
 
 
-def test_crowd_that_hides_who_comes_later() -> None:
+def test_sybil_flood_blocks_lane_for_new_vehicles() -> None:
     """A car that is first heard after the crowd is not taken in: then the lane beside is not known."""
     reals = (replace(SLOW, s=100.0), FAST)
     assert "EVADE_LEFT" in without_lies(reals[:1]).actions

@@ -97,7 +97,7 @@ MESSAGES = st.builds(
 
 
 @given(sent=MESSAGES)
-def test_what_is_sent_arrives(sent: Bsm) -> None:
+def test_encode_decode_round_trip(sent: Bsm) -> None:
     """Within half a unit at first; exactly, once it is on the grid of the format."""
     received = decode_bsm(encode_bsm(sent))
     units = UNITS | {"semi_major": 0.05, "semi_minor": 0.05, "orientation": math.tau / 65535.0}
@@ -126,7 +126,7 @@ def test_limits(name: str) -> None:
             encode_bsm(replace(PLAIN, **{name: outside}))
 
 
-def test_nothing_but_what_must_be() -> None:
+def test_minimal_message() -> None:
     data = encode_bsm(replace(PLAIN, events=frozenset({"hard_braking"})))
     assert len(encode_bsm(PLAIN)) == 40
     assert len(data) == 45
@@ -168,7 +168,7 @@ def test_heading_is_wrapped() -> None:
         ("events", None),
     ],
 )  # fmt: skip
-def test_what_cannot_be_sent(name: str, value: Any) -> None:
+def test_out_of_range_value_raises(name: str, value: Any) -> None:
     with pytest.raises(InputError):
         encode_bsm(replace(PLAIN, **{name: value}))
 

@@ -97,7 +97,7 @@ def test_reordering_and_duplicates() -> None:
 
 
 @given(st.integers(0, 2**32), st.lists(st.floats(0.0, 0.3), min_size=1, max_size=30))
-def test_chance_does_not_depend_on_when_one_looks(seed: int, pauses: list[float]) -> None:
+def test_randomness_independent_of_polling(seed: int, pauses: list[float]) -> None:
     settings = ChannelSettings(
         latency=0.02, jitter=0.05, loss=0.3, burst=2.0, range=400.0, edge_loss=0.5, reordered=0.2,
         duplicated=0.2,
@@ -133,7 +133,7 @@ def sent(settings: SenderSettings, seconds: float, *, step: float = 0.001, seed:
     return found
 
 
-def test_a_sender_says_what_is() -> None:
+def test_sender_reports_true_state() -> None:
     found = sent(SenderSettings(), 3.0, step=0.02)
     assert len(found) in (29, 30)
     messages = [decode_bsm(data) for _, data in found]

@@ -72,7 +72,7 @@ def test_bytes_become_a_vehicle() -> None:
 @pytest.mark.parametrize(
     ("told", "most", "counts"), [(0.4, 1.5, 0.4), (4.75, 1.5, 1.5), (None, 1.5, 0.0), (0.4, 0.0, 0.0)]
 )
-def test_accuracy_that_is_told_counts_as_far_as_it_is_believed(
+def test_reported_accuracy_is_capped(
     told: float | None, most: float, counts: float
 ) -> None:
     without, with_it = Tracker(FRAME), Tracker(FRAME, TrackerSettings(most_accuracy=most))
@@ -218,7 +218,7 @@ def test_a_crash_is_within_the_bounds_before_it_is_believed() -> None:
     assert vehicle.v_x == 0.0
 
 
-def test_a_frozen_place_is_not_believed_because_its_sender_stands() -> None:
+def test_frozen_position_stays_rejected_at_standstill() -> None:
     """It brakes to standstill 28.6 m from where its place froze; the track goes there and stays."""
     tracker = Tracker(FRAME)
     t = driven(tracker, 1.0)
@@ -274,7 +274,7 @@ def test_a_stale_track_blocks_until_it_is_out_of_reach() -> None:
     assert len(tracker) == 0
 
 
-def test_a_stale_track_beside_the_ego_stays() -> None:
+def test_nearby_stale_track_is_kept() -> None:
     tracker = Tracker(FRAME, TrackerSettings(forget_after=12.0))
     t = driven(tracker, 1.0)
     for k in range(1, 120):
@@ -285,14 +285,14 @@ def test_a_stale_track_beside_the_ego_stays() -> None:
 
 
 @pytest.mark.parametrize(("psi", "kept"), [(math.pi, True), (0.0, False)], ids=["nearer", "farther"])
-def test_who_comes_nearer_is_not_forgotten(psi: float, kept: bool) -> None:
+def test_approaching_stale_track_is_kept(psi: float, kept: bool) -> None:
     """Silent for two seconds 250 m ahead: an oncoming car is there when the pass would end."""
     tracker, ego = Tracker(FRAME), VehicleState(x=0.0, y=0.0, psi=0.0, v_x=15.0)
     assert tracker.update(bsm(T0, 250.0, 3.5, psi=psi), T0 + 0.02).accepted
     assert len(tracker.vehicles(T0 + 2.0, ego)) == kept
 
 
-def test_a_thousand_ids_at_once() -> None:
+def test_capacity_limit_under_sender_flood() -> None:
     """At most 200 are kept, the nearest of them; the one that matters is among them."""
     tracker = Tracker(FRAME, TrackerSettings(keep_within=1000.0))
     ego = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0)
@@ -325,14 +325,14 @@ def crowded(seconds: float, place: float, most: int = 20) -> tuple[Tracker, floa
     return tracker, t
 
 
-def test_a_crowd_does_not_push_out_whom_is_known() -> None:
+def test_flood_keeps_confirmed_tracks() -> None:
     tracker, t = crowded(0.5, 200.0)
     assert "00000001" in {v.id for v in tracker.vehicles(t)}
     assert len(tracker) == 20
     assert tracker.is_saturated(t)
 
 
-def test_a_crowd_pushes_out_who_is_far() -> None:
+def test_flood_evicts_distant_tracks() -> None:
     """Farther than all are wanted it says nothing of silence within that distance."""
     tracker, t = crowded(0.5, 400.0)
     assert "00000001" not in {v.id for v in tracker.vehicles(t)}
@@ -350,7 +350,7 @@ def test_far_senders_that_are_turned_away_are_not_missed() -> None:
     assert tracker.is_saturated(T0)
 
 
-def test_bodies_need_room() -> None:
+def test_overlapping_positions_are_rejected() -> None:
     """However small they say that they are: of a crowd within a few meters most are inside another."""
     tracker = Tracker(FRAME)
     rng = np.random.default_rng(2)
@@ -398,7 +398,7 @@ _ANY = st.one_of(st.none(), st.floats(), st.floats(-100.0, 100.0), st.text(max_s
         max_size=8,
     )
 )
-def test_nothing_that_is_said_raises(messages: list[dict[str, Any]]) -> None:
+def test_update_never_raises(messages: list[dict[str, Any]]) -> None:
     off = PlausibilitySettings(
         replayed=False, future=False, size=False, frozen=False, teleport=False, displacement=False,
         acceleration=False, yaw=False, inside=False,

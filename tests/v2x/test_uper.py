@@ -77,13 +77,13 @@ def test_frame_comes_back(length: int) -> None:
         b"\0\x14\x80\x05abcd",
     ],
 )
-def test_what_is_no_frame(data: bytes) -> None:
+def test_invalid_frame_raises(data: bytes) -> None:
     with pytest.raises(InputError, match="data must hold"):
         open_frame(data, 20)
 
 
 @pytest.mark.parametrize("data", [None, "0014", 20, [0, 20, 0], memoryview(b"\0\x14\0")])
-def test_what_is_not_bytes(data: object) -> None:
+def test_non_bytes_raises(data: object) -> None:
     with pytest.raises(InputError, match="data must be bytes"):
         decode_bsm(data)  # type: ignore[arg-type]
 
@@ -195,7 +195,7 @@ def seconds(data: bytes) -> float:
     return time.perf_counter() - begun
 
 
-def test_garbage_is_refused_at_once() -> None:
+def test_random_bytes_rejected_within_1_ms() -> None:
     """Nothing but `InputError` comes out; what takes 1 ms is timed again, as the machine may have paused."""
     usable, slowest = 0, 0.0
     for data in garbage(0, FRAMES):

@@ -349,7 +349,7 @@ def test_order_of_the_remotes_does_not_matter() -> None:
         {"v_x": 400.0},
     ],
 )  # fmt: skip
-def test_what_cannot_be_used_is_left_out(bad: dict[str, float]) -> None:
+def test_invalid_vehicles_are_ignored(bad: dict[str, float]) -> None:
     remote = other(STRAIGHT, 20.0, 0.0, 5.0)
     assert FCW in found(STRAIGHT, 20.0, [remote])
     assert found(STRAIGHT, 20.0, [replace(remote, **bad)]) == {}
@@ -362,7 +362,7 @@ def test_the_younger_of_two_counts() -> None:
         assert found(STRAIGHT, 20.0, remotes) == {}
 
 
-def test_road_and_path_and_nobody() -> None:
+def test_no_warning_without_vehicles() -> None:
     road = Road(STRAIGHT, [Lane(d=0.0, width=5.0), Lane(d=5.0, width=5.0)])
     hard = other(STRAIGHT, 60.0, 7.0, 25.0, **HARD)
     assert warn(ego(STRAIGHT, 0.0, 25.0), CAR, STRAIGHT, [hard]) == ()
@@ -370,7 +370,7 @@ def test_road_and_path_and_nobody() -> None:
     assert warn(ego(STRAIGHT, 0.0, 25.0), CAR, road, []) == ()
 
 
-def test_sight_gives_places_along_the_road() -> None:
+def test_view_positions_along_road() -> None:
     path = ROADS["left bend"]
     view, (seen,) = sight(ego(path, 10.0, 20.0, 0.5), CAR, path, [other(path, 110.0, 3.5, 15.0)])
     assert (view.s, view.d, view.v) == pytest.approx((10.0, 0.5, 20.0), abs=1e-6)

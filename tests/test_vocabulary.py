@@ -1,0 +1,82 @@
+"""The words of docs/notation.md: identifiers and pages use the terms of the field."""
+
+import io
+import re
+import tokenize
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCES = sorted(p for d in ("cca_core", "tests", "examples", "docs") for p in (ROOT / d).rglob("*.py"))
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+GENERATED = {"docs/changelog.md", "docs/performance.md", "docs/table1.md", "docs/validation.md"}
+
+REFUSED = frozenset(
+    """who whom told tells says said beside likely unheard forgiven settled helpless pinned witness judge verdict
+    ours draws drawn rerun swerve swerves detour retreat shortcut renew place places way ways neighbour neighbours
+    leader leaders least most colour colours centre centres room rooms nobody somebody sight heard abeam""".split()
+)
+FOREIGN = {"least_squares", "most_common", "hasMost"}  # names of other libraries
+PROSE = re.compile(
+    r"\b(he|him|his|nobody|somebody|everybody|reckon\w*|held capable|bent anew|lane beside|rungs?)\b", re.IGNORECASE
+)
+LONGEST = 40  # words in a sentence
+
+
+def identifiers(path: Path) -> Iterator[tuple[int, str]]:
+    """Names in a Python file with their lines."""
+    text = path.read_text(encoding="utf-8")
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.NAME and token.string not in FOREIGN:
+            yield token.start[0], token.string
+
+
+def words(name: str) -> set[str]:
+    """Words of an identifier: split at underscores and capitals."""
+    return {part.lower() for part in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)}
+
+
+def prose(path: Path) -> str:
+    """Running text of a page, without code, tables, math and directives."""
+    text = path.read_text(encoding="utf-8")
+    text = re.sub(r"(?ms)^(```|:::|\$\$).*?^(```|:::|\$\$)", "\n", text)
+    text = re.sub(r"`[^`]*`|\$[^$]*\$|\]\([^)]*\)|<[^>]*>", " x ", text)
+    return "\n".join(line for line in text.split("\n") if not re.match(r"\s*(\||#|\(|:)", line))
+
+
+def sentences(text: str) -> Iterator[str]:
+    """Sentences: paragraphs and list items."""
+    for paragraph in re.split(r"\n\s*\n|\n\s*(?:[-*]|\d+\.)\s", text):
+        yield from re.split(r"(?<=[.!?])\s", " ".join(paragraph.split()))
+
+
+def refused_identifiers(path: Path) -> list[str]:
+    """Identifiers of a file that hold a refused word."""
+    found = {name: line for line, name in identifiers(path) if words(name) & REFUSED}
+    return [f"{line}: {name}" for name, line in found.items()]
+
+
+def refused_prose(path: Path) -> list[str]:
+    """Words and sentences of a page that are refused."""
+    text = prose(path)
+    found = [match.group(0) for match in PROSE.finditer(text)]
+    return found + [s for s in sentences(text) if len(s.split()) > LONGEST]
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: p.relative_to(ROOT).as_posix())
+def test_identifiers_use_glossary_terms(path: Path) -> None:
+    assert refused_identifiers(path) == []
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda p: p.relative_to(ROOT).as_posix())
+def test_page_uses_glossary_terms(path: Path) -> None:
+    if path.relative_to(ROOT).as_posix() in GENERATED:
+        assert path.exists()
+        return
+    assert refused_prose(path) == []
+
+
+def test_words_are_split_at_underscores_and_capitals() -> None:
+    assert words("lane_besideSwerve2") == {"lane", "beside", "swerve"}
