@@ -18,10 +18,10 @@ def check_real(
     name: str,
     value: object,
     *,
-    above: float = -math.inf,
-    least: float = -math.inf,
-    most: float = math.inf,
-    infinite: bool = False,
+    gt: float = -math.inf,
+    ge: float = -math.inf,
+    le: float = math.inf,
+    allow_inf: bool = False,
 ) -> float:
     """Return `value` as float if it is a real number with above < value and least <= value <= most."""
     try:
@@ -30,12 +30,12 @@ def check_real(
         number = float(value)  # type: ignore[arg-type]  # anything may come from outside
     except (TypeError, ValueError):
         raise InputError(f"{name} must be a real number, was {value!r}") from None
-    if not (math.isfinite(number) or (infinite and not math.isnan(number))):
+    if not (math.isfinite(number) or (allow_inf and not math.isnan(number))):
         raise InputError(f"{name} must be finite, was {number}")
-    if number <= above:
-        raise InputError(f"{name} must be greater than {above:g}, was {number:g}")
-    if not least <= number <= most:
-        bounds = f"at least {least:g}" if number < least else f"at most {most:g}"
+    if number <= gt:
+        raise InputError(f"{name} must be greater than {gt:g}, was {number:g}")
+    if not ge <= number <= le:
+        bounds = f"at least {ge:g}" if number < ge else f"at most {le:g}"
         raise InputError(f"{name} must be {bounds}, was {number:g}")
     return number
 
@@ -46,7 +46,7 @@ def read_real(name: str, value: object, *, least: float = -math.inf, most: float
         value = float(value) if isinstance(value, str) else value
     except ValueError:
         raise InputError(f"{name} must be a real number, was {value!r}") from None
-    return check_real(name, value, least=least, most=most)
+    return check_real(name, value, ge=least, le=most)
 
 
 def check_array(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
@@ -81,9 +81,9 @@ def check_any(name: str, value: ArrayLike, ends_with: tuple[int, ...] = ()) -> A
     return array
 
 
-def check_points(name: str, value: ArrayLike, least: int) -> Array:
+def check_points(name: str, value: ArrayLike, min_points: int) -> Array:
     """Return a float64 copy of `value` if it is a finite (n, 2) array with n >= `least`."""
     points = check_array(name, value, (None, 2))
-    if len(points) < least:
-        raise InputError(f"{name} must have at least {least} points, had {len(points)}")
+    if len(points) < min_points:
+        raise InputError(f"{name} must have at least {min_points} points, had {len(points)}")
     return points

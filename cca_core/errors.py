@@ -43,5 +43,5 @@ class Status(Enum):
     OK = "every promise of the result holds"
     INFEASIBLE = "no solution within the limits was found"
     NOT_CONVERGED = "the iteration ended before its tolerance"
-    FALLBACK = "the wish could not be carried out safely; a safer action was taken"
+    DEGRADED = "the wish could not be carried out safely; a safer action was taken"
     INVALID_INPUT = "an input could not be used; the safest action was taken"

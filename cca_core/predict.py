@@ -8,16 +8,16 @@ from cca_core.geometry import Boxes
 from cca_core.path.path import Path
 from cca_core.vehicle import RemoteVehicle
 
-__all__ = ["boxes_between", "predict_along", "predict_free", "reach", "travel"]
+__all__ = ["occupancy_boxes", "predict_along", "predict_ctra", "predict_distance", "reachable_interval"]
 
 _CREEPING = 0.5  # slower than this the direction of motion is not known [m/s]
-_WINDOW = 15.0  # around the ego in which another body matters, with both half lengths [m]
+_OCCUPANCY_WINDOW = 15.0  # around the ego in which another body matters, with both half lengths [m]
 _BOUND = 2.0  # standard deviations by which boxes grow on each side (95 %)
 _TINY = 1e-300  # a braking by which speeds can be divided [m/s^2]
 _BRAKING = -1.0  # a deceleration beyond this is taken to last until standstill [m/s^2]
 
 
-def travel(v_x: float, a_x: float, t: ArrayLike) -> Array:
+def predict_distance(v_x: float, a_x: float, t: ArrayLike) -> Array:
     """Distance driven after a time.
 
     Parameters
@@ -48,7 +48,7 @@ def travel(v_x: float, a_x: float, t: ArrayLike) -> Array:
     return distance
 
 
-def reach(
+def reachable_interval(
     v: ArrayLike, t: ArrayLike, *, braking: float, acceleration: float, age: ArrayLike = 0.0
 ) -> tuple[Array, Array]:
     """Where along a road a vehicle may be after a time, whatever it does within bounds.
@@ -94,7 +94,7 @@ def reach(
     return low, high
 
 
-def boxes_between(
+def occupancy_boxes(
     path: Path, s: ArrayLike, rear: ArrayLike, front: ArrayLike, d: ArrayLike, half_width: ArrayLike
 ) -> Boxes:
     """Boxes that cover a stretch of the road beside places on it.
@@ -119,8 +119,8 @@ def boxes_between(
         road bends away from the box.
     """
     s, rear, front, d, half_width = (np.asarray(a, dtype=np.float64) for a in (s, rear, front, d, half_width))
-    first = np.minimum(np.maximum(rear, s - _WINDOW), front)
-    last = np.maximum(np.minimum(front, s + _WINDOW), rear)
+    first = np.minimum(np.maximum(rear, s - _OCCUPANCY_WINDOW), front)
+    last = np.maximum(np.minimum(front, s + _OCCUPANCY_WINDOW), rear)
     first, last = np.minimum(first, last), np.maximum(first, last)
     middle, length = 0.5 * (first + last), last - first
     center, tangent, second = path.derivatives(middle)
@@ -135,7 +135,7 @@ def boxes_between(
     )
 
 
-def predict_free(remote: RemoteVehicle, t: ArrayLike) -> tuple[Array, Array, Array]:
+def predict_ctra(remote: RemoteVehicle, t: ArrayLike) -> tuple[Array, Array, Array]:
     """Motion of a vehicle at constant turn rate and acceleration, off any road.
 
     Parameters
@@ -193,7 +193,7 @@ def predict_along(remote: RemoteVehicle, path: Path, s: float, d: float, t: Arra
     """
     relative = remote.psi - float(path.heading(s))
     forward = np.cos(relative) / max(1.0 - d * path.curvature_at(s), 0.1)
-    at = s + forward * travel(remote.v_x, remote.a_x, t)
+    at = s + forward * predict_distance(remote.v_x, remote.a_x, t)
     center, tangent, _ = path.derivatives(at)
     norm = np.hypot(tangent[..., 0], tangent[..., 1])
     heading = np.arctan2(tangent[..., 1], tangent[..., 0]) + relative

@@ -11,17 +11,17 @@ import numpy as np
 from cca_core._checks import check_real
 from cca_core.errors import InputError
 
-FARTHEST = 1.0e6
+MAX_COORDINATE = 1.0e6
 """Farthest coordinate in a local frame [m]."""
 
-FASTEST = 100.0
+MAX_SPEED = 100.0
 """Greatest speed of a road vehicle [m/s]."""
 
 _WILDEST = 100.0  # acceleration [m/s^2], yaw rate [rad/s]
 _OLDEST = 3600.0  # [s]
 _LEAST = {"m": 100.0, "I_z": 10.0, "C_f": 1e3, "C_r": 1e3}  # less is in tonnes or kilonewtons
 
-__all__ = ["FARTHEST", "FASTEST", "RemoteVehicle", "VehicleParams", "VehicleState"]
+__all__ = ["MAX_COORDINATE", "MAX_SPEED", "RemoteVehicle", "VehicleParams", "VehicleState"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,11 +75,11 @@ class VehicleParams:
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name == "box_offset":
-                check_real("box_offset", value, least=-5.0, most=5.0)
+                check_real("box_offset", value, ge=-5.0, le=5.0)
             elif field.name == "steering_lag":
-                check_real("steering_lag", value, least=0.0)
+                check_real("steering_lag", value, ge=0.0)
             else:
-                check_real(field.name, value, above=0.0, least=_LEAST.get(field.name, 0.0))
+                check_real(field.name, value, gt=0.0, ge=_LEAST.get(field.name, 0.0))
 
     @property
     def wheelbase(self) -> float:
@@ -237,7 +237,7 @@ class RemoteVehicle:
     source: str = "v2v"
 
     @property
-    def defect(self) -> str | None:
+    def invalid_reason(self) -> str | None:
         """Why this record cannot be used, in words, or None if it can."""
         values = _REMOTE_VALUES(self)
         if not (_FLOATS.issuperset(map(type, values)) and all(map(math.isfinite, values))):
@@ -248,13 +248,13 @@ class RemoteVehicle:
         if not (isinstance(labels[0], str) and isinstance(labels[1], frozenset)):
             was = [type(label).__name__ for label in labels]
             return f"id is not a string or events is not a frozenset (id is {was[0]}, events is {was[1]})"
-        if max(abs(self.x), abs(self.y)) > FARTHEST:
-            return f"position is farther than {FARTHEST / 1e3:.0f} km from the origin"
+        if max(abs(self.x), abs(self.y)) > MAX_COORDINATE:
+            return f"position is farther than {MAX_COORDINATE / 1e3:.0f} km from the origin"
         if max(abs(self.a_x), abs(self.r)) > _WILDEST:
             return "a_x or r is not that of a road vehicle"
         if not (0.0 < self.length <= 40.0 and 0.0 < self.width <= 5.0):
             return f"size {self.length:g} m x {self.width:g} m is not that of a road vehicle"
-        if not -20.0 <= self.v_x <= FASTEST:
+        if not -20.0 <= self.v_x <= MAX_SPEED:
             return f"speed {self.v_x:g} m/s is not that of a road vehicle"
         if not (
             0.0 <= self.age <= _OLDEST and 0.0 <= self.sigma_along <= 1e3 and 0.0 <= self.sigma_across <= 1e3

@@ -30,14 +30,14 @@ obstacle = RemoteVehicle(id="broken down", x=x, y=y, psi=psi, v_x=0.0, length=6.
 car = VehicleParams.bmw_320i()
 x, y = path.position(20.0)
 plant = SingleTrackPlant(car, VehicleState(x=x, y=y, psi=float(path.heading(20.0)), v_x=15.0))
-planner = Planner(car, road, cruise_speed=15.0, evasion=EvasionSettings(known_range=1000.0))
+planner = Planner(car, road, cruise_speed=15.0, evasion=EvasionSettings(awareness_range=1000.0))
 
 s, said = 20.0, None
 for k in range(750):  # 15 s
     state = plant.state
     command = planner.step(0.02 * k, state, [obstacle])
     plant.step(command.delta, command.a_x, 0.02)
-    s, d, _, _ = path.foot_point(state.x, state.y, near=s)
+    s, d, _, _ = path.foot_point(state.x, state.y, s_guess=s)
     if k % 50 == 0 or command.decision.action is not said:
         said = command.decision.action
         print(

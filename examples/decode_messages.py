@@ -21,7 +21,7 @@ log.insert(10, (1.0, b"not a message"))
 for t_received, data in log:
     outcome = tracker.update(data, t_received)
     if not outcome.accepted:
-        print(f"dropped at {t_received:.2f} s: {outcome.what}")
+        print(f"dropped at {t_received:.2f} s: {outcome.kind}")
 print(decode_bsm(log[-1][1]))
 
 for t in (2.0, 3.0, 4.0):

@@ -16,9 +16,9 @@ from tqdm import tqdm
 
 from cca_core import InputError, LocalFrame, Path, fit_path
 from cca_core.path import Waypoints, read_waypoints
-from cca_core.plot import grouped, headline, title, verdict, write_report
+from cca_core.plot import group_by_case, headline, summarize_outcome, title, write_report
 from cca_core.sim import Log, Scenario, paper_scenarios, simulate
-from cca_core.sim.loop import CYCLE
+from cca_core.sim.loop import CYCLE_TIME
 from cca_core.sim.scenarios.demo_road import demo_route, longest_stretch
 
 RADIUS = 200.0  # tighter bends are no place for these maneuvers [m]
@@ -67,33 +67,35 @@ def drive(scenarios: list[Scenario], seed: int) -> list[Log]:
     """Run each scenario, and with V2V or a driver on the multi-body car too, with a progress bar."""
     runs = [("single_track", s) for s in scenarios]
     if find_spec("vehiclemodels"):
-        runs += [("multi_body", s) for s in scenarios if s.ego != "sensor"]
+        runs += [("multi_body", s) for s in scenarios if s.ego_type != "sensor"]
     seconds = sum(scenario.duration for _, scenario in runs)
     style = "{desc} {percentage:3.0f}%|{bar}| {n:.0f} of {total:.0f} s [{elapsed}]"
     with tqdm(total=seconds, desc="driving", bar_format=style) as bar:
         return [
-            simulate(s, plant=plant, seed=seed, progress=lambda _: bar.update(min(CYCLE, seconds - bar.n)))
+            simulate(
+                s, plant=plant, seed=seed, progress=lambda _: bar.update(min(CYCLE_TIME, seconds - bar.n))
+            )
             for plant, s in runs
         ]
 
 
 def draw(logs: list[Log], out: FilePath) -> None:
     """Write the figures and the report."""
-    groups = len(grouped(logs))
+    groups = len(group_by_case(logs))
     with tqdm(total=groups, unit="scenario", desc="drawing") as bar:
         write_report(logs, out / "report.html", figures=out, progress=lambda: bar.update())
 
 
 def tell(logs: list[Log]) -> None:
     """Print a table of the runs, and what V2V changed."""
-    groups = grouped(logs)
+    groups = group_by_case(logs)
     print(f"{'run':66} {'plant':13} {'least gap':>9} {'peak a_y':>10} {'speed-up':>8}  outcome")
     for log in (log for group in groups for log in group):
         key = log.summary()
         gap = "-" if key["min_gap_m"] is None else f"{max(key['min_gap_m'], 0.0):.2f} m"
         print(
             f"{title(log):66} {log.plant:13} {gap:>9} {abs(log.a_y).max():>5.2f} m/s2 "
-            f"{key['realtime_factor']:>7.0f}x  {verdict(log)}"
+            f"{key['realtime_factor']:>7.0f}x  {summarize_outcome(log)}"
         )
     print(headline(groups))
 

@@ -15,7 +15,7 @@ for speed in (10.0, 20.0, 25.0):
     s, errors, a_y = 0.0, [], []
     while s < path.end - 20.0:
         state = plant.state
-        s, d, _, _ = path.foot_point(state.x, state.y, near=s)
+        s, d, _, _ = path.foot_point(state.x, state.y, s_guess=s)
         plant.step(controller.steer(state, path), a_x=speed - state.v_x, dt=0.02)
         errors.append(abs(d))
         a_y.append(abs(plant.a_y))

@@ -69,7 +69,7 @@ def test_check_real_accepts_bounds_themselves(value: float, bounds: dict) -> Non
 
 def test_check_real_refuses_nan_even_where_infinity_is_allowed() -> None:
     with pytest.raises(InputError, match="finite"):
-        check_real("limit", np.nan, infinite=True)
+        check_real("limit", np.nan, allow_inf=True)
 
 
 def test_check_array_copies() -> None:

@@ -81,7 +81,7 @@ def test_repr_names_the_class(name: str) -> None:
     assert repr(EXAMPLES[name]).startswith(f"{name}(")
 
 
-@pytest.mark.parametrize("name", ["Band", "CleanRoute", "LocalFrame", "Path", "Road"])
+@pytest.mark.parametrize("name", ["Band", "CleanedRoute", "LocalFrame", "Path", "Road"])
 def test_repr_is_one_readable_line(name: str) -> None:
     text = repr(EXAMPLES[name])
     assert len(text) < 120

@@ -10,8 +10,8 @@ import pytest
 
 from cca_core import RemoteVehicle, VehicleState
 from cca_core.path import Lane, Path, Road, fit_path
-from cca_core.sim import Log, Scenario, SingleTrackPlant, make_planner, maneuver, simulate
-from cca_core.sim.loop import CYCLE
+from cca_core.sim import Log, Scenario, SingleTrackPlant, make_planner, overtaking, simulate
+from cca_core.sim.loop import CYCLE_TIME
 from cca_core.sim.world.traffic import Traffic
 
 NUMBER = re.compile(r"(?<![A-Za-z])\d+(?:\.\d+)?")
@@ -38,7 +38,7 @@ def path_of(xy: np.ndarray[Any, Any]) -> Path:
 
 
 def scenario_on(path: Path, case: str = "1-fast") -> Scenario:
-    return replace(maneuver(case, path), duration=LONG)
+    return replace(overtaking(case, path), duration=LONG)
 
 
 def mirrored(scenario: Scenario, path: Path) -> Scenario:
@@ -46,7 +46,7 @@ def mirrored(scenario: Scenario, path: Path) -> Scenario:
     lanes = tuple(replace(lane, d=-lane.d) for lane in scenario.road.lanes)
     return replace(
         scenario, road=Road(path, lanes, speed_limit=scenario.road.speed_limit),
-        users=tuple(replace(u, d=-u.d) for u in scenario.users),
+        road_users=tuple(replace(u, d=-u.d) for u in scenario.road_users),
     )  # fmt: skip
 
 
@@ -59,7 +59,7 @@ def test_the_run_is_worth_comparing(plain: tuple[str, Log]) -> None:
     _, log = plain
     assert log.actions == ["KEEP", "EVADE_LEFT", "KEEP"]
     assert np.abs(log.command[:, 0]).max() > 0.005
-    assert log.place[:, 1].max() > 2.5
+    assert log.ego_frenet[:, 1].max() > 2.5
 
 
 @pytest.mark.parametrize(("angle", "shift"), [(2.1, (300.0, -120.0)), (-math.pi / 2.0, (-5000.0, 8000.0))])
@@ -86,16 +86,16 @@ def exactly(scenario: Scenario) -> tuple[np.ndarray[Any, Any], list[str]]:
         scenario.vehicle, VehicleState(x=x, y=y, psi=float(path.heading(start)), v_x=scenario.v_x)
     )
     commands, actions = [], []
-    for k in range(round(scenario.duration / CYCLE)):
-        t, state = k * CYCLE, plant.state
+    for k in range(round(scenario.duration / CYCLE_TIME)):
+        t, state = k * CYCLE_TIME, plant.state
         remotes = [
             RemoteVehicle(id=u.id, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, length=u.length, width=u.width)
-            for u, (x, y, psi, v, a, r) in zip(scenario.users, traffic.rows(), strict=True)
+            for u, (x, y, psi, v, a, r) in zip(scenario.road_users, traffic.rows(), strict=True)
         ]
         command = planner.step(t, state, remotes)
         commands.append((command.delta, command.a_x))
         actions.append(command.decision.action.value)
-        plant.step(command.delta, command.a_x, CYCLE)
+        plant.step(command.delta, command.a_x, CYCLE_TIME)
         traffic.step(t, state)
     return np.array(commands), actions
 
@@ -125,7 +125,7 @@ def test_mirrored(plain: tuple[str, Log]) -> None:
     assert [t for t, _, _ in other.decisions] == pytest.approx(
         [t for t, _, _ in log.decisions], abs=ONE_CYCLE
     )
-    assert other.place[:, 1] == pytest.approx(-log.place[:, 1], abs=0.02)
+    assert other.ego_frenet[:, 1] == pytest.approx(-log.ego_frenet[:, 1], abs=0.02)
     words = {"left": "right", "right": "left"}
     for (_, _, said), (_, _, meant) in zip(other.decisions, log.decisions, strict=True):
         assert NUMBER.split(" ".join(words.get(w, w) for w in said.split())) == NUMBER.split(meant)
@@ -138,7 +138,7 @@ def test_mirrored_wait_for_an_oncoming_car() -> None:
     logs = []
     for sign in (1.0, -1.0):
         path = path_of(waypoints("curved") * (1.0, sign))
-        s = maneuver("3", path, start=0.0)
+        s = overtaking("3", path, start=0.0)
         s = replace(s, duration=18.0)
         logs.append(simulate(s if sign > 0.0 else mirrored(s, path)))
     left, right = logs
@@ -155,8 +155,8 @@ def test_both_sides_legal_the_cheaper_one_is_mirrored_too() -> None:
         path = path_of(waypoints("straight"))
         base = scenario_on(path)
         lanes = (Lane(d=-3.5), Lane(d=0.0), Lane(d=3.5))
-        user = replace(base.users[0], d=0.5 * sign)
-        log = simulate(replace(base, road=Road(path, lanes), users=(user,)))
+        user = replace(base.road_users[0], d=0.5 * sign)
+        log = simulate(replace(base, road=Road(path, lanes), road_users=(user,)))
         seen.append((log.actions, log.command))
     assert seen[0][0] == ["KEEP", "EVADE_RIGHT", "KEEP"]
     assert seen[1][0] == ["KEEP", "EVADE_LEFT", "KEEP"]

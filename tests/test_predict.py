@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from cca_core.geometry import wrap_angle
 from cca_core.path import fit_path, interpolate_path
 from cca_core.path.path import Path
-from cca_core.predict import predict_along, reach, travel
+from cca_core.predict import predict_along, predict_distance, reachable_interval
 from cca_core.vehicle import RemoteVehicle
 
 STRAIGHT = Path([0.0, 200.0], [[[0, 0, 200, 0], [0, 0, 0, 0]]])
@@ -34,21 +34,23 @@ def remote(**changes: object) -> RemoteVehicle:
 def test_travel_while_braking_is_the_integral_of_speed_until_standstill(v: float, a: float, t: float) -> None:
     stop = v / -a
     speed_integral = quad(lambda tau: max(v + a * tau, 0.0), 0.0, t, points=[min(stop, t)])[0]
-    assert float(travel(v, a, t)) == pytest.approx(speed_integral, abs=1e-8)
-    assert float(travel(v, a, t)) <= v * v / (-2.0 * a) + 1e-12
+    assert float(predict_distance(v, a, t)) == pytest.approx(speed_integral, abs=1e-8)
+    assert float(predict_distance(v, a, t)) <= v * v / (-2.0 * a) + 1e-12
 
 
 @given(st.floats(-20.0, 60.0), st.floats(-1.0, 10.0), st.floats(-5.0, 30.0))
 def test_travel_at_constant_speed_otherwise(v: float, a: float, t: float) -> None:
-    assert float(travel(v, a, t)) == v * t
+    assert float(predict_distance(v, a, t)) == v * t
 
 
 def test_travel_anchors() -> None:
-    np.testing.assert_allclose(travel(20.0, -5.0, [0.0, 1.0, 4.0, 9.0]), [0.0, 17.5, 40.0, 40.0], atol=1e-13)
-    np.testing.assert_allclose(travel(20.0, -5.0, [-2.0, -0.5]), [-40.0, -10.0], atol=1e-13)
-    np.testing.assert_allclose(travel(0.0, -5.0, [-1.0, 3.0]), [0.0, 0.0])
-    np.testing.assert_allclose(travel(-3.0, -5.0, [2.0]), [-6.0])
-    assert travel(20.0, -5.0, np.ones((2, 3))).shape == (2, 3)
+    np.testing.assert_allclose(
+        predict_distance(20.0, -5.0, [0.0, 1.0, 4.0, 9.0]), [0.0, 17.5, 40.0, 40.0], atol=1e-13
+    )
+    np.testing.assert_allclose(predict_distance(20.0, -5.0, [-2.0, -0.5]), [-40.0, -10.0], atol=1e-13)
+    np.testing.assert_allclose(predict_distance(0.0, -5.0, [-1.0, 3.0]), [0.0, 0.0])
+    np.testing.assert_allclose(predict_distance(-3.0, -5.0, [2.0]), [-6.0])
+    assert predict_distance(20.0, -5.0, np.ones((2, 3))).shape == (2, 3)
 
 
 def test_along_a_straight_road() -> None:
@@ -134,5 +136,5 @@ def test_prediction_is_rotation_invariant() -> None:
 
 
 def test_next_to_no_braking_is_no_braking() -> None:
-    least, _ = reach(20.0, [1.0, 4.0], braking=5e-324, acceleration=0.0)
+    least, _ = reachable_interval(20.0, [1.0, 4.0], braking=5e-324, acceleration=0.0)
     np.testing.assert_allclose(least, [20.0, 80.0])

@@ -16,7 +16,7 @@ from cca_core.band import BandStiffness
 from cca_core.decide import Decision
 from cca_core.planner.settings import EvasionSettings
 from cca_core.serial import from_dict, to_dict
-from cca_core.sim import Scenario, maneuver
+from cca_core.sim import Scenario, overtaking
 from cca_core.v2x import ChannelSettings, TrackerSettings
 from tests.support.recorded_data import CAR, ROUTE, examples, parts, public_records
 
@@ -62,7 +62,7 @@ def test_every_float_is_kept(value: float) -> None:
 
 
 def test_a_scenario_is_kept() -> None:
-    scenario = maneuver("2", Path([0.0, 1200.0], [[[0.0, 0.0, 1200.0, 0.0], [0.0] * 4]]))
+    scenario = overtaking("2", Path([0.0, 1200.0], [[[0.0, 0.0, 1200.0, 0.0], [0.0] * 4]]))
     assert parts(there_and_back(scenario)) == parts(scenario)
     assert from_dict(Scenario, to_dict(scenario)).road.lanes == scenario.road.lanes
 
@@ -84,16 +84,16 @@ def test_many_bands_are_described_one_by_one() -> None:
 
 
 def test_infinity_is_a_word() -> None:
-    data = to_dict(EvasionSettings(known_range=math.inf))
-    assert data["known_range"] == "Infinity"
-    assert from_dict(EvasionSettings, {"known_range": "Infinity"}).known_range == math.inf
+    data = to_dict(EvasionSettings(awareness_range=math.inf))
+    assert data["awareness_range"] == "Infinity"
+    assert from_dict(EvasionSettings, {"awareness_range": "Infinity"}).awareness_range == math.inf
     with pytest.raises(InputError, match=r"^clearance must be finite"):
         from_dict(EvasionSettings, {"clearance": "Infinity"})
 
 
 def test_omitted_fields_take_defaults() -> None:
-    settings = from_dict(TrackerSettings, {"most_senders": 50, "plausibility": {"frozen": False}})
-    assert settings.most_senders == 50
+    settings = from_dict(TrackerSettings, {"max_tracks": 50, "plausibility": {"frozen": False}})
+    assert settings.max_tracks == 50
     assert not settings.plausibility.frozen
     assert settings.plausibility.yaw
     assert from_dict(ChannelSettings, {}) == ChannelSettings()

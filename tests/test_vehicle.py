@@ -120,10 +120,10 @@ def remote(**changes: object) -> RemoteVehicle:
 
 
 def test_a_good_record_has_no_defect() -> None:
-    assert remote().defect is None
-    assert remote(v_x=0, psi=7, length=40.0, width=5.0, age=0.0).defect is None
-    assert remote(v_x=np.float64(12.5), x=np.float64(3.0)).defect is None
-    assert remote(v_x=-20.0).defect is None
+    assert remote().invalid_reason is None
+    assert remote(v_x=0, psi=7, length=40.0, width=5.0, age=0.0).invalid_reason is None
+    assert remote(v_x=np.float64(12.5), x=np.float64(3.0)).invalid_reason is None
+    assert remote(v_x=-20.0).invalid_reason is None
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_a_good_record_has_no_defect() -> None:
 )
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "12", 1j])
 def test_defect_names_the_field_that_is_not_finite(name: str, value: object) -> None:
-    defect = remote(**{name: value}).defect
+    defect = remote(**{name: value}).invalid_reason
     assert defect is not None
     assert defect.startswith(f"{name} is not a finite number")
 
@@ -159,11 +159,11 @@ def test_defect_names_the_field_that_is_not_finite(name: str, value: object) -> 
     ],
 )
 def test_invalid_reason_text(changes: dict, word: str) -> None:
-    defect = remote(**changes).defect
+    defect = remote(**changes).invalid_reason
     assert defect is not None
     assert word in defect
 
 
 def test_numpy_integers_and_float32_are_numbers_too() -> None:
-    assert remote(v_x=np.int64(20)).defect is None
-    assert remote(length=np.float32(4.5)).defect is None
+    assert remote(v_x=np.int64(20)).invalid_reason is None
+    assert remote(length=np.float32(4.5)).invalid_reason is None

@@ -20,7 +20,8 @@ REFUSED = frozenset(
 )
 FOREIGN = {"least_squares", "most_common", "hasMost"}  # names of other libraries
 PROSE = re.compile(
-    r"\b(he|him|his|nobody|somebody|everybody|reckon\w*|held capable|bent anew|lane beside|rungs?)\b", re.IGNORECASE
+    r"\b(he|him|his|nobody|somebody|everybody|reckon\w*|held capable|bent anew|lane beside|rungs?)\b",
+    re.IGNORECASE,
 )
 LONGEST = 40  # words in a sentence
 

@@ -21,9 +21,9 @@ import numpy as np
 from tqdm import tqdm
 
 from cca_core.plot.study import plot_study
-from cca_core.sim.scenarios.scenario import EGOS
-from cca_core.sim.study.parameters import Variation
-from cca_core.sim.study.sampling import STUDIED
+from cca_core.sim.scenarios.scenario import EGO_TYPES
+from cca_core.sim.study.parameters import ParameterRanges
+from cca_core.sim.study.sampling import STUDY_SCENARIOS
 from cca_core.sim.study.statistics import StudyTable
 from cca_core.sim.study.study import Study, run_study
 
@@ -54,10 +54,10 @@ def main() -> int:
     if failed:
         print(f"failed: {', '.join(failed)}", file=sys.stderr)
         return 1
-    tables = [study(name) for name in STUDIED]
+    tables = [study(name) for name in STUDY_SCENARIOS]
     write(commit, rows, len(files), told(tables))
     plot_study(tables, log=True).savefig(FIGURE, dpi=120)
-    failed = [table.scenario for table in tables if table.rate("v2v").bound >= BOUND]
+    failed = [table.scenario for table in tables if table.rate("v2v").upper_bound >= BOUND]
     if failed:
         print(f"avoidable collisions with V2V in {', '.join(failed)}", file=sys.stderr)
     return 1 if failed else 0
@@ -119,7 +119,7 @@ def run(name: str) -> dict[str, int]:
 
 def study(name: str) -> StudyTable:
     """Drive what is left of the study of one scenario."""
-    plan = Study(variation=Variation(scenario=name), seed=SEED, avoidable=AVOIDABLE)
+    plan = Study(variation=ParameterRanges(scenario=name), seed=SEED, avoidable=AVOIDABLE)
     name_of_file = f"study_{name}_{hashlib.sha256(plan.fingerprint.encode()).hexdigest()[:12]}.jsonl"
     with tqdm(total=AVOIDABLE, desc=name, unit="avoidable run") as bar:
 
@@ -145,10 +145,12 @@ def told(tables: list[StudyTable]) -> list[str]:
         "|---|---|---|---|---|---|---|",
     ]
     for table in tables:
-        v2v, driver, sensor = (table.rate(ego) for ego in EGOS)
-        cells = (f"{r.hits}: {r.value:.2%} ({r.low:.2%} to {r.high:.2%})" for r in (v2v, driver, sensor))
+        v2v, driver, sensor = (table.rate(ego) for ego in EGO_TYPES)
+        cells = (
+            f"{r.n_events}: {r.value:.2%} ({r.ci_low:.2%} to {r.ci_high:.2%})" for r in (v2v, driver, sensor)
+        )
         first, *rest = cells
-        row = (table.scenario, len(table), v2v.n, first, f"{v2v.bound:.2%}", *rest)
+        row = (table.scenario, len(table), v2v.n, first, f"{v2v.upper_bound:.2%}", *rest)
         lines.append(f"| {' | '.join(map(str, row))} |")
     lines += [
         "",
@@ -164,7 +166,7 @@ def told(tables: list[StudyTable]) -> list[str]:
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for table in tables:
-        for index in np.flatnonzero(table.hit("v2v")).tolist():
+        for index in np.flatnonzero(table.collided("v2v")).tolist():
             row = table.rows[index]
             numbers = (f"{row[key]:.2f}" for key in ("v2v_speed", "latency", "loss", "reach"))
             cells = (table.scenario, index, row["v2v_hit"], *numbers, why(row), row["v2v_last"])
@@ -174,8 +176,8 @@ def told(tables: list[StudyTable]) -> list[str]:
 
 def why(row: dict[str, Any]) -> str:
     """Explain a collision with V2V."""
-    if row["avoided_by"]:
-        return f"**avoidable** ({row['avoided_by']})"
+    if row["avoiding_action"]:
+        return f"**avoidable** ({row['avoiding_action']})"
     if row["t_hazard"] is None:
         return "never told of the hazard"
     return f"told at {row['t_hazard']:.2f} s: too late to brake or to swerve"

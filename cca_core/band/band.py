@@ -12,8 +12,8 @@ from cca_core._svg import drawing
 from cca_core.band.certificate import Certificate
 from cca_core.band.corridor import Side
 from cca_core.band.energy import kkt_residual
-from cca_core.band.picture import marks_of
-from cca_core.band.problem import FARTHEST, Task
+from cca_core.band.picture import band_marks
+from cca_core.band.problem import MAX_DISPLACEMENT, BandProblem
 from cca_core.errors import InfeasibleError, InputError, Status
 from cca_core.path import Path
 from cca_core.path.interpolate import cubics_along
@@ -51,14 +51,14 @@ class Band:
         the curvature within its limit.
     message : str or ndarray of str, shape (...)
         Why the status is what it is.
-    binding : str or ndarray of str, shape (...)
+    active_constraint : str or ndarray of str, shape (...)
         What the band comes closest to or is stopped by: "obstacle 0", "left edge", "right edge", "curvature"
         or nothing.
-    solves : int or ndarray of int, shape (...)
+    n_solves : int or ndarray of int, shape (...)
         Banded systems solved [-].
-    sixth : ndarray, shape (..., n, 2)
+    moment_over_6 : ndarray, shape (..., n, 2)
         A sixth of the second derivative of the C2 cubic through the nodes [1/m].
-    task : Task
+    problem : Task
         What was asked, for those who go on with the band.
     qp_residual : float, optional
         Largest KKT residual of the quadratic program, if the band was smoothed by one [-].
@@ -75,10 +75,10 @@ class Band:
     spacing: Annotated[Any, float]
     status: Annotated[Any, Status]
     message: Annotated[Any, str]
-    binding: Annotated[Any, str]
-    solves: Annotated[Any, int]
-    sixth: Array
-    task: Task
+    active_constraint: Annotated[Any, str]
+    n_solves: Annotated[Any, int]
+    moment_over_6: Array
+    problem: BandProblem
     qp_residual: float | None = None
 
     def __repr__(self) -> str:
@@ -104,7 +104,7 @@ class Band:
             If these are many bands.
         """
         band = self._single()
-        return drawing(marks_of(band), repr(band) if band.ok else f"{band.status.name}: {band.message}")
+        return drawing(band_marks(band), repr(band) if band.ok else f"{band.status.name}: {band.message}")
 
     def _repr_svg_(self) -> str | None:
         return self.to_svg() if self.nodes.ndim == 2 else None
@@ -152,11 +152,11 @@ class Band:
     def residual(self) -> float:
         """KKT residual of a single band: largest missing force, as the violation of a bound [m]."""
         band = self._single()
-        free = band.task.free[0]
+        free = band.problem.free_displacement[0]
         return float(
             kkt_residual(
                 band.displacement - free, lower=band.lower - free, upper=band.upper - free,
-                spacing=band.spacing, stiffness=band.task.stiffness,
+                spacing=band.spacing, stiffness=band.problem.stiffness,
             )
         )  # fmt: skip
 
@@ -174,7 +174,7 @@ class Band:
             The bent route to be driven.
         """
         band = self._single()
-        return cubics_along(band.nodes, band.sixth, float(start))
+        return cubics_along(band.nodes, band.moment_over_6, float(start))
 
     def require(self) -> Self:
         """Return this band if it is usable.
@@ -200,9 +200,9 @@ class Band:
         return self
 
 
-def judged(
-    task: Task,
-    leading: tuple[int, ...],
+def assemble_band(
+    task: BandProblem,
+    batch_shape: tuple[int, ...],
     u: Array,
     certificate: Certificate,
     *,
@@ -218,7 +218,7 @@ def judged(
     ----------
     task : Task
         What was asked.
-    leading : tuple of int
+    batch_shape : tuple of int
         Leading axes of the result; () for a single band.
     u : ndarray, shape (bands, n)
         Displacement [m].
@@ -238,7 +238,7 @@ def judged(
     band : Band
         The bands with their status.
     """
-    kept, edge, bent = certificate.least_gap, certificate.least_edge, certificate.bent
+    kept, edge, bent = certificate.min_gap, certificate.min_edge_clearance, certificate.curvature_ratio
     curvature = np.abs(certificate.curvature).max(axis=1)
     farthest = np.abs(u).max(axis=1)
     outcomes = []
@@ -247,7 +247,7 @@ def judged(
         nearest = f"obstacle {certificate.gaps[:, i].min(axis=1).argmin()}" if spare < math.inf else ""
         closest = nearest
         if edge[i] < spare:
-            closest = f"{'right' if certificate.right[i].min() == edge[i] else 'left'} edge"
+            closest = f"{'right' if certificate.right_margin[i].min() == edge[i] else 'left'} edge"
         outcome = Status.OK, "clearance and limits kept", closest
         if i in stuck:
             outcome = stuck[i]
@@ -256,19 +256,19 @@ def judged(
             outcome = Status.INFEASIBLE, reason, nearest
         elif edge[i] < -_EXACT:
             outcome = Status.INFEASIBLE, f"the body crosses the {closest} by {-edge[i]:.3f} m", closest
-        elif farthest[i] > FARTHEST:
+        elif farthest[i] > MAX_DISPLACEMENT:
             outcome = Status.INFEASIBLE, f"it would swerve by {farthest[i]:.0f} m", nearest
         elif bent[i] > 1.0 + _EXACT:
             how = f"{bent[i]:.2f} times the limit" if bent[i] >= 1.005 else "just above the limit"
             reason = f"curvature {curvature[i]:.4f} 1/m is {how}"
             outcome = Status.INFEASIBLE, reason, "curvature"
         outcomes.append(outcome)
-    nodes = task.base + 1j * task.tangents * u
+    nodes = task.route_nodes + 1j * task.tangents * u
     shaped: dict[str, Any] = {
-        "nodes": nodes.view(np.float64).reshape(*leading, -1, 2), "displacement": u.reshape(*leading, -1),
-        "sixth": certificate.sixth.view(np.float64).reshape(*leading, -1, 2),
-        "lower": lower.reshape(*leading, -1), "upper": upper.reshape(*leading, -1),
-        "passes_left": passes_left.reshape(-1, *leading),
+        "nodes": nodes.view(np.float64).reshape(*batch_shape, -1, 2), "displacement": u.reshape(*batch_shape, -1),
+        "sixth": certificate.sixth.view(np.float64).reshape(*batch_shape, -1, 2),
+        "lower": lower.reshape(*batch_shape, -1), "upper": upper.reshape(*batch_shape, -1),
+        "passes_left": passes_left.reshape(-1, *batch_shape),
     }  # fmt: skip
     for array in shaped.values():
         array.setflags(write=False)
@@ -277,7 +277,7 @@ def judged(
         "solves": solves,
     }  # fmt: skip
     for name, value in values.items():
-        shaped[name] = value.reshape(leading) if leading else value.item()
+        shaped[name] = value.reshape(batch_shape) if batch_shape else value.item()
     for name, column in zip(("status", "message", "binding"), zip(*outcomes, strict=True), strict=True):
-        shaped[name] = np.array(column, dtype=object).reshape(leading) if leading else column[0]
-    return Band(task=task, **shaped)
+        shaped[name] = np.array(column, dtype=object).reshape(batch_shape) if batch_shape else column[0]
+    return Band(problem=task, **shaped)

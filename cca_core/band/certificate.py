@@ -8,7 +8,7 @@ import numpy as np
 
 from cca_core._checks import Array, Complex, Index
 from cca_core.band.corridor import Corridor
-from cca_core.band.problem import Task, spline_along
+from cca_core.band.problem import BandProblem, spline_moments
 from cca_core.geometry import gap_between
 from cca_core.vehicle import VehicleParams
 
@@ -27,41 +27,49 @@ class Certificate:
     gaps : ndarray, shape (m, bands, n)
         Least gap to each obstacle around each node [m]: a lower bound, exact within the bulge of the band
         between nodes where it is at its least.
-    right, left : ndarray, shape (bands, n)
+    right_margin, left_margin : ndarray, shape (bands, n)
         How far the body stays off the right and the left edge [m], negative where it crosses it.
     curvature : ndarray, shape (bands, n)
         Curvature of the band [1/m], left positive.
-    least_gap, least_edge : ndarray, shape (bands,)
+    min_gap, min_edge_clearance : ndarray, shape (bands,)
         Least of the gaps to obstacles and of the distances from edges [m].
-    bent : ndarray, shape (bands,)
+    curvature_ratio : ndarray, shape (bands,)
         Largest curvature as a multiple of its limit [-].
     sixth : ndarray of complex, shape (bands, n)
         A sixth of the second derivative of the C2 cubic through the nodes [1/m].
     """
 
     gaps: Array
-    right: Array
-    left: Array
+    right_margin: Array
+    left_margin: Array
     curvature: Array
-    least_gap: Array
-    least_edge: Array
-    bent: Array
+    min_gap: Array
+    min_edge_clearance: Array
+    curvature_ratio: Array
     sixth: Complex
 
-    def excess(self, task: Task) -> Array:
+    def violation(self, task: BandProblem) -> Array:
         """Return how far bands are from what was asked [-], shape (bands,); a meter counts as 5 limits."""
-        short = np.maximum(task.clearance - self.least_gap, -self.least_edge)
-        excess: Array = 5.0 * np.maximum(short, 0.0) + np.maximum(self.bent - 1.0, 0.0)
+        short = np.maximum(task.clearance - self.min_gap, -self.min_edge_clearance)
+        excess: Array = 5.0 * np.maximum(short, 0.0) + np.maximum(self.curvature_ratio - 1.0, 0.0)
         return excess
 
     def update(self, bands: Index, some: "Certificate") -> None:
         """Put in what some of the bands keep after another solve."""
         self.gaps[:, bands] = some.gaps
-        for name in ("right", "left", "curvature", "least_gap", "least_edge", "bent", "sixth"):
+        for name in (
+            "right_margin",
+            "left_margin",
+            "curvature",
+            "min_gap",
+            "min_edge_clearance",
+            "curvature_ratio",
+            "moment_over_6",
+        ):
             getattr(self, name)[bands] = getattr(some, name)
 
 
-def certify(task: Task, u: Array) -> Certificate:
+def certify(task: BandProblem, u: Array) -> Certificate:
     """Sweep the ego's box along displaced bands.
 
     Parameters
@@ -84,17 +92,17 @@ def certify(task: Task, u: Array) -> Certificate:
     turning may take away is taken off that bound. Where it falls below the distance asked, or is loose and
     within 1 cm of it beside what stands, the interval is sampled closely.
     """
-    nodes = task.base + 1j * task.tangents * u
-    along, curvature, sixth = spline_along(nodes, task.ends)
+    nodes = task.route_nodes + 1j * task.tangents * u
+    along, curvature, sixth = spline_moments(nodes, task.end_moments)
     gaps = _gaps(task, nodes, along, curvature)
     right, left = _edge_distances(task, u, along, curvature)
     edge = np.minimum(right, left).min(axis=1)
     bent = np.abs(curvature / task.curvature_limit).max(axis=1)
-    least_gap = gaps.min(axis=(0, 2)) if len(gaps) else np.full(len(u), math.inf)
-    return Certificate(gaps, right, left, curvature, least_gap, edge, bent, sixth)
+    min_gap = gaps.min(axis=(0, 2)) if len(gaps) else np.full(len(u), math.inf)
+    return Certificate(gaps, right, left, curvature, min_gap, edge, bent, sixth)
 
 
-def end_gaps(task: Task) -> Array:
+def end_gaps(task: BandProblem) -> Array:
     """Measure what no bending changes: the gaps at the pinned ends.
 
     Parameters
@@ -108,13 +116,13 @@ def end_gaps(task: Task) -> Array:
         Lesser of the gaps to each obstacle at the first and the last node [m].
     """
     ends = slice(None), slice(None), [0, -1]
-    there = (task.base + 1j * task.tangents * task.free)[:, [0, -1]]
-    gaps = _gap(there, task.ahead, _at(task.corridor, ends), task.vehicle)
+    there = (task.route_nodes + 1j * task.tangents * task.free_displacement)[:, [0, -1]]
+    gaps = _gap(there, task.end_headings, _at(task.corridor, ends), task.vehicle)
     least: Array = gaps.min(axis=2)
     return least
 
 
-def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array:
+def _gaps(task: BandProblem, nodes: Complex, along: Complex, curvature: Array) -> Array:
     """Least gap (m, bands, n) to each obstacle between each node and the next."""
     o, vehicle, clearance = task.corridor, task.vehicle, task.clearance
     if not len(o.center):
@@ -124,7 +132,7 @@ def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array
     gaps = middles - (o.radius + 0.5 * math.hypot(vehicle.length, vehicle.width))
     most = (middles - o.half_width).min(axis=(0, 2)) - 0.5 * vehicle.width
     # no gap changes by more from node to node
-    moves = o.moves + task.h * (1.0 + 0.6 * vehicle.length * np.abs(curvature).max(axis=1))
+    moves = o.max_step + task.h * (1.0 + 0.6 * vehicle.length * np.abs(curvature).max(axis=1))
     near = gaps <= (np.maximum(clearance, most) + 2.0 * moves)[..., None]
     pairs = near.nonzero()
     i = pairs[2]
@@ -133,7 +141,7 @@ def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array
     sampled = _gap(nodes[pairs[1:]], along[pairs[1:]], _at(o, pairs), vehicle)
     bent = np.abs(curvature[pairs[1:]])
     bulge = task.h[pairs[1]] * bent * (0.125 * task.h[pairs[1]] + 0.5 * moves[pairs[:2]])
-    if o.moves.any() or bent.any():
+    if o.max_step.any() or bent.any():
         bulge += _ROUNDING
     least = sampled.copy()
     inner = (i[1:] - i[:-1] == 1).nonzero()[0]  # intervals with both ends sampled
@@ -155,7 +163,7 @@ def _gaps(task: Task, nodes: Complex, along: Complex, curvature: Array) -> Array
         np.minimum.at(floor, pairs[1], sampled)
         low = np.minimum(sampled[look], sampled[look + 1])
         loose = (least[look] < floor[pairs[1][look]] - _LOOSE) & (
-            o.moves[pairs[0][look], pairs[1][look]] == 0.0
+            o.max_step[pairs[0][look], pairs[1][look]] == 0.0
         )
         look = look[(low >= clearance) & ((least[look] < clearance) | loose)]
     if len(look):
@@ -205,15 +213,15 @@ def _between(
     at_ends = gaps.min(axis=0) - 0.5 * np.abs(change[[0, -1]]).max(axis=0)
     # past what stands the gap lies, in the first and the last part, above the secant of the part beside
     beside = np.minimum(gaps[1] - np.maximum(change[1], 0.0), gaps[-2] + np.minimum(change[-2], 0.0))
-    at_ends = np.where(corridor.moves[o, band] > 0.0, at_ends, np.minimum(beside, gaps.min(axis=0)))
+    at_ends = np.where(corridor.max_step[o, band] > 0.0, at_ends, np.minimum(beside, gaps.min(axis=0)))
     least: Array = np.minimum(np.where(falls & rises, dips, math.inf).min(axis=0), at_ends)
     return least
 
 
-def _edge_distances(task: Task, u: Array, along: Complex, curvature: Array) -> tuple[Array, Array]:
+def _edge_distances(task: BandProblem, u: Array, along: Complex, curvature: Array) -> tuple[Array, Array]:
     """Distance (bands, n) of the body from the right and the left edge, over its length."""
     corridor, vehicle = task.corridor, task.vehicle
-    if not corridor.edged:
+    if not corridor.has_edges:
         free = np.full(u.shape, math.inf)
         return free, free.copy()
     half, n = 0.5 * vehicle.width, u.shape[1]

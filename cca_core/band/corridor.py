@@ -30,15 +30,15 @@ class Corridor:
         Half extents of the boxes [m].
     radius : ndarray, shape (m, bands, n)
         Of the circles around the boxes [m].
-    moves : ndarray, shape (m, bands)
+    max_step : ndarray, shape (m, bands)
         Farthest that a corner moves from node to node [m].
-    abeam : ndarray of bool, shape (m, bands, n)
+    alongside : ndarray of bool, shape (m, bands, n)
         Whether an obstacle is beside the ego there.
     right, left : ndarray, shape (m, bands, n)
         Displacement at which the ego passes an obstacle on its right and on its left at clearance [m].
     lower, upper : ndarray, shape (bands, n)
         Displacement at which the ego drives along the right and the left edge [m].
-    edged : bool
+    has_edges : bool
         Whether there are edges at all.
     """
 
@@ -47,20 +47,20 @@ class Corridor:
     half_length: Array
     half_width: Array
     radius: Array
-    moves: Array
-    abeam: Mask
+    max_step: Array
+    alongside: Mask
     right: Array
     left: Array
     lower: Array
     upper: Array
-    edged: bool
+    has_edges: bool
 
     def select(self, bands: Index) -> "Corridor":
         """Return the same for some bands, each as often as it is named."""
         of_obstacles = {name: getattr(self, name)[:, bands] for name in _OF_OBSTACLES}
         return replace(self, **of_obstacles, lower=self.lower[bands], upper=self.upper[bands])
 
-    def natural_sides(self) -> tuple[Mask, Mask]:
+    def default_sides(self) -> tuple[Mask, Mask]:
         """Whether obstacles are in the way, and whether the route passes them on their left.
 
         Returns
@@ -69,14 +69,14 @@ class Corridor:
             An obstacle is in the way if the undisplaced ego would come closer to it than the clearance; if
             it is, left stands for no natural side.
         """
-        on_right = np.logical_or.reduce(self.abeam & (self.left > 0.0), axis=-1)
-        on_left = np.logical_or.reduce(self.abeam & (self.right < 0.0), axis=-1)
+        on_right = np.logical_or.reduce(self.alongside & (self.left > 0.0), axis=-1)
+        on_left = np.logical_or.reduce(self.alongside & (self.right < 0.0), axis=-1)
         both: Mask = on_right & on_left
-        return both, both if both.all() else both | (self.middle() < 0.0)
+        return both, both if both.all() else both | (self.mean_offset() < 0.0)
 
-    def middle(self) -> Array:
+    def mean_offset(self) -> Array:
         """Mean lateral coordinate of each obstacle where it is abeam, up to a factor, shape (m, bands)."""
-        middle: Array = np.where(self.abeam, self.left + self.right, 0.0).sum(axis=-1)
+        middle: Array = np.where(self.alongside, self.left + self.right, 0.0).sum(axis=-1)
         return middle
 
     def bounds(self, passes_left: Mask) -> tuple[Array, Array]:
@@ -93,14 +93,14 @@ class Corridor:
             Least and largest displacement [m]; nothing lies between them where lower > upper.
         """
         lower, upper = self.lower.copy(), self.upper.copy()
-        for abeam, sides, right, left in zip(self.abeam, passes_left, self.right, self.left, strict=True):
+        for abeam, sides, right, left in zip(self.alongside, passes_left, self.right, self.left, strict=True):
             beside = abeam & sides[:, None]
             lower = np.where(beside, np.maximum(lower, left), lower)
             upper = np.where(beside < abeam, np.minimum(upper, right), upper)
         return lower, upper
 
 
-def corridor_around(
+def make_corridor(
     base: Complex,
     tangents: Complex,
     obstacles: Sequence[Boxes],

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_real
-from cca_core.band.equilibrium import internal
+from cca_core.band.equilibrium import apply_stiffness
 from cca_core.band.stiffness import BandStiffness
 from cca_core.errors import InputError
 
@@ -50,7 +50,7 @@ def band_energy(
     0.625
     """
     inner, violation, stencil, contact = _parts(u, lower, upper, spacing, stiffness)
-    energy: Array = 0.5 * (inner * internal(stencil, inner) + contact * violation**2).sum(axis=-1)
+    energy: Array = 0.5 * (inner * apply_stiffness(stencil, inner) + contact * violation**2).sum(axis=-1)
     return energy
 
 
@@ -83,7 +83,7 @@ def band_gradient(
     """
     inner, violation, stencil, contact = _parts(u, lower, upper, spacing, stiffness)
     gradient = np.zeros((*inner.shape[:-1], inner.shape[-1] + 4))
-    gradient[..., 2:-2] = internal(stencil, inner) + contact * violation
+    gradient[..., 2:-2] = apply_stiffness(stencil, inner) + contact * violation
     return gradient
 
 
@@ -167,7 +167,7 @@ def _parts(
     at = check_any("u", u)
     if not at.ndim or at.shape[-1] < 5:
         raise InputError(f"u must have shape (..., n) with at least 5 nodes, had {at.shape}")
-    h = check_real("spacing", spacing, above=0.0)
+    h = check_real("spacing", spacing, gt=0.0)
     bounds = []
     for name, bound in (("lower", lower), ("upper", upper)):
         try:

@@ -11,7 +11,7 @@ import numpy as np
 from cca_core._checks import Array, Index, Mask
 from cca_core.errors import InputError
 
-__all__ = ["Bends", "equilibrium"]
+__all__ = ["CurvatureBounds", "equilibrium"]
 
 _FULL_STEPS = 10  # a contact set settles in 3 to 6
 _SOLVES = 60  # full and shortened steps together
@@ -23,24 +23,24 @@ _LONG = 200  # nodes from which on a band that nothing bends is corrected likewi
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bends:
+class CurvatureBounds:
     """One-sided bounds of how bands bend.
 
     Parameters
     ----------
     contact : ndarray, shape (bands,)
         Force per violation of a bound [N/m], positive.
-    least, most : ndarray, shape (bands, n)
+    lower, upper : ndarray, shape (bands, n)
         Bounds of u[i-1] - 2 u[i] + u[i+1], the change of curvature times the spacing squared [m].
     """
 
     contact: Array
-    least: Array
-    most: Array
+    lower: Array
+    upper: Array
 
 
 def equilibrium(
-    stencil: Array, contact: float | Array, lower: Array, upper: Array, bends: Bends | None = None
+    stencil: Array, contact: float | Array, lower: Array, upper: Array, bends: CurvatureBounds | None = None
 ) -> tuple[Array, Index, Mask]:
     """Displacement of least energy between pinned ends and one-sided bounds.
 
@@ -84,17 +84,17 @@ def equilibrium(
     if len(stencil) != bands:
         stencil, held = stencil.repeat(bands, axis=0), held.repeat(bands, axis=0)
     if bends is not None:
-        bends = Bends(
+        bends = CurvatureBounds(
             np.asarray(bends.contact[:, None] / unit, dtype=np.float64),
-            bends.least[:, 1:-1],
-            bends.most[:, 1:-1],
+            bends.lower[:, 1:-1],
+            bends.upper[:, 1:-1],
         )
     system = _System(stencil, held, low, high, bends)
     u = np.zeros((bands, shape[-1]))
     solves = np.zeros(bands, dtype=np.intp)
     settled = np.zeros(bands, dtype=np.bool_)
     left = np.arange(bands)  # those that have not settled
-    contacts = system.first()
+    contacts = system.initial_active_set()
     for count in range(1, 1 + _FULL_STEPS):
         target, reached = system.solve(contacts)
         done = (reached[0] == contacts[0]).all(axis=1)
@@ -113,12 +113,12 @@ def equilibrium(
             break
         system, contacts = system.select(~done), tuple(side[~done] for side in contacts)
     for i, each in enumerate(left):
-        u[each, 2:-2], steps, settled[each] = _shortened(system.select(slice(i, i + 1)))
+        u[each, 2:-2], steps, settled[each] = _damped_newton(system.select(slice(i, i + 1)))
         solves[each] = _FULL_STEPS + steps
     return u.reshape(shape), solves.reshape(shape[:-1]), settled.reshape(shape[:-1])
 
 
-def undisturbed(stencil: Array, start: Array, n: int) -> Array:
+def free_response(stencil: Array, start: Array, n: int) -> Array:
     """Displacement of bands that nothing but their start bends.
 
     Parameters
@@ -156,7 +156,7 @@ def undisturbed(stencil: Array, start: Array, n: int) -> Array:
             if info:
                 raise InputError(f"nodes must be fewer where a band begins off its route, were {n}")
             u[i, 2:-2] += solution
-            rest = (f - internal(unit[i], u[i, 2:-2])).astype(np.float64)
+            rest = (f - apply_stiffness(unit[i], u[i, 2:-2])).astype(np.float64)
     return u
 
 
@@ -166,7 +166,9 @@ class _System:
     Contacts are masks of nodes: under the lower bound, over the upper one, and the same for bends.
     """
 
-    def __init__(self, stencil: Array, contact: Array, low: Array, high: Array, bends: Bends | None) -> None:
+    def __init__(
+        self, stencil: Array, contact: Array, low: Array, high: Array, bends: CurvatureBounds | None
+    ) -> None:
         from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
         self._lapack = lapack
@@ -183,10 +185,10 @@ class _System:
     def select(self, bands: Mask | slice) -> "_System":
         """Return the system of some of the bands."""
         b = self.bends
-        some = None if b is None else Bends(b.contact[bands], b.least[bands], b.most[bands])
+        some = None if b is None else CurvatureBounds(b.contact[bands], b.lower[bands], b.upper[bands])
         return _System(self.stencil[bands], self.contact[bands], self.low[bands], self.high[bands], some)
 
-    def first(self) -> tuple[Mask, ...]:
+    def initial_active_set(self) -> tuple[Mask, ...]:
         """Contacts to begin with: a stiff band touches a straight bound at its first and last node only."""
         under, over = self.low > 0.0, self.high < 0.0
         if not self._string:
@@ -194,24 +196,24 @@ class _System:
                 side[:, 1:-1] &= ~(side[:, :-2] & side[:, 2:])
         if self.bends is None:
             return under, over
-        return under, over, self.bends.least > 0.0, self.bends.most < 0.0
+        return under, over, self.bends.lower > 0.0, self.bends.upper < 0.0
 
-    def reached(self, u: Array) -> tuple[Mask, ...]:
+    def active_set(self, u: Array) -> tuple[Mask, ...]:
         """Contacts at a displacement (bands, inner)."""
         under, over = u < self.low, u > self.high
         if self.bends is None:
             return under, over
         bend = _second_difference(u)
-        return under, over, bend < self.bends.least, bend > self.bends.most
+        return under, over, bend < self.bends.lower, bend > self.bends.upper
 
-    def forces(self, u: Array) -> Array:
+    def gradient(self, u: Array) -> Array:
         """Gradient of the energy."""
         pushed = self.contact * (np.maximum(self.low - u, 0.0) - np.maximum(u - self.high, 0.0))
         if self.bends is not None:
             bend = _second_difference(u)
-            short = np.maximum(self.bends.least - bend, 0.0) - np.maximum(bend - self.bends.most, 0.0)
+            short = np.maximum(self.bends.lower - bend, 0.0) - np.maximum(bend - self.bends.upper, 0.0)
             pushed = pushed + np.diff(self.bends.contact * short, n=2)
-        gradient: Array = internal(self.stencil, u) - pushed
+        gradient: Array = apply_stiffness(self.stencil, u) - pushed
         return gradient
 
     def solve(self, contacts: tuple[Mask, ...]) -> tuple[Array, tuple[Mask, ...]]:
@@ -225,7 +227,7 @@ class _System:
         else:
             sharp, wide = contacts[2:]
             bent = self.bends.contact * (sharp | wide)
-            force = force + np.diff(bent * np.where(sharp, self.bends.least, self.bends.most), n=2)
+            force = force + np.diff(bent * np.where(sharp, self.bends.lower, self.bends.upper), n=2)
             matrix = matrix.copy()
             matrix[:, :, 3] += held + (4.0 * bent[:, 1:-1] + bent[:, :-2] + bent[:, 2:])
             matrix[:, 1:, 2] -= 2.0 * (bent[:, 1:-2] + bent[:, 2:-1])
@@ -233,11 +235,11 @@ class _System:
         u = self._solved(matrix, force)
         if self._stiff.any():
             for _ in range(_CORRECTIONS):
-                rest = force - held * u - internal(self.stencil, u)
+                rest = force - held * u - apply_stiffness(self.stencil, u)
                 if self.bends is not None:
                     rest = rest - np.diff(bent * _second_difference(u), n=2)
                 u = np.where(self._stiff, u + self._solved(matrix, rest.astype(np.float64)), u)
-        return u, self.reached(u)
+        return u, self.active_set(u)
 
     def _solved(self, matrix: Array, force: Array) -> Array:
         if self._string and force.size > 1:
@@ -255,7 +257,7 @@ def _second_difference(u: Array) -> Array:
     return np.diff(wide, n=2)
 
 
-def internal(stencil: Array, u: Array) -> Array:
+def apply_stiffness(stencil: Array, u: Array) -> Array:
     """Return the internal forces K u at the nodes that are not pinned.
 
     Parameters
@@ -283,23 +285,23 @@ def internal(stencil: Array, u: Array) -> Array:
     return force
 
 
-def _shortened(system: _System) -> tuple[Array, int, bool]:
+def _damped_newton(system: _System) -> tuple[Array, int, bool]:
     """Return one band's displacement (1, inner) by steps along which the energy falls."""
     u = np.zeros(system.low.shape)
     for solve in range(_SOLVES - _FULL_STEPS):
-        contacts = system.reached(u)
+        contacts = system.active_set(u)
         target, reached = system.solve(contacts)
         if all((now == before).all() for now, before in zip(reached, contacts, strict=True)):
             return target, solve + 1, True
-        u = u + _least_along(system, u, target - u) * (target - u)
+        u = u + _line_search(system, u, target - u) * (target - u)
     return u, _SOLVES - _FULL_STEPS, False
 
 
-def _least_along(system: _System, u: Array, step: Array) -> float:
+def _line_search(system: _System, u: Array, step: Array) -> float:
     """Share of a Newton step at which the energy is least: the root of its slope, by the Illinois method."""
 
     def slope(share: float) -> float:
-        return float((step * system.forces(u + share * step)).sum())
+        return float((step * system.gradient(u + share * step)).sum())
 
     a, b = 0.0, 1.0
     at_a, at_b = slope(a), slope(b)

@@ -43,7 +43,7 @@ def external_force(nodes: ArrayLike, obstacle: ArrayLike, *, k_e: float, r_0: fl
     """
     points = check_points("nodes", nodes, 1)
     r = points - check_array("obstacle", obstacle, (2,))
-    k_e, r_0 = check_real("k_e", k_e, least=0.0), check_real("r_0", r_0, least=0.0)
+    k_e, r_0 = check_real("k_e", k_e, ge=0.0), check_real("r_0", r_0, ge=0.0)
     distance = np.hypot(r[:, 0], r[:, 1])
     near = (distance <= r_0) & (distance > 0.0)
     magnitude = np.where(near, k_e * (r_0 - distance), 0.0)

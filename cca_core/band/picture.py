@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from cca_core.band.band import Band
 
 
-def marks_of(band: "Band") -> list[Mark]:
+def band_marks(band: "Band") -> list[Mark]:
     """Collect what is drawn of a single band.
 
     Parameters
@@ -26,11 +26,11 @@ def marks_of(band: "Band") -> list[Mark]:
         Route, edges and obstacles, each as the ego comes nearest to it, and the band as wide as the ego, in
         another color where it must not be driven.
     """
-    task, nodes = band.task, band.nodes.view(np.complex128)[:, 0]
-    route, left, corridor = task.base[0], 1j * task.tangents[0], task.corridor
+    task, nodes = band.problem, band.nodes.view(np.complex128)[:, 0]
+    route, left, corridor = task.route_nodes[0], 1j * task.tangents[0], task.corridor
     half = 0.5 * task.vehicle.width
     marks = [Mark(xy=_points(route), color=ROUTE, kind="dashes", width=1.0)]
-    if corridor.edged:
+    if corridor.has_edges:
         edges = route + left * (corridor.lower[0] - half), route + left * (corridor.upper[0] + half)
         marks += [Mark(xy=_points(edge), color=EDGE) for edge in edges]
     for i, center in enumerate(corridor.center[:, 0]):

@@ -7,34 +7,34 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, Complex, Index, check_any, check_real
-from cca_core.band.corridor import Corridor, corridor_around
-from cca_core.band.equilibrium import undisturbed
+from cca_core.band.corridor import Corridor, make_corridor
+from cca_core.band.equilibrium import free_response
 from cca_core.band.stiffness import BandStiffness
 from cca_core.errors import InputError
 from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
 
-FARTHEST = 30.0
+MAX_DISPLACEMENT = 30.0
 """Swerve beyond which a band is none of a road [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Task:
+class BandProblem:
     """What bands were asked to do, checked; `bands` of them side by side.
 
     Parameters
     ----------
-    base, tangents : ndarray of complex, shape (bands, n)
+    route_nodes, tangents : ndarray of complex, shape (bands, n)
         Nodes x + iy of the undeformed route [m] and unit tangents there [-].
-    ahead : ndarray of complex, shape (bands, 2)
+    end_headings : ndarray of complex, shape (bands, 2)
         Heading of the band at its first and last node [-].
-    ends : ndarray of complex, shape (bands, 2)
+    end_moments : ndarray of complex, shape (bands, 2)
         A sixth of its second derivative there [1/m].
     h : ndarray, shape (bands,)
         Distance between nodes [m].
-    free : ndarray, shape (bands, n)
+    free_displacement : ndarray, shape (bands, n)
         Displacement that nothing but its start bends [m].
-    before : ndarray, shape (bands,)
+    previous_displacement : ndarray, shape (bands,)
         Displacement a node before the first [m].
     corridor : Corridor
         Obstacles and edges.
@@ -48,40 +48,40 @@ class Task:
         Elasticity.
     """
 
-    base: Complex
+    route_nodes: Complex
     tangents: Complex
-    ahead: Complex
-    ends: Complex
+    end_headings: Complex
+    end_moments: Complex
     h: Array
-    free: Array
-    before: Array
+    free_displacement: Array
+    previous_displacement: Array
     corridor: Corridor
     vehicle: VehicleParams
     clearance: float
     curvature_limit: Array
     stiffness: BandStiffness
 
-    def bend(self, u: Array) -> Array:
+    def second_difference(self, u: Array) -> Array:
         """Second difference of a displacement at the nodes [m], shape (bands, n)."""
-        bend: Array = np.diff(u, n=2, prepend=self.before[:, None], append=0.0)
+        bend: Array = np.diff(u, n=2, prepend=self.previous_displacement[:, None], append=0.0)
         return bend
 
     @property
     def curvature(self) -> Array:
         """Curvature of the route [1/m], left positive, shape (bands, n)."""
-        return curvature_of(self.base)
+        return curvature_of(self.route_nodes)
 
-    def select(self, bands: Index) -> "Task":
+    def select(self, bands: Index) -> "BandProblem":
         """Return the same for some bands, each as often as it is named."""
         return replace(
             self,
-            base=self.base[bands],
+            route_nodes=self.route_nodes[bands],
             tangents=self.tangents[bands],
-            ahead=self.ahead[bands],
-            ends=self.ends[bands],
+            end_headings=self.end_headings[bands],
+            end_moments=self.end_moments[bands],
             h=self.h[bands],
-            free=self.free[bands],
-            before=self.before[bands],
+            free_displacement=self.free_displacement[bands],
+            previous_displacement=self.previous_displacement[bands],
             corridor=self.corridor.select(bands),
             curvature_limit=self.curvature_limit[bands],
         )
@@ -110,7 +110,7 @@ def curvature_of(nodes: Complex) -> Array:
     return curvature
 
 
-def spline_along(nodes: Complex, ends: Complex) -> tuple[Complex, Array, Complex]:
+def spline_moments(nodes: Complex, ends: Complex) -> tuple[Complex, Array, Complex]:
     """Lay the C2 cubic through nodes.
 
     Parameters
@@ -151,7 +151,7 @@ def spline_along(nodes: Complex, ends: Complex) -> tuple[Complex, Array, Complex
     return along, 6.0 * (along.conj() * sixth).imag / (speed * speed), sixth
 
 
-def displaced_curve(kappa: Array, u: Array, h: float | Array) -> tuple[Complex, Array]:
+def offset_curve(kappa: Array, u: Array, h: float | Array) -> tuple[Complex, Array]:
     """Describe a curve that runs beside a route.
 
     Parameters
@@ -184,8 +184,8 @@ def _held(start: ArrayLike, shape: tuple[int, ...]) -> Array:
         held = np.broadcast_to(given, (*shape[:-1], 3)).reshape(-1, 3)
     except ValueError:
         raise InputError(f"start must have shape {(*shape[:-1], 3)}, had {given.shape}") from None
-    if np.abs(held).max() > FARTHEST:
-        raise InputError(f"start must be within {FARTHEST:g} m, was {np.abs(held).max():g}")
+    if np.abs(held).max() > MAX_DISPLACEMENT:
+        raise InputError(f"start must be within {MAX_DISPLACEMENT:g} m, was {np.abs(held).max():g}")
     return held
 
 
@@ -198,7 +198,7 @@ def _end(a: complex, b: complex, c: complex, d: complex) -> float:
     return 2.0 * circle(a, b, c) - circle(b, c, d)
 
 
-def task_of(
+def make_problem(
     nodes: ArrayLike,
     obstacles: Sequence[Boxes],
     vehicle: VehicleParams,
@@ -208,7 +208,7 @@ def task_of(
     curvature_limit: ArrayLike,
     stiffness: BandStiffness,
     start: ArrayLike,
-) -> tuple[Task, tuple[int, ...]]:
+) -> tuple[BandProblem, tuple[int, ...]]:
     """Check the arguments of `relax_band` and put every obstacle and edge into the frame of the nodes.
 
     Returns
@@ -231,7 +231,7 @@ def task_of(
         raise InputError(f"stiffness must be BandStiffness, was {type(stiffness).__name__}")
     if not isinstance(vehicle, VehicleParams):
         raise InputError(f"vehicle must be VehicleParams, was {type(vehicle).__name__}")
-    clearance = check_real("clearance", clearance, least=0.0)
+    clearance = check_real("clearance", clearance, ge=0.0)
     shape, n = given.shape[:-1], given.shape[-2]
     try:
         limit = np.empty(shape)
@@ -257,13 +257,13 @@ def task_of(
     tangents[off, 0] *= np.exp(-0.5j * h[off] * bent[off, 0])
     ahead = tangents[:, [0, -1]]
     if off.any():
-        free[off] = undisturbed(stiffness.stencil(h[off]), held[off], n)
-        turn, bent[off, 0] = displaced_curve(bent[off, 0], held[off].T, h[off])
+        free[off] = free_response(stiffness.stencil(h[off]), held[off], n)
+        turn, bent[off, 0] = offset_curve(bent[off, 0], held[off].T, h[off])
         ahead[off, 0] *= turn
-    return Task(
-        base=base, tangents=tangents, h=h, ahead=ahead, ends=1j * bent * ahead / 6.0,
-        free=free, before=held[:, 0], vehicle=vehicle, clearance=clearance,
-        corridor=corridor_around(
+    return BandProblem(
+        route_nodes=base, tangents=tangents, h=h, end_headings=ahead, end_moments=1j * bent * ahead / 6.0,
+        free_displacement=free, previous_displacement=held[:, 0], vehicle=vehicle, clearance=clearance,
+        corridor=make_corridor(
             base, tangents, obstacles, corridor, vehicle, clearance, lead, given.shape[:-2]
         ),
         curvature_limit=limit.reshape(-1, n), stiffness=stiffness,

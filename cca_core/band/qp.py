@@ -13,7 +13,7 @@ from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 
-__all__ = ["Smoothest", "smoothest"]
+__all__ = ["QpSolution", "solve_smoothing_qp"]
 
 QPSolver = Literal["piqp", "osqp"]
 
@@ -26,7 +26,7 @@ _SLACK = 1e-6  # bounds may be missed by this [m, 1/m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Smoothest:
+class QpSolution:
     """Outcome of `smoothest`.
 
     Parameters
@@ -65,7 +65,7 @@ class Smoothest:
         return float(self.solution.duality_gap()) if self.solved else math.inf
 
 
-def smoothest(
+def solve_smoothing_qp(
     *,
     spacing: float,
     route_curvature: Array,
@@ -77,7 +77,7 @@ def smoothest(
     curvature_error: float | Array = 0.0,
     solver: QPSolver = "piqp",
     start: Array | None = None,
-) -> Smoothest:
+) -> QpSolution:
     """Displacement of least curvature change between pinned ends, with hard bounds.
 
     Parameters
@@ -127,7 +127,7 @@ def smoothest(
     u = np.zeros(n)
     ends = [0, 1, -2, -1]
     if not ((lower <= upper).all() and lower[ends].max() <= 0.0 <= upper[ends].min()):
-        return Smoothest(u=u, solved=False, message="the bounds leave no room between them")
+        return QpSolution(u=u, solved=False, message="the bounds leave no room between them")
     qpsolvers = require_extra("qpsolvers", "qp")
     require_extra(solver, "qp")
 
@@ -169,7 +169,7 @@ def smoothest(
         u[2:-2] = solution.x[:inner]
     elif solution.found:
         message += f", but misses a bound by {missed:.1e}"
-    return Smoothest(u=u, solved=solved, message=message, iterations=int(info.iter), solution=solution)
+    return QpSolution(u=u, solved=solved, message=message, iterations=int(info.iter), solution=solution)
 
 
 def _words(solver: QPSolver, status: str) -> str:

@@ -7,10 +7,10 @@ from numpy.typing import ArrayLike
 
 from cca_core.band.band import Band
 from cca_core.band.corridor import Side
-from cca_core.band.problem import task_of
-from cca_core.band.sides import cheapest_sides, given_sides
+from cca_core.band.problem import make_problem
+from cca_core.band.sides import choose_sides, parse_sides
 from cca_core.band.stiffness import BandStiffness
-from cca_core.band.tightening import relaxed
+from cca_core.band.tightening import relax_with_sides
 from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
 
@@ -22,7 +22,7 @@ def relax_band(
     side: Side | Sequence[Side] | None = None,
     vehicle: VehicleParams,
     clearance: float = 1.0,
-    lead: ArrayLike = 0.0,
+    lead_distance: ArrayLike = 0.0,
     corridor: tuple[ArrayLike, ArrayLike] | None = None,
     curvature_limit: ArrayLike = math.inf,
     stiffness: BandStiffness | None = None,
@@ -48,7 +48,7 @@ def relax_band(
         The ego; its box is swept along the band.
     clearance : float
         Distance to keep between the boxes [m].
-    lead : array_like, shape (n_obstacles,) or ()
+    lead_distance : array_like, shape (n_obstacles,) or ()
         Distance before each obstacle from which on the band is fully beside it [m], on top of `clearance`.
     corridor : pair of array_like, shape (..., n) or (), optional
         Right and left edge that the ego's body does not cross [m], in the route's lateral coordinate, left
@@ -92,16 +92,16 @@ def relax_band(
     >>> band.status.name, round(band.clearance, 1)
     ('OK', 1.0)
     """
-    task, leading = task_of(
+    task, leading = make_problem(
         nodes,
         obstacles,
         vehicle,
         clearance,
-        lead,
+        lead_distance,
         corridor,
         curvature_limit,
         stiffness or BandStiffness(),
         start,
     )
-    sides = cheapest_sides(task, previous) if side is None else given_sides(side, task)
-    return relaxed(task, leading, sides)
+    sides = choose_sides(task, previous) if side is None else parse_sides(side, task)
+    return relax_with_sides(task, leading, sides)

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from cca_core._checks import Array, Mask, check_array, check_real
-from cca_core.band.band import Band, judged
+from cca_core.band.band import Band, assemble_band
 from cca_core.band.certificate import Certificate, certify
-from cca_core.band.qp import QPSolver, smoothest
+from cca_core.band.qp import QPSolver, solve_smoothing_qp
 from cca_core.errors import InputError, Status
 
 _PASSES = 8
@@ -68,13 +68,13 @@ def smooth_band(
         raise InputError(f"band must be a Band, was {type(band).__name__}")
     if band.nodes.ndim != 2:
         raise InputError("band must be a single band; choose one, as in band[0]")
-    if band.task.free.any():
+    if band.problem.free_displacement.any():
         raise InputError("band must begin on its route to be smoothed")
     weigh = check_array("weights", weights, (2,))
     if weigh.min() < 0.0 or not weigh.any():
         raise InputError(f"weights must not be negative and not both 0, were {weights!r}")
-    rate = check_real("curvature_rate_limit", curvature_rate_limit, above=0.0, infinite=True)
-    task = band.task
+    rate = check_real("curvature_rate_limit", curvature_rate_limit, gt=0.0, allow_inf=True)
+    task = band.problem
     h = float(task.h[0])
     passes_left = band.passes_left[:, None]
     lower, upper = (bound[0].copy() for bound in task.corridor.bounds(passes_left))
@@ -82,7 +82,7 @@ def smooth_band(
     spare = _SPARE
     u, message = band.displacement, ""
     for _ in range(_PASSES):
-        outcome = smoothest(
+        outcome = solve_smoothing_qp(
             spacing=h, route_curvature=base, lower=lower, upper=upper,
             curvature_limit=(1.0 - spare) * task.curvature_limit[0],
             curvature_rate_limit=(1.0 - _RATE_SPARE) * rate, weights=weights, curvature_error=error,
@@ -97,34 +97,36 @@ def smooth_band(
         true = found.curvature[0]
         wide = np.pad(u, 1)
         error = true - (base + base**2 * u + (wide[2:] - 2.0 * u + wide[:-2]) / h**2)
-        missing = max(task.clearance - found.least_gap[0], -found.least_edge[0])
-        bent = found.bent[0] - 1.0
+        missing = max(task.clearance - found.min_gap[0], -found.min_edge_clearance[0])
+        bent = found.curvature_ratio[0] - 1.0
         steep = np.abs(np.diff(true)).max() / h - rate
         if outcome.solved and missing <= 0.0 and bent <= 0.0 and steep <= 0.0:
-            smooth = judged(
+            smooth = assemble_band(
                 task, (), u[None], found, passes_left=passes_left, lower=lower[None], upper=upper[None],
-                solves=np.array([band.solves]), stuck={},
+                solves=np.array([band.n_solves]), stuck={},
             )  # fmt: skip
             residual = max(outcome.primal_residual, outcome.dual_residual, outcome.gap)
             return replace(smooth, qp_residual=residual)
         spare = min(spare + max(bent, 0.0), _MOST_SPARE)  # corners of the curvature overshoot in the cubic
-        lower, upper = _within_reach(found, u, band.passes_left, task.clearance)
+        lower, upper = _safe_displacement_bounds(found, u, band.passes_left, task.clearance)
         lacking = (
             f"{missing:.3f} m of clearance" if missing > 0.0 else
             "curvature" if bent > 0.0 else "curvature rate"
         )  # fmt: skip
         message = f"{lacking} still lacking after {_PASSES} passes"
-    status = Status.FALLBACK if band.ok else band.status
+    status = Status.DEGRADED if band.ok else band.status
     return replace(band, status=status, message=f"not smoothed ({message}); {band.message}")
 
 
-def _within_reach(found: Certificate, u: Array, passes_left: Mask, clearance: float) -> tuple[Array, Array]:
+def _safe_displacement_bounds(
+    found: Certificate, u: Array, passes_left: Mask, clearance: float
+) -> tuple[Array, Array]:
     """Bounds within which gaps stay above clearance while headings stay: no gap changes faster than u."""
     spare = found.gaps[:, 0] - (clearance + _AIM)
     left = passes_left[:, None]
     low = np.min(spare, axis=0, where=left, initial=math.inf)
     up = np.min(spare, axis=0, where=~left, initial=math.inf)
-    lower = u - np.minimum(low, found.right[0] - _AIM)
-    upper = u + np.minimum(up, found.left[0] - _AIM)
+    lower = u - np.minimum(low, found.right_margin[0] - _AIM)
+    upper = u + np.minimum(up, found.left_margin[0] - _AIM)
     lower[[0, 1, -2, -1]], upper[[0, 1, -2, -1]] = -math.inf, math.inf
     return lower, upper

@@ -44,7 +44,7 @@ def stiffness_matrix(n: int) -> Array:
     array([[ 2., -1.],
            [-1.,  2.]])
     """
-    if check_real("n", n, least=3) != int(n):
+    if check_real("n", n, ge=3) != int(n):
         raise InputError(f"n must be a whole number, was {n}")
     inner = int(n) - 2
     return 2.0 * np.eye(inner) - np.eye(inner, k=1) - np.eye(inner, k=-1)
@@ -70,7 +70,7 @@ def internal_force(u: ArrayLike, *, k_s: float) -> Array:
     InputError
         If a value is not finite, the shape is wrong, or `k_s` is not positive.
     """
-    change: Array = check_real("k_s", k_s, above=0.0) * np.diff(check_points("u", u, 2), axis=0)
+    change: Array = check_real("k_s", k_s, gt=0.0) * np.diff(check_points("u", u, 2), axis=0)
     return change
 
 
@@ -125,7 +125,7 @@ def displacement(F_e: ArrayLike, *, k_s: float) -> Array:
     from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
     forces = check_points("F_e", F_e, 3)
-    k_s = check_real("k_s", k_s, above=0.0)
+    k_s = check_real("k_s", k_s, gt=0.0)
     inner = len(forces) - 2
     u = np.zeros_like(forces)
     off_diagonal = np.full(max(inner - 1, 1), -1.0)  # LAPACK wants one even where there is none
@@ -196,11 +196,11 @@ class BandStiffness:
 
     def __post_init__(self) -> None:
         for name in ("k_s", "k_b", "k_c"):
-            check_real(name, getattr(self, name), least=0.0)
+            check_real(name, getattr(self, name), ge=0.0)
         if self.k_e is None:
             scaled = (share * k for share, k in zip(_CONTACT, (self.k_s, self.k_b, self.k_c), strict=True))
             object.__setattr__(self, "k_e", max(*scaled, _LEAST_CONTACT))
-        check_real("k_e", self.k_e, above=0.0)
+        check_real("k_e", self.k_e, gt=0.0)
         if self.k_s + self.k_b + self.k_c <= 0.0:
             raise InputError("k_s, k_b or k_c must be positive, all were 0")
 

@@ -44,8 +44,8 @@ class OneShotBand:
     ratio: float = 0.03
 
     def __post_init__(self) -> None:
-        check_real("spacing", self.spacing, above=0.0)
-        check_real("ratio", self.ratio, above=0.0)
+        check_real("spacing", self.spacing, gt=0.0)
+        check_real("ratio", self.ratio, gt=0.0)
 
     def plan(self, problem: Problem) -> Plan:
         """Displace the nodes once.
@@ -88,7 +88,7 @@ class RelaxedBand:
     spacing: float = 1.0
 
     def __post_init__(self) -> None:
-        check_real("spacing", self.spacing, above=0.0)
+        check_real("spacing", self.spacing, gt=0.0)
 
     def plan(self, problem: Problem) -> Plan:
         """Relax a band from start to goal.
@@ -125,7 +125,7 @@ class SmoothedBand:
     spacing: float = 1.0
 
     def __post_init__(self) -> None:
-        check_real("spacing", self.spacing, above=0.0)
+        check_real("spacing", self.spacing, gt=0.0)
 
     def plan(self, problem: Problem) -> Plan:
         """Relax and smooth a band from start to goal.
@@ -142,7 +142,7 @@ class SmoothedBand:
         """
         s, band = _relaxed(problem, self.spacing)
         smooth = smooth_band(band)
-        return _answer(problem, s, band if smooth.status is Status.FALLBACK else smooth)
+        return _answer(problem, s, band if smooth.status is Status.DEGRADED else smooth)
 
 
 def _stations(problem: Problem, spacing: float) -> Array:

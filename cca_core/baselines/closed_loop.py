@@ -105,19 +105,19 @@ def drive_closed(
 def _measured(name: str, log: Log) -> ClosedLoop:
     scenario = log.scenario
     ahead = [
-        i for i, u in enumerate(scenario.users)
+        i for i, u in enumerate(scenario.road_users)
         if u.direction > 0 and u.s > scenario.start and u.v_x < scenario.cruise_speed
     ]  # fmt: skip
-    lead = log.place[:, 0, None] - log.user_places[:, ahead, 0]
+    lead = log.ego_frenet[:, 0, None] - log.user_frenet[:, ahead, 0]
     past = np.flatnonzero((lead > _PASSED).all(axis=1))
     gap = float(log.gaps().min())
     whole = log.t[-1] >= scenario.duration - 0.1
     return ClosedLoop(
         planner=name, case=str(scenario.case),
-        completed=bool(len(past)) and gap > 0.0 and whole and abs(float(log.place[-1, 1])) < 0.5,
+        completed=bool(len(past)) and gap > 0.0 and whole and abs(float(log.ego_frenet[-1, 1])) < 0.5,
         time=float(log.t[past[0]]) if len(past) else np.nan, clearance=gap,
         a_y=float(np.abs(log.a_y).max()), jerk=jerk_of(log.t, log.a_y),
         braking=max(0.0, -float(log.ego[:, 7].min())), tracking=float(np.abs(log.tracking).max()),
         cycle_us=float(log.cycle_us.mean()), p99_us=float(np.percentile(log.cycle_us, 99)),
-        worst_us=float(log.cycle_us.max()), fallback=float(log.fallback.mean()),
+        worst_us=float(log.cycle_us.max()), fallback=float(log.degraded.mean()),
     )  # fmt: skip

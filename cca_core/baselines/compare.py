@@ -8,21 +8,21 @@ from pathlib import Path
 from typing import Any
 
 from cca_core.baselines.csv_rows import append_row, read_rows
-from cca_core.baselines.drive import drive
+from cca_core.baselines.drive import drive_plan
 from cca_core.baselines.problem import Plan, Problem
-from cca_core.baselines.sampled_problems import Drawn
-from cca_core.baselines.verify import Tolerances, judge
+from cca_core.baselines.sampled_problems import SampledProblem
+from cca_core.baselines.verify import Tolerances, verify_plan
 from cca_core.baselines.worker import Planning, Worker
 from cca_core.errors import Status
 
-__all__ = ["Row", "compare"]
+__all__ = ["ComparisonRow", "compare"]
 
 _WARM = 3  # plans made after the first
 _ENOUGH = 0.3  # processor time after which no more are [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class ComparisonRow:
     """One method on one problem.
 
     Parameters
@@ -87,14 +87,14 @@ class Row:
 
 def compare(
     methods: Mapping[str, Callable[[], Planning]],
-    problems: Sequence[Drawn],
+    problems: Sequence[SampledProblem],
     *,
     out: Path | str,
     tolerances: Tolerances | None = None,
     limit: float = 10.0,
     core: int | None = None,
-    progress: Callable[[Row], None] | None = None,
-) -> list[Row]:
+    progress: Callable[[ComparisonRow], None] | None = None,
+) -> list[ComparisonRow]:
     """Let every method plan every problem.
 
     Parameters
@@ -126,7 +126,7 @@ def compare(
     three times again, fewer where that takes more than 0.3 s; results but not times are the same for equal
     problems.
     """
-    known = {(row.method, row.kind, row.seed): row for row in read_rows(out, Row)}
+    known = {(row.method, row.kind, row.seed): row for row in read_rows(out, ComparisonRow)}
     rows = []
     for name, make in methods.items():
         with Worker(make, limit=limit, core=core) as worker:
@@ -141,35 +141,37 @@ def compare(
     return rows
 
 
-def _row(name: str, drawn: Drawn, worker: Worker, tolerances: Tolerances | None) -> Row:
+def _row(name: str, drawn: SampledProblem, worker: Worker, tolerances: Tolerances | None) -> ComparisonRow:
     plan, failure, first = worker.plan(drawn.problem)
     head: dict[str, Any] = {"method": name, "kind": drawn.kind, "seed": drawn.seed, "first_ms": 1e3 * first}
     if plan is None:
-        return Row(**head, outcome=failure.split()[0], message=failure)
+        return ComparisonRow(**head, outcome=failure.split()[0], message=failure)
     times: list[float] = []
     while len(times) < _WARM and first + sum(times) < _ENOUGH:
         again, failure, spent = worker.plan(drawn.problem)
         if again is None:
-            return Row(**head, outcome=failure.split()[0], message=failure)
+            return ComparisonRow(**head, outcome=failure.split()[0], message=failure)
         times.append(spent)
     time_ms = 1e3 * (statistics.median(times) if times else first)
     if plan.status is not Status.OK:
         outcome = "rightly refused" if drawn.proof is None else "refused"
-        return Row(**head, outcome=outcome, time_ms=time_ms, message=f"{plan.status.name}: {plan.message}")
-    return Row(**head, time_ms=time_ms, **_measured(drawn.problem, plan, tolerances))
+        return ComparisonRow(
+            **head, outcome=outcome, time_ms=time_ms, message=f"{plan.status.name}: {plan.message}"
+        )
+    return ComparisonRow(**head, time_ms=time_ms, **_measured(drawn.problem, plan, tolerances))
 
 
 def _measured(problem: Problem, plan: Plan, tolerances: Tolerances | None) -> dict[str, Any]:
     """Everything about a plan that claims to be good."""
-    verdict = judge(problem, plan, tolerances)
+    verdict = verify_plan(problem, plan, tolerances)
     seen: dict[str, Any] = {
-        "outcome": "solved" if verdict.confirmed else "false OK", "message": "; ".join(verdict.faults),
+        "outcome": "solved" if verdict.passed else "false OK", "message": "; ".join(verdict.violations),
         "length": verdict.length, "clearance": verdict.clearance, "edge": verdict.edge, "a_y": verdict.a_y,
-        "jerk": verdict.jerk, "swings": verdict.swings,
+        "jerk": verdict.jerk, "swings": verdict.a_y_reversals,
     }  # fmt: skip
-    if "no trajectory" in verdict.faults:
+    if "no trajectory" in verdict.violations:
         return seen
-    driven = drive(problem, plan)
+    driven = drive_plan(problem, plan)
     return seen | {
         "driven_clearance": driven.clearance, "driven_edge": driven.edge, "driven_a_y": driven.a_y,
         "driven_jerk": driven.jerk, "tracking": driven.tracking, "finished": driven.finished,

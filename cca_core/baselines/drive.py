@@ -10,11 +10,11 @@ from cca_core.baselines.verify import body_along, edge_distance, jerk_of
 from cca_core.follow import PreviewController, steady_turn
 from cca_core.geometry import box_gap
 from cca_core.path import Path, interpolate_path
-from cca_core.sim.handling.tracking import track
+from cca_core.sim.handling.tracking import track_path
 from cca_core.sim.plants.single_track import SingleTrackPlant
 from cca_core.vehicle import VehicleParams, VehicleState
 
-__all__ = ["Drive", "drive"]
+__all__ = ["DriveResult", "drive_plan"]
 
 _CYCLE = 0.02  # of `track` [s]
 _NODE = 1.0  # between nodes of the path that is followed [m]
@@ -22,7 +22,7 @@ _ON = 60.0  # of the route behind the plan [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Drive:
+class DriveResult:
     """What happened on the road.
 
     Parameters
@@ -65,7 +65,7 @@ class _Recorded(SingleTrackPlant):
         super().step(delta, a_x, dt)
 
 
-def drive(problem: Problem, plan: Plan) -> Drive:
+def drive_plan(problem: Problem, plan: Plan) -> DriveResult:
     """Follow a plan with the steering and the speed control of this library.
 
     Parameters
@@ -90,11 +90,11 @@ def drive(problem: Problem, plan: Plan) -> Drive:
         problem.vehicle, steady_turn(problem.road.path, problem.start, problem.v_x, problem.vehicle)
     )
     steering = PreviewController(problem.vehicle)
-    run = track(car, steering.steer, path, squared, margin=_ON)
+    run = track_path(car, steering.steer, path, squared, margin=_ON)
     x, y, psi = np.array(car.poses).T
     t: Array = _CYCLE * np.arange(len(run.a_y), dtype=np.float64)
     body = body_along(problem, np.column_stack((x, y)), psi)
-    return Drive(
+    return DriveResult(
         finished=run.finished,
         clearance=min((float(box_gap(body, b).min()) for b in problem.boxes_at(t[: len(x)])), default=np.inf),
         edge=edge_distance(problem, body), tracking=float(np.abs(run.d).max()),

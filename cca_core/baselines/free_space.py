@@ -36,7 +36,7 @@ class FreeCells:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretch:
+class RouteSamples:
     """The route at stations that the ego passes at its wanted speed, and the others at those times.
 
     Parameters
@@ -66,7 +66,7 @@ class Stretch:
     half_width: Array
 
 
-def stretch(problem: Problem, s: Array) -> Stretch:
+def sample_route(problem: Problem, s: Array) -> RouteSamples:
     """Sample the route and the others.
 
     Parameters
@@ -94,11 +94,11 @@ def stretch(problem: Problem, s: Array) -> Stretch:
         half_length[i], half_width[i] = 0.5 * box.length, 0.5 * box.width
     place: Complex = position[:, 0] + 1j * position[:, 1]
     tangent /= norm
-    return Stretch(s, t, place, tangent, kappa, center, ahead, half_length, half_width)
+    return RouteSamples(s, t, place, tangent, kappa, center, ahead, half_length, half_width)
 
 
 def free_cells(
-    problem: Problem, at: Stretch, headings: Array, offsets: Array, *, station_margin: float = 0.0
+    problem: Problem, at: RouteSamples, headings: Array, offsets: Array, *, station_margin: float = 0.0
 ) -> FreeCells:
     """Look where the ego's body is free.
 
@@ -175,12 +175,12 @@ def free_cells(
     return FreeCells(between_edges, rows, there)
 
 
-def every(at: Stretch, k: int) -> Stretch:
+def subsample(at: RouteSamples, k: int) -> RouteSamples:
     """Return every k-th station of a stretch."""
-    return Stretch(*(getattr(at, name)[..., ::k] for name in Stretch.__slots__))
+    return RouteSamples(*(getattr(at, name)[..., ::k] for name in RouteSamples.__slots__))
 
 
-def shortfall(problem: Problem, at: Stretch, d: Array, turn: Complex) -> Array:
+def clearance_shortfall(problem: Problem, at: RouteSamples, d: Array, turn: Complex) -> Array:
     """How much poses lack of the clearance to the others and to the edges.
 
     Parameters

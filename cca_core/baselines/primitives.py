@@ -7,7 +7,14 @@ from functools import lru_cache
 import numpy as np
 
 from cca_core._checks import Array, Complex, Mask, check_real
-from cca_core.baselines.free_space import FreeCells, Stretch, every, free_cells, shortfall, stretch
+from cca_core.baselines.free_space import (
+    FreeCells,
+    RouteSamples,
+    clearance_shortfall,
+    free_cells,
+    sample_route,
+    subsample,
+)
 from cca_core.baselines.primitive_library import Lattice, Library, curvature_used, library, shifted
 from cca_core.baselines.problem import Plan, Problem
 from cca_core.errors import InputError, Status
@@ -79,12 +86,12 @@ class MotionPrimitives:
     weight_offset: float = 0.25
 
     def __post_init__(self) -> None:
-        check_real("step", self.step, above=0.0)
-        check_real("spacing", self.spacing, least=0.05)
-        check_real("jerk_max", self.jerk_max, above=0.0)
-        check_real("weight_a_y", self.weight_a_y, least=0.0)
-        check_real("weight_jerk", self.weight_jerk, least=0.0)
-        check_real("weight_offset", self.weight_offset, least=0.0)
+        check_real("step", self.step, gt=0.0)
+        check_real("spacing", self.spacing, ge=0.05)
+        check_real("jerk_max", self.jerk_max, gt=0.0)
+        check_real("weight_a_y", self.weight_a_y, ge=0.0)
+        check_real("weight_jerk", self.weight_jerk, ge=0.0)
+        check_real("weight_offset", self.weight_offset, ge=0.0)
         if not self.weight_a_y + self.weight_jerk + self.weight_offset > 0.0:
             raise InputError("weight_a_y, weight_jerk or weight_offset must be greater than 0")
 
@@ -119,8 +126,8 @@ class MotionPrimitives:
                 weights=(self.weight_a_y, self.weight_jerk, self.weight_offset),
             )
         )  # fmt: skip
-        fine = stretch(problem, np.linspace(problem.start, problem.goal, steps * _FINE + 1))
-        at = every(fine, _FINE // _PARTS)
+        fine = sample_route(problem, np.linspace(problem.start, problem.goal, steps * _FINE + 1))
+        at = subsample(fine, _FINE // _PARTS)
         free = free_cells(problem, at, primitives.headings, primitives.lateral)
         costs = _costs(primitives, free, at.kappa)
         for _ in range(_TRIES):
@@ -207,15 +214,15 @@ def _drawn(library: Library, found: list[tuple[int, int]]) -> tuple[Array, Array
     return shifted(tau, begin[piece], change[piece], library.steps[p][piece] * library.step)
 
 
-def _fails(problem: Problem, at: Stretch, d: Array, slope: Array, second: Array) -> Mask:
+def _fails(problem: Problem, at: RouteSamples, d: Array, slope: Array, second: Array) -> Mask:
     """Whether a sequence lacks clearance or is bent too much, at each of the fine stations."""
     ahead: Complex = 1.0 - at.kappa * d + 1j * slope
-    lacks = shortfall(problem, at, d, np.divide(ahead, np.abs(ahead))) > 0.0
+    lacks = clearance_shortfall(problem, at, d, np.divide(ahead, np.abs(ahead))) > 0.0
     limit = problem.kappa_max * (1.0 + 1e-3)
     return lacks | (np.abs(curvature_used(at.kappa, d, slope, second)) > limit)
 
 
-def _driven(problem: Problem, at: Stretch, d: Array, slope: Array) -> Plan:
+def _driven(problem: Problem, at: RouteSamples, d: Array, slope: Array) -> Plan:
     position: Complex = at.place + 1j * at.along * d
     return Plan(
         status=Status.OK, t=at.t, xy=np.column_stack((position.real, position.imag)),

@@ -61,14 +61,14 @@ class Problem:
 
     def __post_init__(self) -> None:
         path = self.road.path
-        check_real("start", self.start, least=path.start, most=path.end)
-        check_real("goal", self.goal, above=self.start, most=path.end)
-        check_real("v_x", self.v_x, above=0.0)
-        check_real("clearance", self.clearance, least=0.0)
-        check_real("a_y_max", self.a_y_max, above=0.0)
+        check_real("start", self.start, ge=path.start, le=path.end)
+        check_real("goal", self.goal, gt=self.start, le=path.end)
+        check_real("v_x", self.v_x, gt=0.0)
+        check_real("clearance", self.clearance, ge=0.0)
+        check_real("a_y_max", self.a_y_max, gt=0.0)
         for other in self.others:
-            if other.defect is not None:
-                raise InputError(f"others must be usable, {other.id}: {other.defect}")
+            if other.invalid_reason is not None:
+                raise InputError(f"others must be usable, {other.id}: {other.invalid_reason}")
 
     @property
     def duration(self) -> float:

@@ -12,9 +12,9 @@ import numpy as np
 
 from cca_core._checks import Array, Complex, check_real
 from cca_core._optional import require_extra
-from cca_core.baselines.free_space import shortfall, stretch
+from cca_core.baselines.free_space import clearance_shortfall, sample_route
 from cca_core.baselines.problem import Plan, Problem
-from cca_core.baselines.rrt_corridor import STATION, Corridor, State
+from cca_core.baselines.rrt_corridor import STATION, RoadSpace, State
 from cca_core.errors import InputError, Status
 
 __all__ = ["Rrt", "Variant"]
@@ -89,8 +89,8 @@ class Rrt:
                 raise InputError(
                     f"{name} must be a whole number, {name} >= {int(name == 'iterations')}, was {value!r}"
                 )
-        check_real("time_limit", self.time_limit, above=0.0)
-        check_real("reach", self.reach, above=0.0)
+        check_real("time_limit", self.time_limit, gt=0.0)
+        check_real("reach", self.reach, gt=0.0)
         require_extra("ompl", "rrt")
 
     def plan(self, problem: Problem) -> Plan:
@@ -108,7 +108,7 @@ class Rrt:
             not reach the goal.
         """
         begun = perf_counter()
-        corridor = Corridor.of(problem)
+        corridor = RoadSpace.of(problem)
         if corridor.message:
             return Plan(status=Status.INFEASIBLE, message=corridor.message)
         poses, message = self._quietly(problem, corridor, begun)
@@ -116,7 +116,7 @@ class Rrt:
             return Plan(status=Status.NOT_CONVERGED, message=message)
         return _driven(problem, poses)
 
-    def _quietly(self, problem: Problem, corridor: Corridor, begun: float) -> tuple[Array, str]:
+    def _quietly(self, problem: Problem, corridor: RoadSpace, begun: float) -> tuple[Array, str]:
         """Grow the tree while OMPL logs nothing."""
         base, geometric, util = (
             require_extra(f"ompl.{part}", "rrt") for part in ("base", "geometric", "util")
@@ -129,7 +129,7 @@ class Rrt:
             util.setLogLevel(level)
 
     def _grow(
-        self, problem: Problem, corridor: Corridor, begun: float, base: ModuleType, geometric: ModuleType
+        self, problem: Problem, corridor: RoadSpace, begun: float, base: ModuleType, geometric: ModuleType
     ) -> tuple[Array, str]:
         """Poses (n, 3) along the path found, or why there is none."""
         space = base.DubinsStateSpace(1.0 / corridor.kappa, False)
@@ -224,11 +224,11 @@ def _driven(problem: Problem, poses: Array) -> Plan:
     """Check a path exactly, and give it the times of its stations."""
     path = problem.road.path
     length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))))
-    s, d = path.project(poses[:, :2], near=np.minimum(problem.start + length, problem.goal))
+    s, d = path.project(poses[:, :2], s_guess=np.minimum(problem.start + length, problem.goal))
     s[0], s[-1] = problem.start, problem.goal
-    at = stretch(problem, s)
+    at = sample_route(problem, s)
     turn: Complex = np.exp(1j * poses[:, 2]) * at.along.conj()
-    if not (np.diff(s) > 0.0).all() or (shortfall(problem, at, d, turn) > 0.0).any():
+    if not (np.diff(s) > 0.0).all() or (clearance_shortfall(problem, at, d, turn) > 0.0).any():
         return Plan(status=Status.NOT_CONVERGED, message="the path found failed the exact check")
     v_x = problem.v_x * (1.0 - at.kappa * d) / turn.real
     return Plan(status=Status.OK, t=at.t, xy=poses[:, :2], v_x=v_x)

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.baselines.free_space import Stretch, free_cells, stretch
+from cca_core.baselines.free_space import RouteSamples, free_cells, sample_route
 from cca_core.baselines.problem import Problem
 
 STATION = 0.5
@@ -27,7 +27,7 @@ _TILE = 1.0  # of the grid in which the station near a place is looked up [m]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Corridor:
+class RoadSpace:
     """The road as the tree sees it.
 
     Parameters
@@ -48,7 +48,7 @@ class Corridor:
         Why there is no path at all, or nothing.
     """
 
-    at: Stretch
+    at: RouteSamples
     table: bytes
     shape: tuple[int, int, int]
     offsets: Array
@@ -73,7 +73,7 @@ class Corridor:
         half, road = 0.5 * problem.vehicle.width, problem.road
         right, left = road.right_edge + half, road.left_edge - half
         n = math.ceil((problem.goal - problem.start) / STATION) + 1
-        at = stretch(problem, np.linspace(problem.start, problem.goal, n))
+        at = sample_route(problem, np.linspace(problem.start, problem.goal, n))
         steepest = min(math.sqrt(max(left - right, _CELL) * problem.kappa_max), _STEEPEST)
         fastest = (1.0 + float(np.abs(at.kappa).max()) * max(-right, left)) ** 2 + math.tan(steepest) ** 2
         steering = math.tan(problem.vehicle.delta_max) / problem.vehicle.wheelbase

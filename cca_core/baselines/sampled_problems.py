@@ -12,7 +12,7 @@ from cca_core.errors import InputError, Status
 from cca_core.path import Lane, Path, Road, interpolate_path
 from cca_core.vehicle import RemoteVehicle, VehicleParams
 
-__all__ = ["KINDS", "Drawn", "Kind", "draw", "parked"]
+__all__ = ["KINDS", "Kind", "SampledProblem", "parked", "sample_problem"]
 
 Kind = Literal["one car", "slalom", "curve", "moving", "narrow gap", "blocked"]
 """What stands or moves in the way."""
@@ -38,7 +38,7 @@ Car = tuple[float, float, float]  # station, offset [m], speed along the road [m
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Drawn:
+class SampledProblem:
     """A problem and how it was drawn.
 
     Parameters
@@ -59,7 +59,7 @@ class Drawn:
     proof: Plan | None
 
 
-def draw(kind: Kind, seed: int) -> Drawn:
+def sample_problem(kind: Kind, seed: int) -> SampledProblem:
     """Draw a problem.
 
     Parameters
@@ -197,9 +197,9 @@ def _met_abreast(rng: np.random.Generator, v: float) -> tuple[list[Car], float]:
 
 def _drawn(
     kind: Kind, seed: int, v: float, cars: list[Car], gates: list[Gate] | None, goal: float, radius: float
-) -> Drawn:
+) -> SampledProblem:
     problem = _posed(kind, v, cars, goal, radius, gates is not None)
-    return Drawn(
+    return SampledProblem(
         kind=kind, seed=seed, problem=problem, proof=None if gates is None else _proof(problem, gates)
     )
 

@@ -12,14 +12,14 @@ from cca_core.baselines.csv_rows import append_row, read_rows
 from cca_core.baselines.problem import Problem
 from cca_core.baselines.worker import Planning, Worker
 
-__all__ = ["Growth", "Step", "grow"]
+__all__ = ["ScalingPoint", "ScalingResult", "measure_scaling"]
 
 _TIMES = 5
 _ENOUGH = 0.5  # processor time after which no more are [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Step:
+class ScalingPoint:
     """One plan to be timed.
 
     Parameters
@@ -44,7 +44,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Growth:
+class ScalingResult:
     """What it took.
 
     Parameters
@@ -69,14 +69,14 @@ class Growth:
     peak: float
 
 
-def grow(
-    steps: Sequence[Step],
+def measure_scaling(
+    steps: Sequence[ScalingPoint],
     *,
     out: Path | str,
     limit: float = 10.0,
     core: int | None = None,
-    progress: Callable[[Growth], None] | None = None,
-) -> list[Growth]:
+    progress: Callable[[ScalingResult], None] | None = None,
+) -> list[ScalingResult]:
     """Time plans of growing size.
 
     Parameters
@@ -97,7 +97,7 @@ def grow(
     results : list of Growth
         One for each step.
     """
-    known = {(r.method, r.axis, r.value): r for r in read_rows(out, Growth)}
+    known = {(r.method, r.axis, r.value): r for r in read_rows(out, ScalingResult)}
     results = []
     for step in steps:
         result = known.get((step.method, step.axis, step.value))
@@ -110,7 +110,7 @@ def grow(
     return results
 
 
-def _timed(step: Step, limit: float, core: int | None) -> Growth:
+def _timed(step: ScalingPoint, limit: float, core: int | None) -> ScalingResult:
     times: list[float] = []
     with Worker(step.make, limit=limit, core=core) as worker:
         plan, failure, _ = worker.plan(step.problem)
@@ -121,7 +121,7 @@ def _timed(step: Step, limit: float, core: int | None) -> Growth:
     if plan is not None and len(plan.xy):
         d = step.problem.road.path.project(plan.xy)[1]
         peak = float(d[np.abs(d).argmax()])
-    return Growth(
+    return ScalingResult(
         method=step.method, axis=step.axis, value=step.value, peak=peak,
         time_ms=1e3 * statistics.median(times) if times else math.nan,
         status=failure if plan is None else plan.status.name,

@@ -28,7 +28,7 @@ class PurePursuit:
         Geometry and the limit of the steering angle.
     look_ahead_time : float
         Distance of the goal point per speed [s].
-    least_look_ahead : float
+    min_look_ahead : float
         Its distance at low speed [m].
 
     Raises
@@ -51,11 +51,11 @@ class PurePursuit:
     name = "pure pursuit"
 
     def __init__(
-        self, vehicle: VehicleParams, *, look_ahead_time: float = 0.7, least_look_ahead: float = 4.0
+        self, vehicle: VehicleParams, *, look_ahead_time: float = 0.7, min_look_ahead: float = 4.0
     ) -> None:
         self.vehicle = vehicle
-        self.look_ahead_time = check_real("look_ahead_time", look_ahead_time, above=0.0)
-        self.least_look_ahead = check_real("least_look_ahead", least_look_ahead, above=0.0)
+        self.look_ahead_time = check_real("look_ahead_time", look_ahead_time, gt=0.0)
+        self.min_look_ahead = check_real("min_look_ahead", min_look_ahead, gt=0.0)
         self._near = _Near()
 
     def steer(self, state: VehicleState, path: Path) -> float:
@@ -77,7 +77,7 @@ class PurePursuit:
         cos, sin = math.cos(state.psi), math.sin(state.psi)
         x, y = state.x - p.l_r * cos, state.y - p.l_r * sin
         s, _, _, _ = self._near.foot_point(x, y, path)
-        ahead = max(self.look_ahead_time * state.v_x, self.least_look_ahead)
+        ahead = max(self.look_ahead_time * state.v_x, self.min_look_ahead)
         goal_x, goal_y = path.position(s + ahead).tolist()
         dx, dy = goal_x - x, goal_y - y
         side = cos * dy - sin * dx
@@ -128,9 +128,9 @@ class Stanley:
         yaw_damping: float = 0.1,
     ) -> None:
         self.vehicle = vehicle
-        self.gain = check_real("gain", gain, least=0.0)
-        self.softening = check_real("softening", softening, least=0.0)
-        self.yaw_damping = check_real("yaw_damping", yaw_damping, least=0.0)
+        self.gain = check_real("gain", gain, ge=0.0)
+        self.softening = check_real("softening", softening, ge=0.0)
+        self.yaw_damping = check_real("yaw_damping", yaw_damping, ge=0.0)
         self._near = _Near()
 
     def steer(self, state: VehicleState, path: Path) -> float:
@@ -195,9 +195,9 @@ class LqrSteering:
         self, vehicle: VehicleParams, *, q_d: float = 0.01, q_rate: float = 0.0, q_psi: float = 1.0
     ) -> None:
         self.vehicle = vehicle
-        self.q_d = check_real("q_d", q_d, above=0.0)
-        self.q_rate = check_real("q_rate", q_rate, least=0.0)
-        self.q_psi = check_real("q_psi", q_psi, least=0.0)
+        self.q_d = check_real("q_d", q_d, gt=0.0)
+        self.q_rate = check_real("q_rate", q_rate, ge=0.0)
+        self.q_psi = check_real("q_psi", q_psi, ge=0.0)
         self._near = _Near()
         self._gains: dict[int, list[float]] = {}
 

@@ -9,7 +9,7 @@ from cca_core._checks import Array
 from cca_core.baselines.problem import Plan, Problem
 from cca_core.geometry import Boxes, box_gap, boxes
 
-__all__ = ["Tolerances", "Verdict", "jerk_of", "judge", "reversals"]
+__all__ = ["Tolerances", "Verification", "jerk_of", "reversals", "verify_plan"]
 
 _LOOK = 0.005  # between two looks at the boxes [s]
 _EDGES = 5  # looks between two at the edges
@@ -31,26 +31,26 @@ class Tolerances:
         Share of the lateral acceleration [-].
     speed : float
         Share of the wanted speed [-].
-    place : float
+    position : float
         Distance to the route at start and goal [m].
-    course : float
+    heading : float
         Angle to the route there [rad].
     """
 
     distance: float = 0.05
     a_y: float = 0.05
     speed: float = 0.1
-    place: float = 0.1
-    course: float = 0.03
+    position: float = 0.1
+    heading: float = 0.03
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class Verification:
     """What the judge saw.
 
     Parameters
     ----------
-    faults : tuple of str
+    violations : tuple of str
         What is missed by more than the tolerances; empty if the plan is confirmed.
     clearance : float
         Least distance between the bodies [m]; infinite without others, negative where they overlap.
@@ -60,28 +60,28 @@ class Verdict:
         Largest lateral acceleration [m/s^2], without sign.
     jerk : float
         Largest change of it within 0.1 s, over this time [m/s^3].
-    swings : int
+    a_y_reversals : int
         Times that the lateral acceleration, less that of the route, changes to the other side by more than
         0.5 m/s^2.
     length : float
         Length of the way [m].
     """
 
-    faults: tuple[str, ...]
+    violations: tuple[str, ...]
     clearance: float
     edge: float
     a_y: float
     jerk: float
-    swings: int
+    a_y_reversals: int
     length: float
 
     @property
-    def confirmed(self) -> bool:
+    def passed(self) -> bool:
         """Whether nothing is missed."""
-        return not self.faults
+        return not self.violations
 
 
-def judge(problem: Problem, plan: Plan, tolerances: Tolerances | None = None) -> Verdict:
+def verify_plan(problem: Problem, plan: Plan, tolerances: Tolerances | None = None) -> Verification:
     """Look at a plan from outside.
 
     Parameters
@@ -114,8 +114,8 @@ def judge(problem: Problem, plan: Plan, tolerances: Tolerances | None = None) ->
         or not (np.isfinite(t).all() and np.isfinite(xy).all())
         or not 0.0 < np.diff(t).min() <= np.diff(t).max() <= _COARSEST
     ):
-        return Verdict(
-            faults=("no trajectory",), clearance=-np.inf, edge=-np.inf, a_y=np.inf, jerk=np.inf, swings=0,
+        return Verification(
+            violations=("no trajectory",), clearance=-np.inf, edge=-np.inf, a_y=np.inf, jerk=np.inf, a_y_reversals=0,
             length=0.0,
         )  # fmt: skip
     way = CubicSpline(t, xy)
@@ -131,9 +131,9 @@ def judge(problem: Problem, plan: Plan, tolerances: Tolerances | None = None) ->
     route = problem.road.path
     s = route.project(place)[0]
     faults = _faults(problem, own, way, clearance, edge, a_y, kappa, speed, s)
-    return Verdict(
-        faults=tuple(faults), clearance=clearance, edge=edge, a_y=float(np.abs(a_y).max()),
-        jerk=jerk_of(at, a_y), swings=reversals(a_y - speed**2 * route.curvature(s)), length=float(moved[-1]),
+    return Verification(
+        violations=tuple(faults), clearance=clearance, edge=edge, a_y=float(np.abs(a_y).max()),
+        jerk=jerk_of(at, a_y), a_y_reversals=reversals(a_y - speed**2 * route.curvature(s)), length=float(moved[-1]),
     )  # fmt: skip
 
 
@@ -161,7 +161,7 @@ def _faults(
         point, (x, y) = way(moment), way(moment, 1)
         off = np.hypot(*(point - where)) if where is not None else abs(float(route.project(point)[1]))
         angle = np.arctan2(y, x) - float(route.heading(station))
-        if off > own.place or abs(np.sin(angle)) > own.course:
+        if off > own.position or abs(np.sin(angle)) > own.heading:
             faults.append(f"{name} {off:.2f} m and {np.degrees(np.sin(angle)):.1f}° off the route")
     if s[-1] < problem.goal - 0.01 * (problem.goal - problem.start):
         faults.append(f"ends {problem.goal - s[-1]:.0f} m before the goal")

@@ -1,7 +1,7 @@
 """Decide: danger zone (eq 11), safe distances, crossing conflicts, choice of action."""
 
-from cca_core.decide.action import Action, Candidate, Decision, Leader, choose_action
-from cca_core.decide.crossing import Conflict, CrossingSettings, crossing
+from cca_core.decide.action import Action, Candidate, Decision, LeadVehicle, choose_action
+from cca_core.decide.crossing import Conflict, CrossingSettings, find_conflict
 from cca_core.decide.danger_zone import danger_zone, danger_zone_end
 from cca_core.decide.rss import (
     RSS_EGO,
@@ -13,9 +13,20 @@ from cca_core.decide.rss import (
 )
 
 __all__ = [
-    "RSS_EGO", "RSS_OTHER", "Action", "Candidate", "Conflict",
-    "CrossingSettings", "Decision", "Leader", "RssSettings",
-    "choose_action", "crossing", "danger_zone", "danger_zone_end",
-    "rss_lateral", "rss_opposite_direction",
+    "RSS_EGO",
+    "RSS_OTHER",
+    "Action",
+    "Candidate",
+    "Conflict",
+    "CrossingSettings",
+    "Decision",
+    "LeadVehicle",
+    "RssSettings",
+    "choose_action",
+    "danger_zone",
+    "danger_zone_end",
+    "find_conflict",
+    "rss_lateral",
+    "rss_opposite_direction",
     "rss_same_direction",
 ]  # fmt: skip

@@ -19,13 +19,13 @@ class Action(Enum):
     BRAKE = "BRAKE"
 
     @property
-    def evades(self) -> bool:
+    def is_evading(self) -> bool:
         """Whether the ego leaves its route."""
         return self in (Action.EVADE_LEFT, Action.EVADE_RIGHT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Leader:
+class LeadVehicle:
     """The road user in the way that demands most of the ego.
 
     Parameters
@@ -42,7 +42,7 @@ class Leader:
         What following it asks for now [m/s^2].
     kind : {"ahead", "hidden", "crossing"}
         Whether it is next in front, hidden behind others (known by its messages), or crosses the route.
-    stop_in_comfort : float
+    comfort_stop_deceleration : float
         Deceleration that stops behind a standing one within the horizon of the decision [m/s^2]; infinite if
         it is to be passed wherever a lane is free.
     """
@@ -53,7 +53,7 @@ class Leader:
     required_deceleration: float
     follow_acceleration: float
     kind: str = "ahead"
-    stop_in_comfort: float = math.inf
+    comfort_stop_deceleration: float = math.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,26 +64,26 @@ class Candidate:
     ----------
     side : {"left", "right"}
         Side on which the leader is passed.
-    obstruction : str
+    rejection : str
         Why it cannot be driven, in words; empty if it can.
-    lead_in : float
+    available_distance : float
         Distance to drive until the ego must be beside the leader [m].
-    needed : float
+    required_distance : float
         Distance that the swerve needs in comfort [m].
-    duration : float
+    t_maneuver : float
         Time until the ego's body is back in its own lane [s]; 0 if it never leaves it.
-    zone : tuple of float, optional
+    danger_zone : tuple of float, optional
         Danger zone that came nearest to blocking, relative to the ego [m].
     cost : float
         Preference between candidates [-], least wins.
     """
 
     side: str
-    obstruction: str = ""
-    lead_in: float = math.inf
-    needed: float = 0.0
-    duration: float = 0.0
-    zone: tuple[float, float] | None = None
+    rejection: str = ""
+    available_distance: float = math.inf
+    required_distance: float = 0.0
+    t_maneuver: float = 0.0
+    danger_zone: tuple[float, float] | None = None
     cost: float = 0.0
 
 
@@ -97,42 +97,42 @@ class Decision:
         What to do.
     reason : str
         Why, in words.
-    leader : str, optional
+    lead_id : str, optional
         Id of the road user in the way.
-    zone : tuple of float, optional
+    danger_zone : tuple of float, optional
         Rear and front end of the danger zone that was compared [m], relative to the ego.
     """
 
     action: Action
     reason: str
-    leader: str | None = None
-    zone: tuple[float, float] | None = None
+    lead_id: str | None = None
+    danger_zone: tuple[float, float] | None = None
 
 
 def choose_action(
-    leader: Leader | None,
+    lead: LeadVehicle | None,
     candidates: Sequence[Candidate],
     *,
     previous: Action = Action.KEEP,
-    follow_below: float = -0.5,
-    brake_above: float = 4.0,
-    comfortable: float = 2.0,
+    follow_threshold: float = -0.5,
+    brake_threshold: float = 4.0,
+    comfort_deceleration: float = 2.0,
 ) -> Decision:
     """Choose between keeping, following, evading and braking.
 
     Parameters
     ----------
-    leader : Leader, optional
+    lead : Leader, optional
         The road user in the way that demands most, None if the lane ahead is free.
     candidates : sequence of Candidate
         Ways around it, usable or not.
     previous : Action
         Last cycle's action.
-    follow_below : float
+    follow_threshold : float
         Acceleration that following must ask for before KEEP becomes FOLLOW [m/s^2].
-    brake_above : float
+    brake_threshold : float
         Deceleration needed to stay behind the leader from which on FOLLOW becomes BRAKE [m/s^2].
-    comfortable : float
+    comfort_deceleration : float
         Deceleration up to which stopping behind a standing vehicle is preferred to passing it [m/s^2].
 
     Returns
@@ -152,52 +152,55 @@ def choose_action(
     >>> choose_action(None, []).action.name
     'KEEP'
     """
-    if leader is None:
+    if lead is None:
         return Decision(action=Action.KEEP, reason="the lane ahead is free")
     released = _RELEASE if previous is Action.BRAKE else 1.0
-    hard = leader.required_deceleration > brake_above * released
-    usable = sorted((c for c in candidates if not c.obstruction), key=lambda c: c.cost)
-    stops = leader.stop_in_comfort <= comfortable
+    hard = lead.required_deceleration > brake_threshold * released
+    usable = sorted((c for c in candidates if not c.rejection), key=lambda c: c.cost)
+    stops = lead.comfort_stop_deceleration <= comfort_deceleration
     if usable and not stops:
         best = usable[0]
         evade = Action.EVADE_LEFT if best.side == "left" else Action.EVADE_RIGHT
-        way = f"{best.side} is free for {best.duration:.1f} s"
+        way = f"{best.side} is free for {best.t_maneuver:.1f} s"
         if previous in (Action.FOLLOW, Action.BRAKE):
             return Decision(
-                action=evade, reason=f"passing {leader.id}: {way}", leader=leader.id, zone=best.zone
+                action=evade,
+                reason=f"passing {lead.id}: {way}",
+                lead_id=lead.id,
+                danger_zone=best.danger_zone,
             )
-        if best.lead_in <= best.needed or hard:
+        if best.available_distance <= best.required_distance or hard:
             return Decision(
                 action=evade,
-                reason=f"passing {leader.id}: {way}, {best.lead_in:.0f} m ahead, {best.needed:.0f} m needed",
-                leader=leader.id, zone=best.zone,
+                reason=f"passing {lead.id}: {way}, {best.available_distance:.0f} m ahead, {best.required_distance:.0f} m needed",
+                lead_id=lead.id, danger_zone=best.danger_zone,
             )  # fmt: skip
         return Decision(
             action=Action.KEEP,
-            reason=f"closing in on {leader.id}: {way}",
-            leader=leader.id,
-            zone=best.zone,
+            reason=f"closing in on {lead.id}: {way}",
+            lead_id=lead.id,
+            danger_zone=best.danger_zone,
         )
-    zone = candidates[0].zone if candidates else None
-    why = "; ".join(f"{c.side}: {c.obstruction}" for c in candidates) or "no way around was looked for"
-    if leader.kind == "crossing":
+    zone = candidates[0].danger_zone if candidates else None
+    why = "; ".join(f"{c.side}: {c.rejection}" for c in candidates) or "no way around was looked for"
+    if lead.kind == "crossing":
         why = "it crosses the route"
     elif stops:
-        why = f"{leader.stop_in_comfort:.1f} m/s^2 stop behind it in comfort"
+        why = f"{lead.comfort_stop_deceleration:.1f} m/s^2 stop behind it in comfort"
     if hard:
-        need = leader.required_deceleration
+        need = lead.required_deceleration
         needed = f"{need:.1f} m/s^2" if need < _BEYOND else "all brakes"
-        reason = f"{needed} needed behind {leader.id}; {why}"
-        return Decision(action=Action.BRAKE, reason=reason, leader=leader.id, zone=zone)
+        reason = f"{needed} needed behind {lead.id}; {why}"
+        return Decision(action=Action.BRAKE, reason=reason, lead_id=lead.id, danger_zone=zone)
     if stops:
-        reason = f"stopping behind {leader.id}; {why}"
-        return Decision(action=Action.BRAKE, reason=reason, leader=leader.id, zone=zone)
-    if leader.follow_acceleration < follow_below or previous in (Action.FOLLOW, Action.BRAKE):
+        reason = f"stopping behind {lead.id}; {why}"
+        return Decision(action=Action.BRAKE, reason=reason, lead_id=lead.id, danger_zone=zone)
+    if lead.follow_acceleration < follow_threshold or previous in (Action.FOLLOW, Action.BRAKE):
         return Decision(
             action=Action.FOLLOW,
-            reason=f"waiting behind {leader.id}; {why}",
-            leader=leader.id,
-            zone=zone,
+            reason=f"waiting behind {lead.id}; {why}",
+            lead_id=lead.id,
+            danger_zone=zone,
         )
-    reason = f"{leader.id} is far ahead ({leader.gap:.0f} m)" + (f"; {why}" if candidates else "")
-    return Decision(action=Action.KEEP, reason=reason, leader=leader.id, zone=zone)
+    reason = f"{lead.id} is far ahead ({lead.gap:.0f} m)" + (f"; {why}" if candidates else "")
+    return Decision(action=Action.KEEP, reason=reason, lead_id=lead.id, danger_zone=zone)

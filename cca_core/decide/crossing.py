@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_array, check_real
-from cca_core.decide.sweep import Sweep, always_parallel, headings_ahead
+from cca_core.decide.sweep import Sweep, always_parallel, heading_range
 from cca_core.errors import InputError
 from cca_core.path import Path
 from cca_core.vehicle import RemoteVehicle, VehicleParams
 
-__all__ = ["Conflict", "CrossingSettings", "crossing"]
+__all__ = ["Conflict", "CrossingSettings", "find_conflict"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,13 +25,13 @@ class CrossingSettings:
         Largest acceleration of the other vehicle [m/s^2].
     b_max : float
         Largest deceleration of the other vehicle [m/s^2], positive.
-    margin : float
+    min_pet : float
         Time that must lie between two bodies in the conflict area [s].
     clearance : float
         Distance by which the ego's body grows on each side [m].
-    least_angle : float
+    min_angle : float
         Angle between the headings from which on paths cross [rad]; below it they follow or merge.
-    standing : float
+    standstill_speed : float
         Speed below which a vehicle is taken to stay where it is [m/s].
 
     Raises
@@ -42,16 +42,16 @@ class CrossingSettings:
 
     a_max: float = 2.0
     b_max: float = 2.0
-    margin: float = 1.0
+    min_pet: float = 1.0
     clearance: float = 0.3
-    least_angle: float = math.pi / 6.0
-    standing: float = 0.5
+    min_angle: float = math.pi / 6.0
+    standstill_speed: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("a_max", "b_max", "margin", "clearance"):
-            check_real(name, getattr(self, name), least=0.0)
-        check_real("standing", self.standing, above=0.0)
-        check_real("least_angle", self.least_angle, above=0.0, most=0.5 * math.pi)
+        for name in ("a_max", "b_max", "min_pet", "clearance"):
+            check_real(name, getattr(self, name), ge=0.0)
+        check_real("standstill_speed", self.standstill_speed, gt=0.0)
+        check_real("min_angle", self.min_angle, gt=0.0, le=0.5 * math.pi)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,59 +60,59 @@ class Conflict:
 
     Parameters
     ----------
-    remote : str
+    vehicle_id : str
         Id of the other vehicle.
-    s_in, s_out : float
+    s_enter, s_exit : float
         Path coordinates of the ego's center of gravity between which the bodies could overlap [m].
     distance : float
-        Distance from the ego to `s_in` [m]: to the place where it must stop in order to wait. Not positive if
+        Distance from the ego to `s_enter` [m]: to the place where it must stop in order to wait. Not positive if
         its body may already be in the area.
-    ego : tuple of float
+    t_ego : tuple of float
         When the ego enters and leaves, as intended [s] from now; infinite if it does not do so within the
         horizon.
-    other : tuple of float
+    t_other : tuple of float
         Earliest time at which the other vehicle could enter and latest at which it could have left [s];
         infinite if it could stop before it has left.
-    expected : tuple of float
+    t_other_nominal : tuple of float
         The same at the speed that it has now [s].
-    margin : float
+    min_pet : float
         Time that must lie between them [s].
     """
 
-    remote: str
-    s_in: float
-    s_out: float
+    vehicle_id: str
+    s_enter: float
+    s_exit: float
     distance: float
-    ego: tuple[float, float]
-    other: tuple[float, float]
-    expected: tuple[float, float]
-    margin: float
+    t_ego: tuple[float, float]
+    t_other: tuple[float, float]
+    t_other_nominal: tuple[float, float]
+    min_pet: float
 
     @property
-    def before(self) -> bool:
+    def ego_first(self) -> bool:
         """Whether the ego has left the area a margin before the other vehicle could enter."""
-        return self.ego[1] + self.margin <= self.other[0]
+        return self.t_ego[1] + self.min_pet <= self.t_other[0]
 
     @property
-    def after(self) -> bool:
+    def other_first(self) -> bool:
         """Whether the other vehicle has left for certain a margin before the ego enters."""
-        return self.other[1] + self.margin <= self.ego[0]
+        return self.t_other[1] + self.min_pet <= self.t_ego[0]
 
     @property
-    def free(self) -> bool:
+    def is_clear(self) -> bool:
         """Whether the ego can drive as intended, before or after the other vehicle."""
-        return self.before or self.after
+        return self.ego_first or self.other_first
 
     @property
-    def wait(self) -> bool:
+    def must_yield(self) -> bool:
         """Whether the ego must stop before the area; if it is neither free nor to be waited for, clear it.
 
         It does not ask whether it still can stop. Where it cannot, the planner compares both answers.
         """
-        return not self.free and self.distance > 0.0
+        return not self.is_clear and self.distance > 0.0
 
 
-def crossing(
+def find_conflict(
     path: Path,
     s: float,
     stations: ArrayLike,
@@ -163,18 +163,18 @@ def crossing(
     of each body at which any place of the other one could touch it.
     """
     settings = CrossingSettings() if settings is None else settings
-    s, horizon = check_real("s", s), check_real("horizon", horizon, above=0.0, most=60.0)
+    s, horizon = check_real("s", s), check_real("horizon", horizon, gt=0.0, le=60.0)
     at, t = check_array("stations", stations, (None,)), check_array("times", times, (None,))
     if at.shape != t.shape or len(at) < 2 or np.diff(at).min() <= 0.0 or np.diff(t).min() <= 0.0:
         raise InputError("stations and times must have the same length, at least 2, and increase")
-    if remote.defect is not None or t[0] >= horizon:
+    if remote.invalid_reason is not None or t[0] >= horizon:
         return None
     end = float(np.interp(horizon, t, at))
-    body = Sweep.along(path, float(at[0]), end, vehicle, settings.clearance)
-    return conflict_with(body, s, at, t, remote, horizon, settings)
+    body = Sweep.along_path(path, float(at[0]), end, vehicle, settings.clearance)
+    return find_conflict_for_sweep(body, s, at, t, remote, horizon, settings)
 
 
-def conflict_with(
+def find_conflict_for_sweep(
     body: Sweep,
     s: float,
     at: Array,
@@ -185,35 +185,38 @@ def conflict_with(
 ) -> Conflict | None:
     """Find the conflict for a swept ego; arguments as for `crossing`, checked there."""
     v = abs(remote.v_x)
-    if v < settings.standing:
+    if v < settings.standstill_speed:
         return None
     late = max(settings.a_max, settings.b_max) * remote.age
     fast, slow = v + late, max(v - late, 0.0)
     reach = fast * horizon + 0.5 * settings.a_max * horizon**2
     along = 2.0 * remote.sigma_along + 0.5 * late * remote.age
-    if always_parallel(body.headings, headings_ahead(remote, reach), settings.least_angle):
+    if always_parallel(body.headings, heading_range(remote, reach), settings.min_angle):
         return None
     start = complex(body.center[0]) - complex(remote.x, remote.y)
     sizes = body.half_length + body.half_width + remote.length + remote.width + along + remote.sigma_across
     if abs(start) > float(body.station[-1] - body.station[0]) + reach + sizes + 2.0 * remote.sigma_across:
         return None
-    other = Sweep.ahead_of(remote, reach, along, 2.0 * remote.sigma_across)
-    places = body.meets(other, settings.least_angle)
+    other = Sweep.from_remote(remote, reach, along, 2.0 * remote.sigma_across)
+    places = body.find_overlap(other, settings.min_angle)
     if places is None:
         return None
     first, last, first_other, last_other = places
-    s_in, s_out = float(body.station[first]) - 0.5 * body.step, float(body.station[last]) + 0.5 * body.step
+    s_enter, s_exit = (
+        float(body.station[first]) - 0.5 * body.step,
+        float(body.station[last]) + 0.5 * body.step,
+    )
     u_in = max(float(other.station[first_other]) - 0.5 * other.step, 0.0)
     u_out = float(other.station[last_other]) + 0.5 * other.step
     open_end = last == len(body.station) - 1
-    leaves = math.inf if open_end else float(np.interp(s_out, at, t))
+    leaves = math.inf if open_end else float(np.interp(s_exit, at, t))
     endless = last_other == len(other.station) - 1
     latest = math.inf if endless else _time(u_out, slow, -settings.b_max)
     return Conflict(
-        remote=remote.id, s_in=s_in, s_out=s_out, distance=s_in - s, margin=settings.margin,
-        ego=(float(np.interp(s_in, at, t)), leaves),
-        other=(_time(u_in, fast, settings.a_max), latest),
-        expected=(u_in / v, math.inf if endless else u_out / v),
+        vehicle_id=remote.id, s_enter=s_enter, s_exit=s_exit, distance=s_enter - s, min_pet=settings.min_pet,
+        t_ego=(float(np.interp(s_enter, at, t)), leaves),
+        t_other=(_time(u_in, fast, settings.a_max), latest),
+        t_other_nominal=(u_in / v, math.inf if endless else u_out / v),
     )  # fmt: skip
 
 

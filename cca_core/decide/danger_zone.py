@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_array, check_real
 from cca_core.errors import InputError
-from cca_core.predict import reach
+from cca_core.predict import reachable_interval
 
 
 def danger_zone_end(
@@ -44,9 +44,9 @@ def danger_zone_end(
     >>> float(danger_zone_end(0.0, 30.0, 20.0, 4.0, 10.0))
     50.0
     """
-    duration = check_real("t_maneuver", t_maneuver, least=0.0)
+    duration = check_real("t_maneuver", t_maneuver, ge=0.0)
     relative = check_any("v_adj", v_adj) - check_any("v_ego", v_ego)
-    end: Array = check_any("X_1", X_1) + relative * duration + check_real("x_safety", x_safety, least=0.0)
+    end: Array = check_any("X_1", X_1) + relative * duration + check_real("x_safety", x_safety, ge=0.0)
     return end
 
 
@@ -111,9 +111,9 @@ def danger_zone(
     driven = check_array("ego_travel", ego_travel, (None,))
     if t.shape != driven.shape or not len(t) or t.min() < 0.0:
         raise InputError("times and ego_travel must have the same length, times must not be negative")
-    x_safety = check_real("x_safety", x_safety, least=0.0)
-    braking = check_real("braking", braking, least=0.0)
-    acceleration = check_real("acceleration", acceleration, least=0.0)
+    x_safety = check_real("x_safety", x_safety, ge=0.0)
+    braking = check_real("braking", braking, ge=0.0)
+    acceleration = check_real("acceleration", acceleration, ge=0.0)
     back, ahead, further = check_any("rear", rear), check_any("front", front), check_any("margin", margin)
     if (back > ahead).any():
         raise InputError("rear must not be in front of front")
@@ -122,7 +122,7 @@ def danger_zone(
     aged = check_any("age", age)
     if (aged < 0.0).any():
         raise InputError(f"age must not be negative, was {aged.min():g}")
-    low, high = reach(
+    low, high = reachable_interval(
         check_any("v_adj", v_adj)[..., None], t,
         braking=braking, acceleration=acceleration, age=aged[..., None],
     )  # fmt: skip

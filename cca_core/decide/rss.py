@@ -64,10 +64,10 @@ class RssSettings:
 
     def __post_init__(self) -> None:
         for name in ("response_time", "b_min", "b_correct", "b_lateral"):
-            check_real(name, getattr(self, name), above=0.0)
+            check_real(name, getattr(self, name), gt=0.0)
         for name in ("a_max", "a_lateral", "fluctuation", "standstill_gap", "v_max"):
-            check_real(name, getattr(self, name), least=0.0)
-        check_real("b_max", self.b_max, least=self.b_min)
+            check_real(name, getattr(self, name), ge=0.0)
+        check_real("b_max", self.b_max, ge=self.b_min)
 
 
 RSS_EGO = RssSettings()

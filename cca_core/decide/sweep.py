@@ -10,7 +10,7 @@ from cca_core._checks import Array, Complex
 from cca_core.path import Path
 from cca_core.vehicle import RemoteVehicle, VehicleParams
 
-__all__ = ["Sweep", "always_parallel", "headings_ahead"]
+__all__ = ["Sweep", "always_parallel", "heading_range"]
 
 _SPACING = 1.0  # of the samples, at most [m]
 _BLOCK = 4  # samples that are looked at together first
@@ -51,7 +51,9 @@ class Sweep:
     headings: tuple[float, float]
 
     @classmethod
-    def along(cls, path: Path, start: float, end: float, vehicle: VehicleParams, clearance: float) -> Self:
+    def along_path(
+        cls, path: Path, start: float, end: float, vehicle: VehicleParams, clearance: float
+    ) -> Self:
         """Follow a path with the center of gravity, the body along the tangent.
 
         Parameters
@@ -84,7 +86,7 @@ class Sweep:
         return cls._grown(station, center, ahead, half, (end - start) / (n - 1), bend, span)
 
     @classmethod
-    def ahead_of(cls, remote: RemoteVehicle, reach: float, along: float, across: float) -> Self:
+    def from_remote(cls, remote: RemoteVehicle, reach: float, along: float, across: float) -> Self:
         """Let a vehicle go on straight or on the circle that it drives now, but no more than round a corner.
 
         Parameters
@@ -111,7 +113,7 @@ class Sweep:
         center = remote.x + 1j * remote.y + chord + (station - on_arc) * ahead
         step = reach / (n - 1)
         half = 0.5 * remote.length + along, 0.5 * remote.width + across
-        span = headings_ahead(remote, reach)
+        span = heading_range(remote, reach)
         return cls._grown(station, center, ahead, half, step, abs(kappa) * step, span)
 
     @classmethod
@@ -143,14 +145,14 @@ class Sweep:
         ahead = complex(self.ahead[min(max(index, 0), len(self.ahead) - 1)])
         return math.atan2(ahead.imag, ahead.real)
 
-    def meets(self, other: "Sweep", least_angle: float) -> tuple[int, int, int, int] | None:
+    def find_overlap(self, other: "Sweep", min_angle: float) -> tuple[int, int, int, int] | None:
         """Find where two bodies could touch.
 
         Parameters
         ----------
         other : Sweep
             The other body.
-        least_angle : float
+        min_angle : float
             Angle that the headings must reach somewhere where they touch [rad].
 
         Returns
@@ -178,13 +180,13 @@ class Sweep:
         touch = (np.abs(offset.real) <= la + lb * c + wb * s) & (np.abs(offset.imag) <= wa + lb * s + wb * c)
         offset = offset * turn.conj()
         touch &= (np.abs(offset.real) <= lb + la * c + wa * s) & (np.abs(offset.imag) <= wb + la * s + wa * c)
-        if not touch.any() or float(s[touch].max()) < math.sin(least_angle):
+        if not touch.any() or float(s[touch].max()) < math.sin(min_angle):
             return None
         i, j = i[touch], j[touch]
         return int(i.min()), int(i.max()), int(j.min()), int(j.max())
 
 
-def headings_ahead(remote: RemoteVehicle, reach: float) -> tuple[float, float]:
+def heading_range(remote: RemoteVehicle, reach: float) -> tuple[float, float]:
     """Least and largest heading of a vehicle on its way [rad], not wrapped.
 
     Parameters
@@ -204,14 +206,14 @@ def headings_ahead(remote: RemoteVehicle, reach: float) -> tuple[float, float]:
     return min(psi, psi + turned), max(psi, psi + turned)
 
 
-def always_parallel(one: tuple[float, float], other: tuple[float, float], least_angle: float) -> bool:
+def always_parallel(one: tuple[float, float], other: tuple[float, float], min_angle: float) -> bool:
     """Tell whether headings from two ranges never are at more than an angle, along or against each other.
 
     Parameters
     ----------
     one, other : tuple of float
         Least and largest heading [rad].
-    least_angle : float
+    min_angle : float
         The angle [rad].
 
     Returns
@@ -221,7 +223,7 @@ def always_parallel(one: tuple[float, float], other: tuple[float, float], least_
     """
     low, high = other[0] - one[1], other[1] - one[0]
     turns = math.pi * round(0.5 * (low + high) / math.pi)
-    return low - turns > -least_angle and high - turns < least_angle
+    return low - turns > -min_angle and high - turns < min_angle
 
 
 def _curvature(remote: RemoteVehicle) -> float:

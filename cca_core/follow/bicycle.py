@@ -57,8 +57,8 @@ def single_track(vehicle: VehicleParams, v_x: float, l_s: float) -> SingleTrack:
     beta' and r' are the textbook single-track model with axle stiffnesses;
     e_psi' = r - v kappa and e_y' = v beta + l_s r + v e_psi - l_s v kappa.
     """
-    v = check_real("v_x", v_x, above=0.0)
-    l_s = check_real("l_s", l_s, least=0.0)
+    v = check_real("v_x", v_x, gt=0.0)
+    l_s = check_real("l_s", l_s, ge=0.0)
     m, inertia = vehicle.m, vehicle.I_z
     moment = vehicle.C_r * vehicle.l_r - vehicle.C_f * vehicle.l_f
     damping = vehicle.C_f * vehicle.l_f**2 + vehicle.C_r * vehicle.l_r**2
@@ -101,7 +101,7 @@ def discretized(model: SingleTrack, dt: float) -> SingleTrack:
     """
     from scipy.linalg import expm  # slow to import
 
-    dt = check_real("dt", dt, above=0.0)
+    dt = check_real("dt", dt, gt=0.0)
     n = len(model.A)
     block = np.zeros((n + 2, n + 2))
     block[:n, :n], block[:n, n], block[:n, n + 1] = model.A, model.B, model.E
@@ -231,7 +231,7 @@ def steady_turn(path: Path, s: float, v_x: float, vehicle: VehicleParams) -> Veh
     InputError
         If `s` or `v_x` is not finite, or `v_x` negative.
     """
-    s, v_x = check_real("s", s), check_real("v_x", v_x, least=0.0)
+    s, v_x = check_real("s", s), check_real("v_x", v_x, ge=0.0)
     x, y = path.position(s).tolist()
     kappa = path.curvature_at(s)
     beta = float(steady_sideslip(kappa, v_x, vehicle))

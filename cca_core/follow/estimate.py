@@ -43,9 +43,9 @@ class PoseEstimator:
         position_drift: float = 0.02,
         heading_drift: float = 0.002,
     ) -> None:
-        self._fix_variance = check_real("fix_sigma", fix_sigma, above=0.0) ** 2
-        self._q_position = check_real("position_drift", position_drift, above=0.0) ** 2
-        self._q_heading = check_real("heading_drift", heading_drift, above=0.0) ** 2
+        self._fix_variance = check_real("fix_sigma", fix_sigma, gt=0.0) ** 2
+        self._q_position = check_real("position_drift", position_drift, gt=0.0) ** 2
+        self._q_heading = check_real("heading_drift", heading_drift, gt=0.0) ** 2
         self._state = state
         # variances along; across, and across with heading, and of the heading
         self._along = self._across = self._fix_variance

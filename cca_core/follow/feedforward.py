@@ -70,7 +70,7 @@ class InverseSteering:
         """
         p, v = self._vehicle, max(v_x, 0.0)
         if self._s is None or abs(s - self._s) > _JUMP or v < _ROLLING:
-            self._settle(kappa, v)
+            self._steady_state(kappa, v)
         else:
             self._integrate(kappa, v, dt)
         self._s, self._kappa = s, kappa
@@ -122,7 +122,7 @@ class InverseSteering:
         w = (s - s0) / (s1 - s0)
         return beta + w * (beta1 - beta), r + w * (r1 - r)
 
-    def _settle(self, kappa: float, v: float) -> None:
+    def _steady_state(self, kappa: float, v: float) -> None:
         """Start in the steady turn of this curvature."""
         p = self._vehicle
         self._trace.clear()

@@ -48,9 +48,9 @@ class StabilityRegion:
     delay: float = 0.08
 
     def __post_init__(self) -> None:
-        check_real("decay", self.decay, least=0.0)
-        check_real("damping", self.damping, least=0.0, most=1.0)
-        check_real("delay", self.delay, least=0.0)
+        check_real("decay", self.decay, ge=0.0)
+        check_real("damping", self.damping, ge=0.0, le=1.0)
+        check_real("delay", self.delay, ge=0.0)
         for name in ("mass", "friction"):
             pair: object = getattr(self, name)
             numbers = [check_real(name, each) for each in pair] if isinstance(pair, (tuple, list)) else []
@@ -97,11 +97,11 @@ class GainRegion:
         Gains tried [rad/m], [rad s/m].
     decay, damping : ndarray, shape (n, n)
         Worst over the box of cars [1/s], [-].
-    asked : tuple of float
+    requested : tuple of float
         Least decay [1/s] and damping [-] asked for at this speed.
     admissible : ndarray of bool, shape (n, n)
         Where both are as asked.
-    chosen : tuple of float or None
+    selected : tuple of float or None
         k_p [rad/m] and k_d [rad s/m] with the greatest decay among the admissible; None without any.
     """
 
@@ -111,9 +111,9 @@ class GainRegion:
     k_d: Array
     decay: Array
     damping: Array
-    asked: tuple[float, float]
+    requested: tuple[float, float]
     admissible: Mask
-    chosen: tuple[float, float] | None
+    selected: tuple[float, float] | None
 
 
 def design_gains(
@@ -122,7 +122,7 @@ def design_gains(
     *,
     region: StabilityRegion | None = None,
     preview_time: float = 1.1,
-    least_preview: float = 4.4,
+    min_preview: float = 4.4,
 ) -> PreviewGains:
     """Schedule preview gains over speed.
 
@@ -136,7 +136,7 @@ def design_gains(
         Demands on the poles, uncertainty and delay.
     preview_time : float
         Preview distance per speed [s].
-    least_preview : float
+    min_preview : float
         Preview distance at low speed [m].
 
     Returns
@@ -163,13 +163,13 @@ def design_gains(
     if not len(grid):
         raise InputError("speeds must not be empty")
     region = region or StabilityRegion()
-    preview_time = check_real("preview_time", preview_time, above=0.0)
-    least_preview = check_real("least_preview", least_preview, least=0.0)
+    preview_time = check_real("preview_time", preview_time, gt=0.0)
+    min_preview = check_real("min_preview", min_preview, ge=0.0)
     chosen = []
     for v_x in grid.tolist():
-        l_s = max(preview_time * check_real("speeds", v_x, above=0.0), least_preview)
+        l_s = max(preview_time * check_real("speeds", v_x, gt=0.0), min_preview)
         found = gain_region(vehicle, v_x, l_s, region)
-        if found.chosen is None:
+        if found.selected is None:
             raise InfeasibleError(
                 f"no gains at {v_x:g} m/s with a preview of {l_s:g} m keep decay {region.decay:g} 1/s "
                 f"and damping {region.damping:g} at once (alone they reach {found.decay.max():.2f} and "
@@ -178,7 +178,7 @@ def design_gains(
                 f"{region.delay:g} s; ask for less in region",
                 found,
             )
-        chosen.append((*found.chosen, l_s))
+        chosen.append((*found.selected, l_s))
     k_p, k_d, l_s_column = zip(*chosen, strict=True)
     return PreviewGains(speeds=tuple(grid.tolist()), k_p=k_p, k_d=k_d, l_s=l_s_column)
 
@@ -232,5 +232,5 @@ def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: Stabilit
     chosen = (float(k_p[best]), float(k_d[best])) if admissible.any() else None
     return GainRegion(
         v_x=v_x, l_s=l_s, k_p=k_p, k_d=k_d, decay=decay, damping=damping,
-        asked=(asked, region.damping), admissible=admissible, chosen=chosen,
+        requested=(asked, region.damping), admissible=admissible, selected=chosen,
     )  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 
 from cca_core._checks import Array, check_real
 from cca_core.follow.bicycle import single_track
-from cca_core.follow.schedule import SLIP_SHARE, PreviewGains
+from cca_core.follow.schedule import SIDESLIP_FRACTION, PreviewGains
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["Margins", "stability_margins"]
@@ -75,8 +75,8 @@ def stability_margins(
     -----
     Disk margin: ``alpha = 2 / max |S - T|`` with the sensitivities S and T.
     """
-    v_x = check_real("v_x", v_x, above=0.0)
-    delay = check_real("delay", delay, least=0.0)
+    v_x = check_real("v_x", v_x, gt=0.0)
+    delay = check_real("delay", delay, ge=0.0)
     k_p, k_d, l_s = gains.at(v_x)
     A, B, C_p, C_d = steering_loop(vehicle, v_x, l_s, 0.0)
     w = _FREQUENCIES
@@ -121,6 +121,6 @@ def steering_loop(
         A[4, 6] = -12.0 / delay / lag
         B[6] = 1.0
     C_p, C_d = np.zeros(n), np.zeros(n)
-    C_p[3], C_p[0] = 1.0, SLIP_SHARE * l_s
+    C_p[3], C_p[0] = 1.0, SIDESLIP_FRACTION * l_s
     C_d[:4] = model.A[3]
     return A, B, C_p, C_d

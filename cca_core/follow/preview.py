@@ -6,7 +6,7 @@ from typing import Literal
 from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.follow.feedforward import InverseSteering
-from cca_core.follow.schedule import SLIP_SHARE, PreviewGains, shipped_gains
+from cca_core.follow.schedule import SIDESLIP_FRACTION, PreviewGains, shipped_gains
 from cca_core.geometry import wrap_angle
 from cca_core.path.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
@@ -67,8 +67,8 @@ class PreviewController:
             raise InputError(f"error must be 'tangent' or 'ahead', was {error!r}")
         self.vehicle = vehicle
         self.gains = gains or shipped_gains(vehicle)
-        self.delay = check_real("delay", delay, least=0.0)
-        self.a_y_max = check_real("a_y_max", a_y_max, above=0.0)
+        self.delay = check_real("delay", delay, ge=0.0)
+        self.a_y_max = check_real("a_y_max", a_y_max, gt=0.0)
         self._ahead = error == "ahead"
         self._inverse = InverseSteering(vehicle)
         self._foot: tuple[Path, float] | None = None
@@ -78,7 +78,9 @@ class PreviewController:
     def __repr__(self) -> str:
         return f"PreviewController(gains at {len(self.gains.speeds)} speeds, delay={self.delay:g} s)"
 
-    def steer(self, state: VehicleState, path: Path, dt: float = 0.02, *, near: float | None = None) -> float:
+    def steer(
+        self, state: VehicleState, path: Path, dt: float = 0.02, *, s_guess: float | None = None
+    ) -> float:
         """Road-wheel angle for this cycle.
 
         Parameters
@@ -89,7 +91,7 @@ class PreviewController:
             Path to follow.
         dt : float
             Time since the last call [s].
-        near : float, optional
+        s_guess : float, optional
             Arc length close to where the car is on a path that was not followed before [m]; without it the
             whole path is searched.
 
@@ -100,16 +102,16 @@ class PreviewController:
         """
         p, v = self.vehicle, max(state.v_x, 0.0)
         if self._foot is not None and self._foot[0] is path:
-            near = self._foot[1] + v * dt
-        elif near is None:
-            near = float(path.project((state.x, state.y))[0])
-        s, d, heading, kappa = path.foot_point(float(state.x), float(state.y), near)
+            s_guess = self._foot[1] + v * dt
+        elif s_guess is None:
+            s_guess = float(path.project((state.x, state.y))[0])
+        s, d, heading, kappa = path.foot_point(float(state.x), float(state.y), s_guess)
         self._foot = path, s
         ahead = s + v * (self.delay + p.steering_lag)
         feed_forward = self._inverse.advance(ahead, path.curvature_at(ahead), v, dt)
         beta, r = self._inverse.motion_at(s)
         if v > _SLIP_KNOWN:
-            beta += SLIP_SHARE * (math.atan2(state.v_y, v) - beta)
+            beta += SIDESLIP_FRACTION * (math.atan2(state.v_y, v) - beta)
         k_p, k_d, l_s = self.gains.at(v)
         e_psi = wrap_angle(state.psi - heading)
         sin, cos = math.sin(e_psi), math.cos(e_psi)

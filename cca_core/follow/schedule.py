@@ -7,9 +7,9 @@ from cca_core._checks import check_array, check_real
 from cca_core.errors import InputError
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["SLIP_SHARE", "PreviewGains", "shipped_gains"]
+__all__ = ["SIDESLIP_FRACTION", "PreviewGains", "shipped_gains"]
 
-SLIP_SHARE = 0.3
+SIDESLIP_FRACTION = 0.3
 """Share of the measured sideslip in the reference of the error at the preview point [-]."""
 SPEEDS = (2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0)
 """Default grid of a schedule, and that of the shipped ones [m/s]."""
@@ -50,8 +50,8 @@ class PreviewGains:
                     f"{name} must have one value per speed ({len(self.speeds)}), had {len(column)}"
                 )
             for value in column:
-                check_real(name, value, least=0.0)
-        check_real("speeds", self.speeds[0], above=0.0)
+                check_real(name, value, ge=0.0)
+        check_real("speeds", self.speeds[0], gt=0.0)
         if any(b <= a for a, b in zip(self.speeds, self.speeds[1:], strict=False)):
             raise InputError("speeds must increase")
 

@@ -52,7 +52,7 @@ class SpeedSettings:
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
-            check_real(name, getattr(self, name), above=0.0)
+            check_real(name, getattr(self, name), gt=0.0)
 
 
 def cruise_acceleration(v_x: float, v_target: float, settings: SpeedSettings) -> float:
@@ -97,13 +97,13 @@ def stop_acceleration(v_x: float, distance: float, settings: SpeedSettings) -> f
 
 
 def jerk_limited(
-    wanted: float, last: float, dt: float, settings: SpeedSettings, *, emergency: bool = False
+    target: float, previous: float, dt: float, settings: SpeedSettings, *, emergency: bool = False
 ) -> float:
     """Acceleration on its way to the wanted one.
 
     Parameters
     ----------
-    wanted, last : float
+    target, previous : float
         Acceleration asked for now and in the last cycle [m/s^2].
     dt : float
         Time between them [s].
@@ -118,7 +118,7 @@ def jerk_limited(
         Acceleration [m/s^2], at most jerk dt away from `last`.
     """
     step = (settings.jerk_emergency if emergency else settings.jerk) * dt
-    return min(max(wanted, last - step), last + step)
+    return min(max(target, previous - step), previous + step)
 
 
 def friction_limited(a_x: float, a_y: float, mu: float, *, share: float = 0.9) -> float:

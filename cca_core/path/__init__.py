@@ -1,14 +1,24 @@
 """Roads: from GPS to meters, from waypoints to a smooth curve, lanes along it."""
 
-from cca_core.path.clean import CleaningReport, CleanRoute, clean_route
+from cca_core.path.clean import CleanedRoute, CleaningReport, clean_route
 from cca_core.path.fit import fit_path
-from cca_core.path.interpolate import detour_path, interpolate_path
+from cca_core.path.interpolate import interpolate_path, splice_path
 from cca_core.path.local_frame import LocalFrame
 from cca_core.path.path import Path
 from cca_core.path.road import Lane, Road
 from cca_core.path.waypoints import Waypoints, read_waypoints
 
 __all__ = [
-    "CleanRoute", "CleaningReport", "Lane", "LocalFrame", "Path", "Road", "Waypoints", "clean_route",
-    "detour_path", "fit_path", "interpolate_path", "read_waypoints",
+    "CleanedRoute",
+    "CleaningReport",
+    "Lane",
+    "LocalFrame",
+    "Path",
+    "Road",
+    "Waypoints",
+    "clean_route",
+    "fit_path",
+    "interpolate_path",
+    "read_waypoints",
+    "splice_path",
 ]  # fmt: skip

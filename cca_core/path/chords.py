@@ -6,7 +6,7 @@ import numpy as np
 
 from cca_core._checks import Array, Index, Mask
 
-__all__ = ["bridge_gaps", "longest_nearby", "off_chords"]
+__all__ = ["bridge_gaps", "chord_deviation", "max_neighbor_chord"]
 
 _GAP_RATIO, _GAP_LEAST = 4.0, 20.0  # a chord over 4 medians (and 20 m) is a gap
 
@@ -35,7 +35,7 @@ def bridge_gaps(points: Array, chords: Array) -> tuple[Array, Mask]:
     return np.vstack((dense, points[-1:])), np.append(share == 0.0, True)
 
 
-def longest_nearby(points: Array, closed: bool) -> Array:
+def max_neighbor_chord(points: Array, closed: bool) -> Array:
     """Return the longest of each chord and its two neighbors.
 
     Parameters
@@ -55,7 +55,7 @@ def longest_nearby(points: Array, closed: bool) -> Array:
     return longest
 
 
-def off_chords(curve: Array, points: Array, closed: bool) -> Array:
+def chord_deviation(curve: Array, points: Array, closed: bool) -> Array:
     """Distance of a curve from the chord that it belongs to, or the one before or after.
 
     Parameters

@@ -24,7 +24,7 @@ class CleaningReport:
         Rows merged with the one before them, less than the least spacing away.
     dropped : ndarray of int, shape (n_dropped,)
         Rows dropped because the route jumps or zig-zags there.
-    resorted : ndarray of int, shape (n_resorted,)
+    reordered : ndarray of int, shape (n_reordered,)
         Rows that changed places with the one that followed.
     gaps : ndarray of int, shape (n_gaps,)
         Rows after which a new part starts.
@@ -38,20 +38,20 @@ class CleaningReport:
 
     duplicates: Index
     dropped: Index
-    resorted: Index
+    reordered: Index
     gaps: Index
     isolated: Index
     reversals: Index
     closed: bool
 
     def __repr__(self) -> str:
-        names = ("duplicates", "dropped", "resorted", "gaps", "isolated", "reversals")
+        names = ("duplicates", "dropped", "reordered", "gaps", "isolated", "reversals")
         found = [f"{name} {_rows(getattr(self, name))}" for name in names if len(getattr(self, name))]
         return f"CleaningReport({'; '.join(found) or 'nothing changed'}{'; closed' if self.closed else ''})"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CleanRoute:
+class CleanedRoute:
     """A route in parts that `fit_path` can take.
 
     Parameters
@@ -71,12 +71,12 @@ class CleanRoute:
     def __repr__(self) -> str:
         counts = ", ".join(str(len(part)) for part in self.parts[:8])
         more = ", ..." if len(self.parts) > 8 else ""
-        return f"CleanRoute({len(self.parts)} parts of {counts}{more} points, {self.report!r})"
+        return f"CleanedRoute({len(self.parts)} parts of {counts}{more} points, {self.report!r})"
 
 
 def clean_route(
     xy: ArrayLike, *, max_gap: float = 500.0, min_spacing: float = 0.05, max_turn: float = math.radians(100.0)
-) -> CleanRoute:
+) -> CleanedRoute:
     """Merge, sort, drop and split the points of a recorded route.
 
     Parameters
@@ -92,7 +92,7 @@ def clean_route(
 
     Returns
     -------
-    route : CleanRoute
+    route : CleanedRoute
         The parts, of at least two points each, and the report.
 
     Raises
@@ -111,12 +111,12 @@ def clean_route(
     --------
     >>> route = clean_route([[0, 0], [10, 0], [10, 0], [30, 0], [20, 0], [40, 0], [50, 0]])
     >>> route
-    CleanRoute(1 parts of 6 points, CleaningReport(duplicates 1 [2]; resorted 1 [3]))
+    CleanedRoute(1 parts of 6 points, CleaningReport(duplicates 1 [2]; reordered 1 [3]))
     """
     points = check_points("xy", xy, 2)
-    max_gap = check_real("max_gap", max_gap, above=0.0)
-    min_spacing = check_real("min_spacing", min_spacing, least=0.0, most=max_gap)
-    max_turn = check_real("max_turn", max_turn, above=0.5 * math.pi, most=math.pi)
+    max_gap = check_real("max_gap", max_gap, gt=0.0)
+    min_spacing = check_real("min_spacing", min_spacing, ge=0.0, le=max_gap)
+    max_turn = check_real("max_turn", max_turn, gt=0.5 * math.pi, le=math.pi)
     cleaner = _Cleaner(points, max_gap, min_spacing, max_turn)
     rows = cleaner.clean(list(range(len(points))))
     if not rows:
@@ -124,7 +124,7 @@ def clean_route(
     parts = tuple(_frozen(points[part]) for part in rows)
     log = {name: _frozen(np.array(sorted(set(found)), dtype=np.intp)) for name, found in cleaner.log.items()}
     report = CleaningReport(closed=len(parts) == 1 and _is_closed(parts[0], max_turn), **log)
-    return CleanRoute(parts=parts, rows=tuple(_frozen(np.array(part)) for part in rows), report=report)
+    return CleanedRoute(parts=parts, rows=tuple(_frozen(np.array(part)) for part in rows), report=report)
 
 
 class _Cleaner:
@@ -133,7 +133,7 @@ class _Cleaner:
     def __init__(self, points: Array, max_gap: float, min_spacing: float, max_turn: float) -> None:
         self._x, self._y = points.T.tolist()
         self._max_gap, self._min_spacing, self._max_turn = max_gap, min_spacing, max_turn
-        names = ("duplicates", "dropped", "resorted", "gaps", "isolated", "reversals")
+        names = ("duplicates", "dropped", "reordered", "gaps", "isolated", "reversals")
         self.log: dict[str, list[int]] = {name: [] for name in names}
 
     def clean(self, rows: list[int]) -> list[list[int]]:
@@ -180,7 +180,7 @@ class _Cleaner:
                 ahead += front
             else:
                 self.log["dropped"] += [row for row in window if row not in better]
-                self.log["resorted"] += [row for k, row in enumerate(better[1:]) if row < better[k]]
+                self.log["reordered"] += [row for k, row in enumerate(better[1:]) if row < better[k]]
                 ahead += better[::-1]
         return done
 

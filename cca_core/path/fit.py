@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, Index, Mask, check_points, check_real
 from cca_core.errors import InfeasibleError, InputError
-from cca_core.path.chords import bridge_gaps, longest_nearby, off_chords
+from cca_core.path.chords import bridge_gaps, chord_deviation, max_neighbor_chord
 from cca_core.path.interpolate import over_arc_length
 from cca_core.path.path import Path
 from cca_core.path.smoothing import SmoothingSpline
@@ -98,15 +98,15 @@ def fit_path(
     (30.0, True)
     """
     points = check_points("xy", xy, 2)
-    tolerance = check_real("tolerance", tolerance, least=0.0)
-    per_segment = check_real("points_per_segment", points_per_segment, least=1)
+    tolerance = check_real("tolerance", tolerance, ge=0.0)
+    per_segment = check_real("points_per_segment", points_per_segment, ge=1)
     if per_segment != int(per_segment):
         raise InputError(f"points_per_segment must be a whole number, was {per_segment:g}")
     if segmentation not in ("equal", "adaptive"):
         raise InputError(f"segmentation must be 'equal' or 'adaptive', was {segmentation!r}")
     limit = math.inf
     if curvature_limit is not None:
-        limit = check_real("curvature_limit", curvature_limit, above=0.0)
+        limit = check_real("curvature_limit", curvature_limit, gt=0.0)
     if closed:
         if not np.array_equal(points[0], points[-1]):
             points = np.vstack((points, points[:1]))
@@ -131,14 +131,14 @@ class _Fit:
         self._chord = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
         self._accepted = max(tolerance, 1e-6)
         loose = 1.0 / np.minimum(self._asked[1:], self._asked[:-1])
-        self._room = tolerance * loose + _SWING * longest_nearby(self._points, closed)  # off each chord
+        self._room = tolerance * loose + _SWING * max_neighbor_chord(self._points, closed)  # off each chord
         # what the interpolation at the end may add
         self._tolerance = max(tolerance - min(1e-3 * tolerance, 1e-4), 1e-9)
         self._closed, self._limit = closed, math.inf
 
     def within(self, limit: float, per_segment: int | None) -> Path:
         """Find the path with curvature up to `limit`, in equal segments or (None) adaptive ones."""
-        spline = self._beside_chords(per_segment)
+        spline = self._fit_near_chords(per_segment)
         path = over_arc_length(spline.path(), self._closed)
         if _largest_curvature(path) <= limit:
             return self._checked(path, spline)
@@ -147,19 +147,19 @@ class _Fit:
                 f"no path of {self._chord[-1]:.0f} m closes with a curvature of at most {limit:g} 1/m"
             )
         self._limit = _HEADROOM * limit
-        self._give_up()
+        self._fit_without_tolerance()
         path = over_arc_length(self._segmented(per_segment).path(), self._closed)
         for _ in range(_ROUNDINGS):
             if _largest_curvature(path) <= limit:
                 return path
-            path = _rounded(path, self._limit, self._closed)
+            path = _limit_curvature(path, self._limit, self._closed)
         raise InfeasibleError(f"no path with a curvature of at most {limit:g} 1/m was found")
 
-    def _beside_chords(self, per_segment: int | None) -> SmoothingSpline:
+    def _fit_near_chords(self, per_segment: int | None) -> SmoothingSpline:
         """Fit; where the curve swings off its chords, put points on them and fit again."""
         for _ in range(_DIVISIONS):
             spline = self._segmented(per_segment)
-            astray = self._astray(spline)
+            astray = self._find_overshoots(spline)
             if not astray.any():
                 break
             self._divide(astray)
@@ -177,9 +177,9 @@ class _Fit:
                 )  # fmt: skip
         return path
 
-    def _astray(self, spline: SmoothingSpline) -> Mask:
+    def _find_overshoots(self, spline: SmoothingSpline) -> Mask:
         """Tell between which neighboring points a fit swings too far off the chords there."""
-        off = off_chords(spline.between(_LOOKS), self._points, self._closed)
+        off = chord_deviation(spline.between(_LOOKS), self._points, self._closed)
         astray: Mask = off.max(axis=1) > self._room
         return astray
 
@@ -221,7 +221,7 @@ class _Fit:
                 return spline
             knots = finer
 
-    def _give_up(self) -> None:
+    def _fit_without_tolerance(self) -> None:
         """Ask no tolerance of waypoints that no curve within the limit comes near."""
         spline, _ = self._fit(np.arange(len(self._points)), smooth=False)
         self._asked = self._asked * (spline.residuals() * self._asked <= self._tolerance)
@@ -237,9 +237,11 @@ class _Fit:
                 worst, smoothing = spline.smooth_within(self._tolerance, smoothing)
             else:
                 worst = spline.interpolate()
-            spline.limit_bends(self._limit)
+            spline.limit_curvature(self._limit)
             lengths = spline.arc_length()
-            looping = lengths[-1] > _STRETCH * self._chord[-1] or (not limited and self._astray(spline).any())
+            looping = lengths[-1] > _STRETCH * self._chord[-1] or (
+                not limited and self._find_overshoots(spline).any()
+            )
             if kept and looping:
                 break  # a curve that loops between its points only gets worse with its own length
             kept = spline, knots
@@ -270,7 +272,7 @@ def _clothoids(path: Path, borders: Array) -> Array:
     return -(kappa**3)[:, None] * normal - (3.0 * kappa * change)[:, None] * first
 
 
-def _rounded(path: Path, limit: float, closed: bool) -> Path:
+def _limit_curvature(path: Path, limit: float, closed: bool) -> Path:
     """Return a path with its bends brought toward `limit`, and over its arc length again."""
     bent = np.abs(path.curvature(path.breaks)) > 0.5 * limit
     near = np.convolve(bent[1:] | bent[:-1], np.ones(3), "same") > 0.0
@@ -280,7 +282,7 @@ def _rounded(path: Path, limit: float, closed: bool) -> Path:
     s = np.append(path.breaks[index] + share * np.diff(path.breaks)[index], path.end)
     spline = SmoothingSpline(s, np.arange(len(s)), path.position(s), np.ones(len(s)), closed)
     spline.interpolate()
-    spline.limit_bends(limit)
+    spline.limit_curvature(limit)
     return over_arc_length(spline.path(), closed)
 
 

@@ -65,7 +65,7 @@ def interpolate_path(
     return spline_through(points, check_real("start", start), *tangents)
 
 
-def detour_path(path: Path, s: Array, nodes: Array) -> Path:
+def splice_path(path: Path, s: Array, nodes: Array) -> Path:
     """Lay what the steering follows on a detour: the route, the bent stretch, the route.
 
     Parameters

@@ -41,8 +41,8 @@ class LocalFrame:
     """
 
     def __init__(self, lat0: float, lon0: float) -> None:
-        self.lat0 = check_real("lat0", lat0, least=-90.0, most=90.0)
-        self.lon0 = check_real("lon0", lon0, least=-180.0, most=180.0)
+        self.lat0 = check_real("lat0", lat0, ge=-90.0, le=90.0)
+        self.lon0 = check_real("lon0", lon0, ge=-180.0, le=180.0)
         lat, lon = math.radians(self.lat0), math.radians(self.lon0)
         self._origin = _to_ecef(np.array(lat), np.array(lon))
         self._axes = np.array(

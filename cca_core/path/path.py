@@ -217,7 +217,7 @@ class Path:
         InputError
             If `spacing` is not positive.
         """
-        spacing = check_real("spacing", spacing, above=0.0)
+        spacing = check_real("spacing", spacing, gt=0.0)
         n = max(2, math.ceil(self.length / spacing - 1e-9) + 1)
         return self.position(np.linspace(self.start, self.end, n))
 
@@ -239,18 +239,18 @@ class Path:
         InputError
             If `start` is not less than `end`, or one of them is not on the path.
         """
-        start = check_real("start", start, least=self.start, most=self.end)
-        end = check_real("end", end, above=start, most=self.end)
+        start = check_real("start", start, ge=self.start, le=self.end)
+        end = check_real("end", end, gt=start, le=self.end)
         return Path(*self._cubics.cut(start, end, self._coefficients))
 
-    def project(self, xy: ArrayLike, near: ArrayLike | None = None) -> tuple[Array, Array]:
+    def project(self, xy: ArrayLike, s_guess: ArrayLike | None = None) -> tuple[Array, Array]:
         """Foot points by Newton's method: arc length and lateral coordinate of positions.
 
         Parameters
         ----------
         xy : array_like, shape (..., 2)
             Positions [m].
-        near : array_like, shape (...), optional
+        s_guess : array_like, shape (...), optional
             Arc length close to the answer [m], such as last cycle's; picks the branch where the road
             passes near itself. Without it the nearest point of the whole path is found.
 
@@ -268,23 +268,23 @@ class Path:
         """
         xy = check_any("xy", xy, (2,))
         shape, points = xy.shape[:-1], xy.reshape(-1, 2)
-        if near is None:
+        if s_guess is None:
             s, d = self._cubics.nearest(points)
         else:
-            start = check_any("near", near)
+            start = check_any("near", s_guess)
             if start.shape not in ((), shape):
                 raise InputError(f"near must have shape () or {shape}, had {start.shape}")
             s, d = self._cubics.foot_points(points, np.broadcast_to(start, shape).reshape(-1))
         return s.reshape(shape)[()], d.reshape(shape)[()]  # one position: scalars, no arrays without axes
 
-    def foot_point(self, x: float, y: float, near: float) -> tuple[float, float, float, float]:
+    def foot_point(self, x: float, y: float, s_guess: float) -> tuple[float, float, float, float]:
         """Project one position, in plain floats: the control loop's warm-started `project`.
 
         Parameters
         ----------
         x, y : float
             Position [m].
-        near : float
+        s_guess : float
             Arc length close to the answer [m].
 
         Returns
@@ -293,7 +293,7 @@ class Path:
             Arc length and lateral coordinate of the position [m], left positive; heading [rad],
             counter-clockwise from +x, and curvature [1/m], left turn positive, of the path there.
         """
-        return self._cubics.foot_point(x, y, near)
+        return self._cubics.foot_point(x, y, s_guess)
 
     def curvature_at(self, s: float) -> float:
         """Signed curvature at one arc length, in plain floats.

@@ -36,7 +36,7 @@ class Lane:
 
     def __post_init__(self) -> None:
         check_real("d", self.d)
-        check_real("width", self.width, above=0.0)
+        check_real("width", self.width, gt=0.0)
         if self.direction not in (1, -1):
             raise InputError(f"direction must be 1 or -1, was {self.direction!r}")
 
@@ -86,12 +86,12 @@ class Road:
         if not lanes or not all(isinstance(lane, Lane) for lane in lanes):
             raise InputError(f"lanes must be a sequence of Lane, was {given!r}")
         self.lanes = tuple(sorted(lanes, key=lambda lane: lane.d))
-        self.speed_limit = check_real("speed_limit", speed_limit, above=0.0)
+        self.speed_limit = check_real("speed_limit", speed_limit, gt=0.0)
         self.stop_lines = tuple(check_real("stop_lines", line) for line in stop_lines)
         own = self.lane_at(0.0)
         if own is None or own.direction != 1:
             raise InputError("lanes must have one with direction 1 that contains the route (d = 0)")
-        self.own_lane = own
+        self.ego_lane = own
 
     def __repr__(self) -> str:
         return f"Road({self.path!r}, {len(self.lanes)} lanes, {self.speed_limit:g} m/s)"

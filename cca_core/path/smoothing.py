@@ -97,9 +97,9 @@ class SmoothingSpline:
         """Fit as closely as the knots allow; return the largest residual."""
         return self._solve(0.1 * self._span)
 
-    def limit_bends(self, limit: float) -> None:
+    def limit_curvature(self, limit: float) -> None:
         """Bring the second derivative under `limit`, at the least loss of fit and smoothness (ADMM)."""
-        bend = self._bend(self._rest)
+        bend = self._second_derivative(self._rest)
         if np.hypot(*bend.T).max() <= limit:
             return
         stiffness = (2.0 / limit) ** 2  # weighs a bend like the distance it causes over a short turn
@@ -116,7 +116,7 @@ class SmoothingSpline:
             dual = wish - legal
             pull = self._spread(self._bends, self._bend_columns, weight[:, None] * (legal - dual))
             self._rest = factor(self._right + pull)
-            bend = self._bend(self._rest)
+            bend = self._second_derivative(self._rest)
             if np.hypot(bend[:, 0], bend[:, 1]).max() <= _OVER * limit:
                 break
 
@@ -170,7 +170,7 @@ class SmoothingSpline:
         factor = cholesky_banded(matrix, check_finite=False)
         return lambda right: cho_solve_banded((factor, False), right, check_finite=False)
 
-    def _bend(self, rest: Array) -> Array:
+    def _second_derivative(self, rest: Array) -> Array:
         """Second derivative at the segment borders (the affine part has none)."""
         bend: Array = np.einsum("ij,ijk->ik", self._bends, rest[self._bend_columns])
         return bend

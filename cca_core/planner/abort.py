@@ -8,16 +8,16 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.errors import Status
-from cca_core.path import Lane, Path, Road, detour_path
-from cca_core.planner.frenet import Ego, Neighbor
-from cca_core.planner.maneuver import Evasion
+from cca_core.path import Lane, Path, Road, splice_path
+from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
+from cca_core.planner.maneuver import Maneuver
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["is_beside", "plan_retreat", "plan_shortcut", "put_off", "slow_enough"]
+__all__ = ["delay_return", "plan_abort", "plan_early_return", "return_deceleration", "vehicle_alongside"]
 
 _BRAKE = 5.0  # deceleration counted on for falling back [m/s^2]
 _LAG = 0.3  # until it is there: half the time in which brakes build up, and their lag [s]
-_ROOM = 2.0  # to the vehicle in front before the ego returns behind it [m]
+_STANDSTILL_GAP = 2.0  # to the vehicle in front before the ego returns behind it [m]
 _REACTION = 1.0  # of drivers behind [s]
 _RUN_OUT = 0.6  # in which it stops to drift back too early [s]
 _LATERAL = 4.0  # lateral acceleration of the return [m/s^2]
@@ -25,15 +25,17 @@ _GIVEN_UP = "given up: "
 _QUINTIC = 5.7735  # peak of the second derivative of the quintic step
 _HEADWAY = 2.0  # to the next one in front of those passed: behind a nearer one the ego falls back [s]
 _LEAST_LENGTH = 15.0  # of a return [m]
-_STEEP = 2.5  # as a multiple of how far it would go straight on, the longest return that does not overshoot
-_LONGER = 5  # times that a return is made longer to be less sharp, at most
-_ASIDE = 0.2  # between bodies where one is passed on a shortcut [m]
-_SOON = 3.0  # until a shortcut begins to return, at the latest [s]
+_MAX_OVERSHOOT_RATIO = (
+    2.5  # as a multiple of how far it would go straight on, the longest return that does not overshoot
+)
+_MAX_LENGTHENINGS = 5  # times that a return is made longer to be less sharp, at most
+_LATERAL_GAP = 0.2  # between bodies where one is passed on a shortcut [m]
+_EARLY_RETURN_HORIZON = 3.0  # until a shortcut begins to return, at the latest [s]
 
 
-def plan_retreat(
-    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbor], obstruction: str
-) -> Evasion | None:
+def plan_abort(
+    ego: FrenetEgo, road: Road, maneuver: Maneuver, others: Sequence[FrenetVehicle], obstruction: str
+) -> Maneuver | None:
     """Return to the own lane behind what was to be passed, if that can still be done.
 
     Parameters
@@ -57,7 +59,7 @@ def plan_retreat(
     """
     front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
     rear = front - ego.vehicle.length
-    ahead = [n for n in others if not _is_behind(n, rear) and _on(n, road.own_lane)]
+    ahead = [n for n in others if not _is_behind(n, rear) and _in_lane(n, road.ego_lane)]
     if not ahead:
         return None
     leader = min(ahead, key=lambda n: n.s)
@@ -66,22 +68,22 @@ def plan_retreat(
     braked = np.maximum(t - _LAG, 0.0)
     opens = gap + leader.v_s * t - (ego.v_x * t - 0.5 * _BRAKE * braked * braked)
     closing = np.maximum(ego.v_x - _BRAKE * braked - leader.v_s, 0.0)
-    behind = np.flatnonzero(opens >= _ROOM + closing**2 / (2.0 * _BRAKE))
+    behind = np.flatnonzero(opens >= _STANDSTILL_GAP + closing**2 / (2.0 * _BRAKE))
     if not len(behind):
         return None
     moment = float(t[behind[0]])
     hold = ego.v_x * moment - 0.5 * _BRAKE * float(braked[behind[0]]) ** 2
-    v_then = ego.v_x - _BRAKE * float(braked[behind[0]])
+    v_return = ego.v_x - _BRAKE * float(braked[behind[0]])
     for n in others:
         left = rear + hold - (n.s + n.half_length + n.v_s * moment)
-        if _is_behind(n, rear) and n.v_s > 0.0 and left < _following(n.v_s, min(v_then, leader.v_s)):
+        if _is_behind(n, rear) and n.v_s > 0.0 and left < _following_gap(n.v_s, min(v_return, leader.v_s)):
             return None
-    return _way_back(ego, road, maneuver, hold, v_then, obstruction, goes_out=True)
+    return _return_maneuver(ego, road, maneuver, hold, v_return, obstruction, keep_moving_out=True)
 
 
-def plan_shortcut(
-    ego: Ego, road: Road, maneuver: Evasion, others: Sequence[Neighbor], obstruction: str
-) -> Evasion | None:
+def plan_early_return(
+    ego: FrenetEgo, road: Road, maneuver: Maneuver, others: Sequence[FrenetVehicle], obstruction: str
+) -> Maneuver | None:
     """Return to the own lane sooner than was planned, in front of those that are passed by then.
 
     Parameters
@@ -105,59 +107,68 @@ def plan_shortcut(
     """
     front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
     rear, v, d = front - ego.vehicle.length, max(ego.v_x, 1.0), maneuver.offset_at(ego.s)
-    t = np.linspace(0.0, _SOON, 31)
-    returns, free = _length(d, v) / v, np.ones(len(t), dtype=np.bool_)
+    t = np.linspace(0.0, _EARLY_RETURN_HORIZON, 31)
+    returns, free = _return_length(d, v) / v, np.ones(len(t), dtype=np.bool_)
     for n in others:
         before = n.s - n.half_length + n.v_s * t - (front + v * t)
         apart = abs(n.d - d) - 0.5 * ego.vehicle.width
-        if _on(n, road.own_lane):
-            past = rear + v * t - (n.s + n.half_length + n.v_s * t) >= _following(n.v_s, v)
-            far = max(_ROOM + max(v - n.v_s, 0.0) ** 2 / (2.0 * _BRAKE), _HEADWAY * v)
-            free &= (before >= far) | (past if n.s <= ego.s or apart >= _body(n) + _ASIDE else False)
+        if _in_lane(n, road.ego_lane):
+            past = rear + v * t - (n.s + n.half_length + n.v_s * t) >= _following_gap(n.v_s, v)
+            far = max(_STANDSTILL_GAP + max(v - n.v_s, 0.0) ** 2 / (2.0 * _BRAKE), _HEADWAY * v)
+            free &= (before >= far) | (
+                past if n.s <= ego.s or apart >= _half_width(n) + _LATERAL_GAP else False
+            )
         elif n.s > ego.s and apart < n.half_width:
-            free &= before + (n.v_s - v) * returns >= _ROOM
+            free &= before + (n.v_s - v) * returns >= _STANDSTILL_GAP
     if not free.any():
         return None
     hold = v * float(t[np.argmax(free)])
-    return _way_back(ego, road, maneuver, hold, v, obstruction, goes_out=False)
+    return _return_maneuver(ego, road, maneuver, hold, v, obstruction, keep_moving_out=False)
 
 
-def _length(d: float, v: float) -> float:
+def _return_length(d: float, v: float) -> float:
     """Length of a return from a displacement at a speed [m]."""
     return max(v * math.sqrt(_QUINTIC * max(abs(d), 0.5) / _LATERAL), _LEAST_LENGTH)
 
 
-def _way_back(
-    ego: Ego, road: Road, maneuver: Evasion, hold: float, v_then: float, obstruction: str, *, goes_out: bool
-) -> Evasion | None:
+def _return_maneuver(
+    ego: FrenetEgo,
+    road: Road,
+    maneuver: Maneuver,
+    hold_distance: float,
+    v_return: float,
+    obstruction: str,
+    *,
+    keep_moving_out: bool,
+) -> Maneuver | None:
     """Stay out for `hold` meters, then return at a speed; None where the route ends before."""
-    d, first = maneuver.offset_at(ego.s), ego.s + hold
-    drift, length = maneuver.offset_at(ego.s + 1.0) - d, _length(d, v_then)
-    if drift * d < 0.0 and hold == 0.0:
-        length = min(length, max(_STEEP * abs(d / drift), _LEAST_LENGTH))
-    for _ in range(_LONGER):
-        s, u = _returning(ego, maneuver, first, length, goes_out=goes_out)
+    d, first = maneuver.offset_at(ego.s), ego.s + hold_distance
+    drift, length = maneuver.offset_at(ego.s + 1.0) - d, _return_length(d, v_return)
+    if drift * d < 0.0 and hold_distance == 0.0:
+        length = min(length, max(_MAX_OVERSHOOT_RATIO * abs(d / drift), _LEAST_LENGTH))
+    for _ in range(_MAX_LENGTHENINGS):
+        s, u = _return_profile(ego, maneuver, first, length, keep_moving_out=keep_moving_out)
         bent = np.abs(np.diff(u, n=2))[s[1:-1] >= ego.s].max() / (s[1] - s[0]) ** 2
-        sharp = v_then * v_then * float(bent) / _LATERAL
+        sharp = v_return * v_return * float(bent) / _LATERAL
         if sharp <= 1.1:
             break
         length *= math.sqrt(sharp)  # it went out still, or has to turn round
     if s[-1] > road.path.end:
         return None
-    band = replace(maneuver.band, status=Status.FALLBACK, message=f"{_GIVEN_UP}{obstruction}")
-    reference = detour_path(road.path, s, road.path.to_cartesian(s, u))
+    band = replace(maneuver.band, status=Status.DEGRADED, message=f"{_GIVEN_UP}{obstruction}")
+    reference = splice_path(road.path, s, road.path.to_cartesian(s, u))
     return replace(maneuver, end=float(s[-1]), band=band, displacement=u, reference=reference)
 
 
-def _returning(
-    ego: Ego, maneuver: Evasion, first: float, length: float, *, goes_out: bool
+def _return_profile(
+    ego: FrenetEgo, maneuver: Maneuver, first: float, length: float, *, keep_moving_out: bool
 ) -> tuple[Array, Array]:
     """Places and displacements of a maneuver that is held until `first` and then returns in a length."""
     d, before = maneuver.offset_at(ego.s), maneuver.offset_at(ego.s - 1.0)
     drift, hold = maneuver.offset_at(ego.s + 1.0) - d, first - ego.s
     returning = drift * d < 0.0
     s = np.linspace(maneuver.start, first + length, len(maneuver.displacement))
-    u, onward = np.interp(s, maneuver.places, maneuver.displacement), s >= ego.s
+    u, onward = np.interp(s, maneuver.stations, maneuver.displacement), s >= ego.s
     x = np.clip((s - first) / length, 0.0, 1.0)
     if returning and hold == 0.0:  # on from its slope and curvature
         bent = drift - (d - before)
@@ -168,9 +179,9 @@ def _returning(
     else:
         sign = 1.0 if maneuver.side == "left" else -1.0
         # until it may return it goes out as the swerve did, but not back
-        out = np.maximum.accumulate(np.maximum(sign * u[onward], sign * d)) if goes_out else sign * d
+        out = np.maximum.accumulate(np.maximum(sign * u[onward], sign * d)) if keep_moving_out else sign * d
         u[onward] = sign * out
-        if returning or not goes_out:  # what it drifts dies down
+        if returning or not keep_moving_out:  # what it drifts dies down
             run_out = max(_RUN_OUT * ego.v_x, 1.0)
             part = np.clip((s[onward] - ego.s) / run_out, 0.0, 1.0)
             u[onward] += drift * run_out * (part - part**3 + 0.5 * part**4)
@@ -178,7 +189,7 @@ def _returning(
     return s, u
 
 
-def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbor]) -> Evasion:
+def delay_return(ego: FrenetEgo, road: Road, retreat: Maneuver, others: Sequence[FrenetVehicle]) -> Maneuver:
     """Begin the return later where the ego has not fallen back as far as was counted on.
 
     Parameters
@@ -200,17 +211,17 @@ def put_off(ego: Ego, road: Road, retreat: Evasion, others: Sequence[Neighbor]) 
     """
     front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
     rear = front - ego.vehicle.length
-    near = [n for n in others if _on(n, road.own_lane) and n.s - n.half_length < front + _ROOM]
-    if not any(n.s + n.half_length > rear - _following(n.v_s, ego.v_x) for n in near):
+    near = [n for n in others if _in_lane(n, road.ego_lane) and n.s - n.half_length < front + _STANDSTILL_GAP]
+    if not any(n.s + n.half_length > rear - _following_gap(n.v_s, ego.v_x) for n in near):
         return retreat
     why = retreat.band.message.removeprefix(_GIVEN_UP)
-    later = plan_retreat(ego, road, retreat, others, why)
+    later = plan_abort(ego, road, retreat, others, why)
     if later is None:
-        return plan_shortcut(ego, road, retreat, others, why) or retreat
+        return plan_early_return(ego, road, retreat, others, why) or retreat
     return later if later.end > retreat.end else retreat
 
 
-def is_beside(vehicle: VehicleParams, road: Road, s: float, others: Sequence[Neighbor]) -> bool:
+def vehicle_alongside(vehicle: VehicleParams, road: Road, s: float, others: Sequence[FrenetVehicle]) -> bool:
     """Tell whether somebody is beside the ego on the own lane, whom it lets pass on its way back.
 
     Parameters
@@ -230,11 +241,11 @@ def is_beside(vehicle: VehicleParams, road: Road, s: float, others: Sequence[Nei
         Whether somebody is; who is behind is not.
     """
     front = s + vehicle.box_offset + 0.5 * vehicle.length
-    near = [n for n in others if _on(n, road.own_lane) and n.s - n.half_length < front + _ROOM]
+    near = [n for n in others if _in_lane(n, road.ego_lane) and n.s - n.half_length < front + _STANDSTILL_GAP]
     return not all(_is_behind(n, front - vehicle.length) for n in near)
 
 
-def slow_enough(way: Path, s: float, v_x: float) -> float:
+def return_deceleration(way: Path, s: float, v_x: float) -> float:
     """Find what a car must brake with to be slow enough for the way back.
 
     The way is bent for the speed that the ego has once it has fallen back, not for the one that it has now.
@@ -259,20 +270,22 @@ def slow_enough(way: Path, s: float, v_x: float) -> float:
     return float(np.max((v_x * v_x - squared) / (2.0 * x)))
 
 
-def _on(other: Neighbor, lane: Lane) -> bool:
+def _in_lane(other: FrenetVehicle, lane: Lane) -> bool:
     """Whether it is on a lane, as far as is known best: bounds would put one that is unheard on both."""
-    return other.d - _body(other) < lane.left and other.d + _body(other) > lane.right
+    return other.d - _half_width(other) < lane.left and other.d + _half_width(other) > lane.right
 
 
-def _body(other: Neighbor) -> float:
+def _half_width(other: FrenetVehicle) -> float:
     """Half its width without bounds [m]."""
     return other.half_width - 2.0 * other.remote.sigma_across
 
 
-def _is_behind(other: Neighbor, rear: float) -> bool:
+def _is_behind(other: FrenetVehicle, rear: float) -> bool:
     return other.s + other.half_length - 2.0 * other.remote.sigma_along <= rear
 
 
-def _following(v: float, v_ahead: float) -> float:
+def _following_gap(v: float, v_ahead: float) -> float:
     """Gap in which a driver behind slows down to the speed of the one in front [m]."""
-    return _ROOM + v * _REACTION * (v > v_ahead) + max(v * v - v_ahead * v_ahead, 0.0) / (2.0 * _BRAKE)
+    return (
+        _STANDSTILL_GAP + v * _REACTION * (v > v_ahead) + max(v * v - v_ahead * v_ahead, 0.0) / (2.0 * _BRAKE)
+    )

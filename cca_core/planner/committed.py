@@ -7,16 +7,16 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.geometry import Boxes, box_gap
 
-__all__ = ["first_free", "forgiven", "resampled", "settled"]
+__all__ = ["committed_nodes", "first_replannable_node", "relax_clearance", "resample_displacement"]
 
 _LEAST_NODES = 6  # of a band
-_SETTLED = 0.5  # time in which what is steered along can hardly change [s]
-_REGAINED = 2.0  # and then the one in which a clearance that is lacking is gained [s]
-_NARROW = 0.3  # gap that must be left for a clearance to be regained in comfort [m]
+_COMMITTED_TIME = 0.5  # time in which what is steered along can hardly change [s]
+_RECOVERY_TIME = 2.0  # and then the one in which a clearance that is lacking is gained [s]
+_MIN_CLEARANCE = 0.3  # gap that must be left for a clearance to be regained in comfort [m]
 _SPARE = 0.05  # forgiven on top of what is lacking: bounds between nodes are looser than at nodes [m]
 
 
-def resampled(s: Array, places: Array, displacement: Array) -> Array:
+def resample_displacement(s: Array, places: Array, displacement: Array) -> Array:
     """Tell a displacement at other places.
 
     Parameters
@@ -39,7 +39,7 @@ def resampled(s: Array, places: Array, displacement: Array) -> Array:
     return told
 
 
-def first_free(s: Array, here: float) -> int:
+def first_replannable_node(s: Array, here: float) -> int:
     """Find the node from which on a band is bent anew: the first in front of the ego.
 
     Parameters
@@ -57,7 +57,7 @@ def first_free(s: Array, here: float) -> int:
     return min(max(int(np.searchsorted(s, here)), 1), len(s) - _LEAST_NODES)
 
 
-def settled(t: Array) -> int:
+def committed_nodes(t: Array) -> int:
     """Count the nodes that the ego reaches so soon that what it steers along there can hardly change.
 
     Parameters
@@ -70,10 +70,10 @@ def settled(t: Array) -> int:
     count : int
         At least 3.
     """
-    return max(int(np.searchsorted(t, _SETTLED)), 3)
+    return max(int(np.searchsorted(t, _COMMITTED_TIME)), 3)
 
 
-def forgiven(boxes: Boxes, body: Boxes, t: Array, clearance: float) -> Boxes:
+def relax_clearance(boxes: Boxes, body: Boxes, t: Array, clearance: float) -> Boxes:
     """Shrink bounds by the clearance that is lacking already, less and less as there is time to gain it.
 
     Parameters
@@ -96,9 +96,9 @@ def forgiven(boxes: Boxes, body: Boxes, t: Array, clearance: float) -> Boxes:
     m = len(body.x)
     first = Boxes(*(f[..., :m] for f in (boxes.x, boxes.y, boxes.psi, boxes.length, boxes.width)))
     lacks = np.maximum(clearance + _SPARE - box_gap(body, first).min(axis=-1), 0.0)
-    if clearance > _NARROW:
-        lacks = np.minimum(lacks, clearance - _NARROW + _SPARE)
-    share = np.clip((t - max(_SETTLED, t[m - 1])) / _REGAINED, 0.0, 1.0)
+    if clearance > _MIN_CLEARANCE:
+        lacks = np.minimum(lacks, clearance - _MIN_CLEARANCE + _SPARE)
+    share = np.clip((t - max(_COMMITTED_TIME, t[m - 1])) / _RECOVERY_TIME, 0.0, 1.0)
     less = 2.0 * lacks[..., None] * (1.0 - share * share * (3.0 - 2.0 * share))
     length, width = np.maximum(boxes.length - less, 0.0), np.maximum(boxes.width - less, 0.0)
     return replace(boxes, length=length, width=width)

@@ -16,23 +16,23 @@ from cca_core._checks import Array
 from cca_core.follow import SpeedSettings, arrival_times
 from cca_core.geometry import Boxes, boxes
 from cca_core.path import Path
-from cca_core.predict import reach, travel
-from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleParams, VehicleState
+from cca_core.predict import predict_distance, reachable_interval
+from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED, RemoteVehicle, VehicleParams, VehicleState
 
-__all__ = ["HORIZON", "Ego", "Neighbor", "locate", "unusable"]
+__all__ = ["HORIZON", "FrenetEgo", "FrenetVehicle", "invalid_input_reason", "to_frenet"]
 
 HORIZON = 600.0
 """Farthest point ahead at which a pass may end [m]."""
 
 _STALE_AFTER = 1.0  # age from which on a vehicle may have braked unheard [s]
-_UNHEARD_BRAKING = 8.0  # [m/s^2]
+_STALE_BRAKING = 8.0  # [m/s^2]
 _CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
 _FAR_FUTURE = 1e12  # [s]
-_FEW = 25  # vehicles up to which one by one is faster than all at once
+_SCALAR_LIMIT = 25  # vehicles up to which one by one is faster than all at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Neighbor:
+class FrenetVehicle:
     """A remote vehicle in path coordinates.
 
     Parameters
@@ -58,7 +58,7 @@ class Neighbor:
     angle: float
 
     @classmethod
-    def seen_from(cls, remote: RemoteVehicle, s: float, d: float, angle: float, kappa: float) -> Self:
+    def from_remote(cls, remote: RemoteVehicle, s: float, d: float, angle: float, kappa: float) -> Self:
         """Turn a vehicle at a place on the route into path coordinates.
 
         Parameters
@@ -87,7 +87,7 @@ class Neighbor:
         )  # fmt: skip
 
     @property
-    def v_least(self) -> float:
+    def v_lower(self) -> float:
         """Least speed along the route [m/s]: the one told, or less if nothing was heard since it was stale.
 
         The bounds of a stale vehicle's place grow as if it had braked at 8 m/s^2 from 1 s of age on; this is
@@ -96,14 +96,14 @@ class Neighbor:
         late = self.remote.age - _STALE_AFTER
         if late <= 0.0 or self.v_s <= 0.0:
             return self.v_s
-        return max(self.v_s - _UNHEARD_BRAKING * late, 0.0)
+        return max(self.v_s - _STALE_BRAKING * late, 0.0)
 
     @property
-    def unheard(self) -> bool:
+    def is_stale(self) -> bool:
         """Whether it was heard so long ago (more than 1 s) that where it is now is a guess."""
         return self.remote.age > _STALE_AFTER
 
-    def likely(self) -> "Neighbor":
+    def nominal(self) -> "FrenetVehicle":
         """Tell where and how fast it is most likely, instead of what must be reckoned with.
 
         Returns
@@ -118,7 +118,7 @@ class Neighbor:
             half_length=length * cos + width * sin, half_width=length * sin + width * cos,
         )  # fmt: skip
 
-    def follows(self, ego: "Ego", right: float, left: float) -> bool:
+    def is_following_ego(self, ego: "FrenetEgo", right: float, left: float) -> bool:
         """Tell whether it is behind the ego on its lane: keeping the distance is its own duty.
 
         Parameters
@@ -136,7 +136,7 @@ class Neighbor:
         rear = ego.s + ego.vehicle.box_offset - 0.5 * ego.vehicle.length
         return self.s + self.half_length < rear and right < self.d < left and self.v_s >= 0.0
 
-    def span(self, t: Array, *, braking: float, acceleration: float) -> tuple[Array, Array]:
+    def occupied_interval(self, t: Array, *, braking: float, acceleration: float) -> tuple[Array, Array]:
         """Stretch of the route that its body may cover at times from now.
 
         Parameters
@@ -153,9 +153,9 @@ class Neighbor:
         """
         a_x = self.remote.a_x
         if braking == acceleration == 0.0:
-            low = high = math.copysign(1.0, self.v_s) * travel(abs(self.v_s), a_x, t)
+            low = high = math.copysign(1.0, self.v_s) * predict_distance(abs(self.v_s), a_x, t)
         else:
-            low, high = reach(
+            low, high = reachable_interval(
                 self.v_s, t, braking=max(braking, -a_x), acceleration=max(acceleration, a_x),
                 age=self.remote.age,
             )  # fmt: skip
@@ -163,7 +163,7 @@ class Neighbor:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Ego:
+class FrenetEgo:
     """The ego as evasions see it: its place on the route and how it intends to drive.
 
     Parameters
@@ -184,7 +184,7 @@ class Ego:
     v_target: float
     speed: SpeedSettings
 
-    def swept(self, path: Path, s: Array, d: Array) -> Boxes:
+    def swept_boxes(self, path: Path, s: Array, d: Array) -> Boxes:
         """Its body along a displaced route.
 
         Parameters
@@ -206,7 +206,7 @@ class Ego:
             x + offset * np.cos(psi), y + offset * np.sin(psi), psi, self.vehicle.length, self.vehicle.width
         )
 
-    def times(self, s: Array) -> Array:
+    def arrival_times(self, s: Array) -> Array:
         """When the ego is where on the route.
 
         Parameters
@@ -222,12 +222,12 @@ class Ego:
         return arrival_times(self.v_x, self.v_target, s - self.s, self.speed)
 
 
-def locate(
+def to_frenet(
     remotes: Iterable[RemoteVehicle],
     path: Path,
-    places: dict[str, float],
-    within: tuple[float, float] = (-15.0, 15.0),
-) -> tuple[list[Neighbor], tuple[tuple[str, str], ...]]:
+    last_s: dict[str, float],
+    lateral_range: tuple[float, float] = (-15.0, 15.0),
+) -> tuple[list[FrenetVehicle], tuple[tuple[str, str], ...]]:
     """Bring remote vehicles into path coordinates.
 
     Parameters
@@ -236,9 +236,9 @@ def locate(
         What is known of other vehicles; of two with one id the younger counts.
     path : Path
         The route.
-    places : dict
+    last_s : dict
         Where each vehicle was on the route last time [m], by id; kept up to date here.
-    within : tuple of float
+    lateral_range : tuple of float
         Right and left end of what matters beside the route [m]: a vehicle beyond, with its bounds, that does
         not head across the route is left out.
 
@@ -256,35 +256,35 @@ def locate(
         if not isinstance(remote, RemoteVehicle):
             dropped.append((str(remote)[:20], "not a RemoteVehicle"))
             continue
-        defect = remote.defect
+        defect = remote.invalid_reason
         if defect is not None:
             dropped.append((str(remote.id), defect))
         elif remote.id not in usable or remote.age < usable[remote.id].age:
             usable[remote.id] = remote
-    feet = _feet(usable, path, places)
-    places.clear()
-    places.update(zip(usable, (foot[0] for foot in feet), strict=True))
+    feet = _project_all(usable, path, last_s)
+    last_s.clear()
+    last_s.update(zip(usable, (foot[0] for foot in feet), strict=True))
     neighbors = []
     for remote, (s, d, heading, kappa) in zip(usable.values(), feet, strict=True):
         angle = remote.psi - heading
-        if not within[0] <= d <= within[1]:
+        if not lateral_range[0] <= d <= lateral_range[1]:
             across = abs(math.sin(angle))
             room = (0.5 * remote.length + 2.0 * remote.sigma_along) * across
             room += 0.5 * remote.width + 2.0 * remote.sigma_across
-            if across < _CROSSING and not within[0] - room <= d <= within[1] + room:
+            if across < _CROSSING and not lateral_range[0] - room <= d <= lateral_range[1] + room:
                 continue
-        neighbors.append(Neighbor.seen_from(remote, s, d, angle, kappa))
+        neighbors.append(FrenetVehicle.from_remote(remote, s, d, angle, kappa))
     return neighbors, tuple(dropped)
 
 
-def _feet(
+def _project_all(
     remotes: dict[str, RemoteVehicle], path: Path, places: dict[str, float]
 ) -> Iterable[tuple[float, float, float, float]]:
     """Foot point, lateral coordinate, heading and curvature of the route for each vehicle."""
     new = [(remote.x, remote.y) for name, remote in remotes.items() if name not in places]
     cold = iter(path.project(new)[0].tolist() if new else ())
     near = [places[name] if name in places else next(cold) for name in remotes]
-    if len(near) <= _FEW:
+    if len(near) <= _SCALAR_LIMIT:
         pairs = zip(remotes.values(), near, strict=True)
         return [path.foot_point(remote.x, remote.y, at) for remote, at in pairs]
     s, d = path.project([(remote.x, remote.y) for remote in remotes.values()], near)
@@ -295,7 +295,7 @@ def _feet(
     return list(zip(s.tolist(), d.tolist(), heading.tolist(), kappa.tolist(), strict=True))
 
 
-def unusable(t: object, last: float, state: object) -> str:
+def invalid_input_reason(t: object, last: float, state: object) -> str:
     """Tell why the arguments of a planner's step cannot be used.
 
     Parameters
@@ -317,6 +317,6 @@ def unusable(t: object, last: float, state: object) -> str:
         return f"t must be finite and increase, was {str(t)[:20]} after {last:g}"
     if not isinstance(state, VehicleState):
         return f"state must be a VehicleState, was {type(state).__name__}"
-    if max(abs(state.x), abs(state.y)) > FARTHEST or state.v_x > FASTEST:
+    if max(abs(state.x), abs(state.y)) > MAX_COORDINATE or state.v_x > MAX_SPEED:
         return "state is not that of a road vehicle"
     return ""

@@ -8,22 +8,22 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.decide import danger_zone
 from cca_core.path import Lane, Road
-from cca_core.planner.frenet import HORIZON, Ego, Neighbor
+from cca_core.planner.frenet import HORIZON, FrenetEgo, FrenetVehicle
 
-__all__ = ["lane_beside"]
+__all__ = ["check_adjacent_lane"]
 
-_STRAY = 0.2  # a body this far over the line is not yet on the lane [m]
+_LANE_ENTRY_TOLERANCE = 0.2  # a body this far over the line is not yet on the lane [m]
 
 
-def lane_beside(
-    ego: Ego,
+def check_adjacent_lane(
+    ego: FrenetEgo,
     road: Road,
     lane: Lane | None,
-    others: Sequence[Neighbor],
+    others: Sequence[FrenetVehicle],
     times: Array,
     *,
     x_safety: float,
-    known_range: float,
+    awareness_range: float,
     stale_after: float,
     braking: float,
     acceleration: float,
@@ -42,7 +42,7 @@ def lane_beside(
         All vehicles but the one that is passed.
     times : ndarray, shape (n,)
         Times from now during which the body is on the lane [s].
-    x_safety, known_range, stale_after : float
+    x_safety, awareness_range, stale_after : float
         Distance kept [m], distance up to which all vehicles are known [m], and age from which on a
         vehicle's messages are no longer believed [s].
     braking, acceleration : float
@@ -57,17 +57,17 @@ def lane_beside(
     """
     if lane is None:
         return None, "there is no lane"
-    if known_range == 0.0:
+    if awareness_range == 0.0:
         return None, "the lane is not known to be free"
     grid = np.arange(0.0, HORIZON, 2.0)
-    driven = np.interp(times, ego.times(ego.s + grid), grid)
+    driven = np.interp(times, ego.arrival_times(ego.s + grid), grid)
     half = 0.5 * ego.vehicle.length
     worst: tuple[tuple[float, float] | None, str] = (None, "")
     least = math.inf
-    stale = [o.remote.id for o in others if _is_on(o, lane) and o.remote.age > stale_after]
+    stale = [o.remote.id for o in others if _overlaps_lane(o, lane) and o.remote.age > stale_after]
     if stale:
         return None, f"nothing is heard of {stale[0]} any more"
-    for name, rear, front, v_s, age, known in _vehicles_on(lane, ego, road, others, known_range):
+    for name, rear, front, v_s, age, known in _vehicles_in_lane(lane, ego, road, others, awareness_range):
         zone = danger_zone(
             rear, front, v_s, times=times, ego_travel=driven, x_safety=x_safety, age=age,
             braking=braking * known, acceleration=acceleration * known,
@@ -79,14 +79,15 @@ def lane_beside(
     return worst
 
 
-def _is_on(other: Neighbor, lane: Lane) -> bool:
+def _overlaps_lane(other: FrenetVehicle, lane: Lane) -> bool:
     return (
-        other.d + other.half_width > lane.right + _STRAY and other.d - other.half_width < lane.left - _STRAY
+        other.d + other.half_width > lane.right + _LANE_ENTRY_TOLERANCE
+        and other.d - other.half_width < lane.left - _LANE_ENTRY_TOLERANCE
     )
 
 
-def _vehicles_on(
-    lane: Lane, ego: Ego, road: Road, others: Sequence[Neighbor], known_range: float
+def _vehicles_in_lane(
+    lane: Lane, ego: FrenetEgo, road: Road, others: Sequence[FrenetVehicle], awareness_range: float
 ) -> list[tuple[str, float, float, float, float, bool]]:
     """Name, rear and front relative to the ego, speed, age and whether it is known, of all on a lane."""
     center = ego.s + ego.vehicle.box_offset
@@ -100,9 +101,13 @@ def _vehicles_on(
             True,
         )
         for o in others
-        if _is_on(o, lane)
+        if _overlaps_lane(o, lane)
     ]
-    if math.isfinite(known_range):
-        edge, v = (known_range, -road.speed_limit) if lane.direction < 0 else (-known_range, road.speed_limit)
+    if math.isfinite(awareness_range):
+        edge, v = (
+            (awareness_range, -road.speed_limit)
+            if lane.direction < 0
+            else (-awareness_range, road.speed_limit)
+        )
         found.append(("a vehicle out of range", edge, edge, v, 0.0, False))
     return found

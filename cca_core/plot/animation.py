@@ -11,9 +11,9 @@ from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.path import Road
 from cca_core.plot.player import SCRIPT, STYLE
-from cca_core.plot.road_surface import borders, lines_beside
-from cca_core.plot.style import colors, plain, scenario_name, who_drives
-from cca_core.plot.verdict import contact
+from cca_core.plot.road_surface import lane_boundaries, offset_line
+from cca_core.plot.style import assign_colors, ego_label, sanitize_text, scenario_name
+from cca_core.plot.verdict import first_collision
 from cca_core.sim import Log
 from cca_core.sim.world.radio import sender_id
 from cca_core.v2x import decode_bsm
@@ -68,7 +68,7 @@ def animate(logs: Sequence[Log], *, alone: bool = True) -> str:
         data = data.replace(sign, f"\\u{ord(sign):04x}")
     figures = "".join(_figure(log, view) for log, view in zip(logs, views, strict=True))
     end = max(float(log.t[-1]) for log in logs)
-    label = f"{plain(scenario_name(logs[0].scenario))}: {', '.join(_name(log) for log in logs)}"
+    label = f"{sanitize_text(scenario_name(logs[0].scenario))}: {', '.join(_name(log) for log in logs)}"
     speeds = "".join(
         f'<option value="{speed}"{chosen}>{speed}×</option>'
         for speed, chosen in (("0.25", ""), ("0.5", ""), ("1", ' selected=""'), ("2", ""), ("4", ""))
@@ -89,7 +89,7 @@ def animate(logs: Sequence[Log], *, alone: bool = True) -> str:
 
 
 def _name(log: Log) -> str:
-    name = who_drives(log)
+    name = ego_label(log)
     return name[0].upper() + name[1:]
 
 
@@ -103,26 +103,26 @@ def _poses(log: Log) -> Array:
     """Place of the bodies' centers, heading and speed of all, the ego first, shape (n, 1 + n_users, 4)."""
     ego, _ = log.bodies()
     own = np.stack((ego.x[:, 0], ego.y[:, 0], log.ego[:, 2], log.ego[:, 3]), axis=-1)
-    return np.concatenate((own[:, None], log.users), axis=1)
+    return np.concatenate((own[:, None], log.road_users), axis=1)
 
 
 def _views(logs: Sequence[Log]) -> list[tuple[Array, tuple[float, float, float, float]]]:
     """Camera (x, y, heading) of each stored frame, and view box of each run; the runs share the box."""
-    if any(log.scenario.scenery for log in logs):
+    if any(log.scenario.other_roads for log in logs):
         nearest = min((log for log in logs), key=lambda log: log.gaps().min(initial=np.inf))
         x, y = nearest.ego[int(np.argmin(nearest.gaps().min(axis=1, initial=np.inf))), :2]
-        turn = float(logs[0].scenario.road.path.heading(logs[0].place[0, 0]))
+        turn = float(logs[0].scenario.road.path.heading(logs[0].ego_frenet[0, 0]))
         wide, high = _STILL
         box = (-0.5 * wide, -0.5 * high, wide, high)
         return [(np.tile((x, y, turn), (len(_rows(log)), 1)), box) for log in logs]
     cameras = []
     for log in logs:
-        path, s = log.scenario.road.path, log.place[_rows(log), 0]
+        path, s = log.scenario.road.path, log.ego_frenet[_rows(log), 0]
         cameras.append(np.column_stack((path.position(s), np.unwrap(path.heading(s)))))
     high = _LEAST
     for log in logs:
         road = log.scenario.road
-        for s in np.arange(log.place[0, 0], log.place[-1, 0] + 1.0, _SPAN):
+        for s in np.arange(log.ego_frenet[0, 0], log.ego_frenet[-1, 0] + 1.0, _SPAN):
             seen = np.clip(np.arange(s - _BEHIND, s + _AHEAD, 10.0), road.path.start, road.path.end)
             away = road.path.position(seen) - road.path.position(s)
             turn = float(road.path.heading(s))
@@ -134,16 +134,16 @@ def _views(logs: Sequence[Log]) -> list[tuple[Array, tuple[float, float, float, 
 
 def _data(log: Log, view: tuple[Array, tuple[float, float, float, float]]) -> dict[str, Any]:
     """Collect what the script needs of one run."""
-    rows, poses, users = _rows(log), _poses(log), log.scenario.users
+    rows, poses, users = _rows(log), _poses(log), log.scenario.road_users
     poses[:, :, 2] = np.unwrap(poses[:, :, 2], axis=0)
     origin = poses[0, 0, :2].copy()
     poses[:, :, :2] -= origin
     camera = view[0] - (*origin, 0.0)
-    known = log.heard | log.seen
-    hit = contact(log)
+    known = log.tracked | log.visible
+    hit = first_collision(log)
     return {
         "origin": origin.round(3).tolist(),
-        "names": ["ego", *(plain(user.id) for user in users)],
+        "names": ["ego", *(sanitize_text(user.id) for user in users)],
         "t": _steps(1e3 * log.t[rows]),
         "camera": [_steps(column) for column in (camera * (100.0, 100.0, _ANGLE)).T],
         "bodies": [
@@ -152,8 +152,8 @@ def _data(log: Log, view: tuple[Array, tuple[float, float, float, float]]) -> di
         ],
         "known": ["".join("01"[int(k)] for k in known[rows, i]) for i in range(len(users))],
         "heard": _rings(log),
-        "actions": [[round(t, 3), name, plain(reason)] for t, name, reason in log.decisions],
-        "contact": None if hit is None else plain(str(hit)),
+        "actions": [[round(t, 3), name, sanitize_text(reason)] for t, name, reason in log.decisions],
+        "contact": None if hit is None else sanitize_text(str(hit)),
     }
 
 
@@ -166,7 +166,7 @@ def _steps(values: Array) -> list[int]:
 
 def _rings(log: Log) -> list[list[int]]:
     """Choose the times of the messages of each road user that are shown [ms]."""
-    shown: dict[str, list[int]] = {sender_id(i): [] for i in range(len(log.scenario.users))}
+    shown: dict[str, list[int]] = {sender_id(i): [] for i in range(len(log.scenario.road_users))}
     for row, data in log.received:
         times = shown.get(decode_bsm(data).id)
         now = round(1e3 * float(log.t[row]))
@@ -180,8 +180,8 @@ def _figure(log: Log, view: tuple[Array, tuple[float, float, float, float]]) -> 
     camera, (left, top, wide, high) = view
     poses = _poses(log)[0]
     origin = poses[0, :2]
-    users, vehicle = log.scenario.users, log.scenario.vehicle
-    palette = colors([user.id for user in users])
+    users, vehicle = log.scenario.road_users, log.scenario.vehicle
+    palette = assign_colors([user.id for user in users])
     bodies = [(vehicle.length, vehicle.width, "car ego", "")]
     bodies += [(u.length, u.width, "car", f' fill="{palette[u.id]}"') for u in users]
     cars = "".join(
@@ -191,7 +191,7 @@ def _figure(log: Log, view: tuple[Array, tuple[float, float, float, float]]) -> 
         f'y="{-0.36 * wide:g}" width="{0.12 * long:g}" height="{0.72 * wide:g}"/></g>'
         for (long, wide, kind, fill), (x, y, psi, _) in zip(bodies, poses, strict=True)
     )
-    hit = contact(log)
+    hit = first_collision(log)
     cross = ""
     if hit is not None:
         x, y = hit.xy[0] - origin[0], hit.xy[1] - origin[1]
@@ -217,24 +217,29 @@ def _figure(log: Log, view: tuple[Array, tuple[float, float, float, float]]) -> 
 def _roads(log: Log, origin: Array) -> str:
     scenario = log.scenario
     path = scenario.road.path
-    ends = (float(log.place[:, 0].min()) - _BEHIND - 60.0, float(log.place[:, 0].max()) + _AHEAD + 60.0)
+    ends = (
+        float(log.ego_frenet[:, 0].min()) - _BEHIND - 60.0,
+        float(log.ego_frenet[:, 0].max()) + _AHEAD + 60.0,
+    )
     own = (max(ends[0], path.start), min(ends[1], path.end))
-    roads = [(road, (road.path.start, road.path.end)) for road in scenario.scenery] + [(scenario.road, own)]
+    roads = [(road, (road.path.start, road.path.end)) for road in scenario.other_roads] + [
+        (scenario.road, own)
+    ]
     drawn = [part for road, (start, end) in roads for part in _road(road, start, end, origin)]
     drawn.sort(key=lambda part: part[0])
     stop = ""
     if scenario.stop_line is not None:
-        lane = scenario.road.own_lane
+        lane = scenario.road.ego_lane
         points = path.to_cartesian([scenario.stop_line] * 2, [lane.right, lane.left])
         stop = f'<polyline class="stop" points="{_points(points - origin)}"/>'
-    route = lines_beside(path, *own, 0.0) - origin
+    route = offset_line(path, *own, 0.0) - origin
     return "".join(text for _, text in drawn) + f'<polyline class="route" points="{_points(route)}"/>{stop}'
 
 
 def _road(road: Road, start: float, end: float, origin: Array) -> list[tuple[int, str]]:
     """Edges (level 0), surface (1) and dashes (2) of a road; edges are hidden where another road joins."""
-    edges, between = borders(road)
-    lines = [lines_beside(road.path, start, end, d) - origin for d in (*edges, *between)]
+    edges, between = lane_boundaries(road)
+    lines = [offset_line(road.path, start, end, d) - origin for d in (*edges, *between)]
     parts = [(1, f'<polygon class="asphalt" points="{_points(np.vstack((lines[0], lines[1][::-1])))}"/>')]
     for line, (level, style) in zip(lines, [(0, "border")] * 2 + [(2, "dashes")] * len(between), strict=True):
         parts.append((level, f'<polyline class="{style}" points="{_points(line)}"/>'))

@@ -10,7 +10,7 @@ from cca_core.errors import InputError
 from cca_core.geometry import boxes
 from cca_core.path import Path, interpolate_path
 from cca_core.plot.style import ASPHALT, EGO, PARKED, new_figure
-from cca_core.sim import make_planner, maneuver
+from cca_core.sim import make_planner, overtaking
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 if TYPE_CHECKING:
@@ -117,12 +117,12 @@ def fig_15() -> "Figure":
 def _first_swerve(case: str) -> tuple[float, Path, Band]:
     """Lateral acceleration aimed at, reference and band of the cycle in which a case begins to evade."""
     x = np.arange(0.0, 1000.0, 20.0)
-    scenario = maneuver(case, interpolate_path(np.column_stack((x, np.zeros_like(x)))))
+    scenario = overtaking(case, interpolate_path(np.column_stack((x, np.zeros_like(x)))))
     planner = make_planner(scenario)
     for t in np.arange(0.0, scenario.duration, 0.1).tolist():
         ego = VehicleState(x=scenario.start + scenario.v_x * t, y=0.0, psi=0.0, v_x=scenario.v_x)
         others = [
-            RemoteVehicle(id=o.id, x=o.s + o.v_x * t, y=o.d, psi=0.0, v_x=o.v_x) for o in scenario.users
+            RemoteVehicle(id=o.id, x=o.s + o.v_x * t, y=o.d, psi=0.0, v_x=o.v_x) for o in scenario.road_users
         ]
         command = planner.step(t, ego, others)
         if command.band is not None:

@@ -9,7 +9,7 @@ from cca_core._checks import Array, check_array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
-from cca_core.plot.style import ASPHALT, EGO, colors
+from cca_core.plot.style import ASPHALT, EGO, assign_colors
 from cca_core.sim.commonroad.drive import CommonRoadRun
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def _draw_moment(axis: Any, run: CommonRoadRun, t: float, view: int, limits: tup
     axis.plot(*run.ego[: row + 1, :2].T, color=EGO, linewidth=1.4, zorder=3)
     axis.plot(*run.ego[row:, :2].T, color=EGO, linewidth=1.0, linestyle=":", zorder=3)
     halo = require_extra("matplotlib.patheffects", "plot").withStroke(linewidth=2.0, foreground="white")
-    palette = colors([obstacle.id for obstacle in run.scenario.obstacles])
+    palette = assign_colors([obstacle.id for obstacle in run.scenario.obstacles])
     x, y, psi, v_x = run.ego[row, :4]
     along, car = run.vehicle.box_offset, run.vehicle
     center = (x + along * np.cos(psi), y + along * np.sin(psi))

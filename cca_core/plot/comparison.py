@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cca_core.baselines.compare import Row
+from cca_core.baselines.compare import ComparisonRow
 from cca_core.baselines.problem import Plan, Problem
-from cca_core.baselines.scaling import Growth
+from cca_core.baselines.scaling import ScalingResult
 from cca_core.plot.style import ASPHALT, EGO, PARKED, new_figure
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def _styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
     return {name: {"color": color, "marker": marker} for name, (color, marker) in chosen.items()}
 
 
-def plot_time_quality(rows: Sequence[Row]) -> "Figure":
+def plot_time_quality(rows: Sequence[ComparisonRow]) -> "Figure":
     """Draw time against quality.
 
     Parameters
@@ -81,7 +81,7 @@ def plot_time_quality(rows: Sequence[Row]) -> "Figure":
     return figure
 
 
-def plot_growth(results: Sequence[Growth], axes: Sequence[str]) -> "Figure":
+def plot_growth(results: Sequence[ScalingResult], axes: Sequence[str]) -> "Figure":
     """Draw how times grow.
 
     Parameters

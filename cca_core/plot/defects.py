@@ -132,7 +132,7 @@ def _flipping(left: Any, right: Any) -> None:
     left.set_title("Forces taken anew at the displaced nodes", fontsize=10)
     right.plot(peaks, ".--", color=_PAPER, label="paper, repeated: flips for ever")
     level = float(np.abs(band.displacement).max())
-    right.plot(band.solves, level, "o", color=EGO, label=f"{_RELAXED}: settled after {band.solves}")
+    right.plot(band.n_solves, level, "o", color=EGO, label=f"{_RELAXED}: settled after {band.n_solves}")
     right.plot((0.0, 13.0), (level, level), color=EGO, linewidth=0.8)
     right.set(xlabel="linear systems solved [-]", ylabel="peak displacement [m]", ylim=(-0.2, 4.8))
 

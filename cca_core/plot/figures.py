@@ -7,7 +7,16 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
-from cca_core.plot.style import ACTIONS, EGO, LEAST_A_Y, colors, draw_lanes, spelled_out, title, widen
+from cca_core.plot.style import (
+    ACTIONS,
+    EGO,
+    LEAST_A_Y,
+    assign_colors,
+    draw_lanes,
+    escape_figure_text,
+    expand_limits,
+    title,
+)
 from cca_core.sim import Log
 
 if TYPE_CHECKING:
@@ -19,7 +28,7 @@ _LEAST_ANGLE = 0.4  # height of the view of the road-wheel angle, at least [°]
 _FAR = 60.0  # gaps above this are not drawn [m]
 
 
-def lane_change(log: Log) -> tuple[float, float]:
+def first_lane_change(log: Log) -> tuple[float, float]:
     """Where the first lane change of a run begins and ends.
 
     Parameters
@@ -37,8 +46,8 @@ def lane_change(log: Log) -> tuple[float, float]:
     InputError
         If the ego never left its lane.
     """
-    s, d = log.place.T
-    left = np.flatnonzero(np.abs(d) > log.scenario.road.own_lane.width / 2.0)
+    s, d = log.ego_frenet.T
+    left = np.flatnonzero(np.abs(d) > log.scenario.road.ego_lane.width / 2.0)
     if not len(left):
         raise InputError("log must be of a run in which the ego leaves its lane")
     back = np.flatnonzero(np.abs(d[left[0] :]) < 0.5)
@@ -79,8 +88,8 @@ def plot_tunings(fast: Log, smooth: Log) -> "Figure":
     draw_lanes(axis, road)
     view = []
     for i, (log, color, name) in enumerate(((fast, EGO, "fast"), (smooth, _SMOOTH, "smooth"))):
-        s, d = log.place.T
-        start, end = lane_change(log)
+        s, d = log.ego_frenet.T
+        start, end = first_lane_change(log)
         height = road.left_edge + 0.6 + 0.9 * i
         aim, peak = log.scenario.evasion.lateral_acceleration, np.abs(log.a_y).max()
         axis.plot(
@@ -100,7 +109,7 @@ def plot_tunings(fast: Log, smooth: Log) -> "Figure":
     axis.set_ylabel("left of the route [m]")
     axis.set_title("The same traffic, two tunings", loc="left", weight="bold")
     figure.legend(loc="outside lower left", ncols=2, frameon=False)
-    return spelled_out(figure)
+    return escape_figure_text(figure)
 
 
 def plot_time_series(log: Log) -> "Figure":
@@ -125,9 +134,9 @@ def plot_time_series(log: Log) -> "Figure":
         figsize=(9.0, 7.6), layout="constrained"
     )
     speed, steer, lateral, gap = figure.subplots(4, 1, sharex=True)
-    t, palette = log.t, colors([user.id for user in log.scenario.users])
+    t, palette = log.t, assign_colors([user.id for user in log.scenario.road_users])
     speed.plot(t, log.ego[:, 3], color=EGO, label="ego")
-    leader = leader_speed(log)
+    leader = lead_speed(log)
     speed.plot(
         t, leader, color="black", linewidth=1.0, linestyle="--", label="vehicle in front (within 100 m)"
     )
@@ -136,11 +145,11 @@ def plot_time_series(log: Log) -> "Figure":
     speed.set_ylim(low - 1.0, high + 1.0 + 0.3 * (high - low))  # the legend needs room
     steer.plot(t, np.degrees(log.ego[:, 6]), color=EGO)
     steer.set_ylabel("road-wheel\nangle [°]")
-    widen(steer, _LEAST_ANGLE)
+    expand_limits(steer, _LEAST_ANGLE)
     lateral.plot(t, log.a_y, color=EGO)
     lateral.set_ylabel("lateral acc.\na_y [m/s²]")
-    widen(lateral, LEAST_A_Y)
-    for i, (user, gaps) in enumerate(zip(log.scenario.users, log.gaps().T, strict=True)):
+    expand_limits(lateral, LEAST_A_Y)
+    for i, (user, gaps) in enumerate(zip(log.scenario.road_users, log.gaps().T, strict=True)):
         near = np.where(gaps < _FAR, gaps, np.nan)
         if np.isfinite(near).any():
             gap.plot(t, near, color=palette[user.id], label=user.id, linestyle=("-", "--", "-.", ":")[i % 4])
@@ -162,10 +171,10 @@ def plot_time_series(log: Log) -> "Figure":
     speed.set_xlim(0.0, t[-1])
     figure.suptitle(title(log), x=0.01, ha="left", weight="bold", fontsize=11)
     figure.align_ylabels()
-    return spelled_out(figure)
+    return escape_figure_text(figure)
 
 
-def leader_speed(log: Log, *, reach: float = 100.0) -> Array:
+def lead_speed(log: Log, *, reach: float = 100.0) -> Array:
     """Speed of the vehicle in front of the ego on the ego's route.
 
     Parameters
@@ -180,13 +189,13 @@ def leader_speed(log: Log, *, reach: float = 100.0) -> Array:
     v_x : ndarray, shape (n,)
         Its speed [m/s], NaN while there is none.
     """
-    if not log.scenario.users:
+    if not log.scenario.road_users:
         return np.full(len(log.t), np.nan)
-    own = log.scenario.road.own_lane
-    along = log.user_places[..., 0] - log.place[:, None, 0]
-    d = log.user_places[..., 1]
+    own = log.scenario.road.ego_lane
+    along = log.user_frenet[..., 0] - log.ego_frenet[:, None, 0]
+    d = log.user_frenet[..., 1]
     along = np.where((along > 0.0) & (along < reach) & (d < own.left) & (d > own.right), along, np.inf)
     nearest = np.argmin(along, axis=1)
     rows = np.arange(len(log.t))
-    v_x: Array = np.where(np.isfinite(along[rows, nearest]), log.users[rows, nearest, 3], np.nan)
+    v_x: Array = np.where(np.isfinite(along[rows, nearest]), log.road_users[rows, nearest, 3], np.nan)
     return v_x

@@ -46,7 +46,7 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     axis = figure.subplots()
     k_p, k_d = region.k_p, region.k_d
     # by how much the demands are kept changes evenly over the grid, so that its zero is a smooth edge
-    kept = np.minimum(region.decay - region.asked[0], region.damping - region.asked[1])
+    kept = np.minimum(region.decay - region.requested[0], region.damping - region.requested[1])
     axis.contourf(k_p, k_d, kept, levels=[0.0, math.inf], colors=[_REGION])
     stable = np.where(region.decay > 0.0)
     if len(stable[0]):  # before the labels, whose gaps in the curves are as wide as they are in this view
@@ -60,8 +60,8 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     axis.clabel(curves, fmt=lambda value: f"{value:g}", fontsize=8)
     around = [np.append(each[-1], each[::-1, -1]) for each in (k_p, k_d)]
     axis.plot(*around, ":", color="#777777", linewidth=0.9, label="edge of what was tried")
-    if region.chosen is not None:
-        axis.plot(*region.chosen, "o", color="black", label="chosen")
+    if region.selected is not None:
+        axis.plot(*region.selected, "o", color="black", label="chosen")
     if shipped is not None:
         at_p, at_d, _ = shipped.at(region.v_x)
         axis.plot(at_p, at_d, "D", color="black", fillstyle="none", markersize=9, label="schedule")

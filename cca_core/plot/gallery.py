@@ -10,15 +10,15 @@ from cca_core.plot.crossing import plot_crossing
 from cca_core.plot.figures import plot_time_series, plot_tunings
 from cca_core.plot.layout import plot_layout
 from cca_core.plot.passing import plot_passing
-from cca_core.plot.style import who_drives
+from cca_core.plot.style import ego_label
 from cca_core.plot.traffic import plot_traffic
-from cca_core.plot.verdict import contrast, grouped, line_up
+from cca_core.plot.verdict import baseline_and_v2v, group_by_case, one_run_per_ego
 from cca_core.sim import Log
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Plate", "plates", "tunings"]
+__all__ = ["ReportFigure", "report_figures", "tuning_figure"]
 
 _LAYOUTS = {"eebl": "fig05", "ima": "fig08", "curbside": "fig10"}
 _FRAMES = {
@@ -28,7 +28,7 @@ _FRAMES = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Plate:
+class ReportFigure:
     """A figure that belongs to a scenario.
 
     Parameters
@@ -49,7 +49,7 @@ class Plate:
     detail: bool = False
 
 
-def plates(group: Sequence[Log]) -> Iterator[Plate]:
+def report_figures(group: Sequence[Log]) -> Iterator[ReportFigure]:
     """Draw what tells of one scenario.
 
     Parameters
@@ -67,52 +67,52 @@ def plates(group: Sequence[Log]) -> Iterator[Plate]:
     MissingExtraError
         If matplotlib is not installed.
     """
-    shown, pair = line_up(group), contrast(group)
+    shown, pair = one_run_per_ego(group), baseline_and_v2v(group)
     scenario = pair[-1].scenario
     cased = len({log.scenario.case for log in group}) == 1 and scenario.case is not None
     slug = f"{scenario.name}_{scenario.case}" if cased else scenario.name
     slug = re.sub(r"\W", "_", slug, flags=re.ASCII).lower()
-    yield Plate(
+    yield ReportFigure(
         name="_".join(filter(None, (_LAYOUTS.get(scenario.name, ""), slug, "layout"))),
         caption="At the start. The dotted line is the ego's route; arrows are the way in a second.",
         figure=plot_layout(scenario),
     )
     if scenario.name == "eebl":
-        yield Plate(
+        yield ReportFigure(
             name="fig06_07_eebl_bumper_to_bumper", figure=plot_braking(shown),
             caption="Each band reaches from the rear to the front bumper of a vehicle; where two bands meet "
             "the vehicles touch. Below, speeds and decelerations. Counterpart of Figs 6 and 7.",
         )  # fmt: skip
-    elif scenario.scenery and scenario.users:
-        yield Plate(
+    elif scenario.other_roads and scenario.road_users:
+        yield ReportFigure(
             name=f"fig09_{slug}_from_above", figure=plot_crossing(pair),
             caption="Bodies each second, numbered by the time in seconds, and below the ego's way over time: "
             "it must not enter the red patch, where it would touch another. Counterpart of Fig 9.",
         )  # fmt: skip
-    standing = next((user.id for user in scenario.users if user.v_x == 0.0 and user.route is None), None)
+    standing = next((user.id for user in scenario.road_users if user.v_x == 0.0 and user.route is None), None)
     if standing is not None:
-        yield Plate(
+        yield ReportFigure(
             name=f"fig11_12_{slug}_ways", figure=plot_passing(shown, standing),
             caption=f"How the ego comes to {standing}: bodies each half second, to scale, then the ego's "
             "ways with the width drawn larger. Counterpart of Figs 11 and 12.",
         )  # fmt: skip
-    if not scenario.scenery:
+    if not scenario.other_roads:
         frames = _FRAMES.get(scenario.case or "", _FRAMES.get(scenario.name, ""))
         for log in pair:
-            yield Plate(
-                name="_".join(filter(None, (frames, slug, log.scenario.ego, "frames"))),
-                caption=f"{_sentence(who_drives(log))}: path and traffic. Equal numbers belong to one "
+            yield ReportFigure(
+                name="_".join(filter(None, (frames, slug, log.scenario.ego_type, "frames"))),
+                caption=f"{_sentence(ego_label(log))}: path and traffic. Equal numbers belong to one "
                 "moment. In the strips the solid line is where the ego was, the dotted where it will be.",
                 figure=plot_traffic(log), detail=scenario.name != "maneuver" or not log.scenario.v2v,
             )  # fmt: skip
     for log in pair:
-        yield Plate(
-            name=f"{slug}_{log.scenario.ego}_over_time", figure=plot_time_series(log), detail=True,
-            caption=f"{_sentence(who_drives(log))}: the run over time; the background shows the action.",
+        yield ReportFigure(
+            name=f"{slug}_{log.scenario.ego_type}_over_time", figure=plot_time_series(log), detail=True,
+            caption=f"{_sentence(ego_label(log))}: the run over time; the background shows the action.",
         )  # fmt: skip
 
 
-def tunings(logs: Sequence[Log]) -> Plate | None:
+def tuning_figure(logs: Sequence[Log]) -> ReportFigure | None:
     """Draw the two tunings of case 1 on one axis, if both were run with V2V.
 
     Parameters
@@ -130,11 +130,11 @@ def tunings(logs: Sequence[Log]) -> Plate | None:
     MissingExtraError
         If matplotlib is not installed.
     """
-    found = {group[0].scenario.case: contrast(group)[-1] for group in grouped(logs)}
+    found = {group[0].scenario.case: baseline_and_v2v(group)[-1] for group in group_by_case(logs)}
     fast, smooth = found.get("1-fast"), found.get("1-smooth")
     if fast is None or smooth is None or not (fast.scenario.v2v and smooth.scenario.v2v):
         return None
-    return Plate(
+    return ReportFigure(
         name="fig15_two_tunings", figure=plot_tunings(fast, smooth),
         caption="Tuned fast, the car leaves its lane later and changes over in less distance, with more "
         "lateral acceleration; tuned smooth, it takes more road. Counterpart of Fig 15.",

@@ -6,19 +6,19 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.geometry import boxes
-from cca_core.plot.road_surface import draw_ground
+from cca_core.plot.road_surface import draw_roads
 from cca_core.plot.style import (
     ASPHALT,
     EGO,
-    colors,
+    assign_colors,
     draw_lanes,
+    escape_figure_text,
     new_figure,
-    plain,
+    sanitize_text,
     scenario_name,
-    spelled_out,
 )
 from cca_core.sim import Scenario
-from cca_core.sim.scenarios.road_user import Brakes, Follows, RoadUser, Swerves
+from cca_core.sim.scenarios.road_user import BrakeAction, LateralShiftAction, ReactToLeadAction, RoadUser
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,17 +47,17 @@ def plot_layout(scenario: Scenario) -> "Figure":
     MissingExtraError
         If matplotlib is not installed.
     """
-    if scenario.scenery:
+    if scenario.other_roads:
         figure = new_figure(4.6)
         _draw_plane(figure.subplots(), scenario)
     else:
         figure = new_figure(2.3)
         _draw_strip(figure.subplots(), scenario)
-    figure.suptitle(plain(scenario_name(scenario)), x=0.01, ha="left", weight="bold", fontsize=11)
-    return spelled_out(figure)
+    figure.suptitle(sanitize_text(scenario_name(scenario)), x=0.01, ha="left", weight="bold", fontsize=11)
+    return escape_figure_text(figure)
 
 
-def deed(user: RoadUser) -> str:
+def describe_action(user: RoadUser) -> str:
     """Say what a road user is going to do.
 
     Parameters
@@ -71,20 +71,20 @@ def deed(user: RoadUser) -> str:
         Its speed and acts, such as ``"29 m/s, brakes with 7 m/s²"``.
     """
     told = ["stands" if user.v_x == 0.0 else f"{user.v_x:.0f} m/s"]
-    for act in user.acts:
-        if isinstance(act, Brakes):
+    for act in user.actions:
+        if isinstance(act, BrakeAction):
             told.append(f"brakes with {act.deceleration:.0f} m/s² at {act.t:.0f} s")
-        elif isinstance(act, Follows):
-            told.append(f"brakes after {act.leader}")
-        elif isinstance(act, Swerves):
-            told.append(f"swerves {abs(act.width):.0f} m {'left' if act.width > 0.0 else 'right'}")
+        elif isinstance(act, ReactToLeadAction):
+            told.append(f"brakes after {act.lead_id}")
+        elif isinstance(act, LateralShiftAction):
+            told.append(f"swerves {abs(act.offset):.0f} m {'left' if act.offset > 0.0 else 'right'}")
     return ", ".join(told)
 
 
 def _draw_plane(axis: Any, scenario: Scenario) -> None:
-    draw_ground(axis, scenario)
+    draw_roads(axis, scenario)
     axis.set_aspect("equal")
-    palette = colors([user.id for user in scenario.users])
+    palette = assign_colors([user.id for user in scenario.road_users])
     route = scenario.road.path
     way = route.position(np.linspace(scenario.start, min(scenario.start + 110.0, route.end), 200))
     axis.plot(*way.T, color=EGO, linewidth=1.4, linestyle=":", zorder=1)
@@ -94,7 +94,7 @@ def _draw_plane(axis: Any, scenario: Scenario) -> None:
     bodies = [("ego", route, begin, 0.0, 1, scenario.v_x, car.length, car.width, EGO)]
     bodies += [
         (u.id, u.route or route, u.s, u.d, u.direction, u.v_x, u.length, u.width, palette[u.id])
-        for u in scenario.users
+        for u in scenario.road_users
     ]
     for name, path, s, d, along, v, long, wide, color in bodies:
         ((x, y),) = path.to_cartesian([s], [d])
@@ -104,10 +104,10 @@ def _draw_plane(axis: Any, scenario: Scenario) -> None:
             tip = (x + v * _ARROW * np.cos(psi), y + v * _ARROW * np.sin(psi))
             arrow = {"arrowstyle": "-|>", "color": color, "linewidth": 1.4}
             axis.annotate("", tip, (x, y), arrowprops=arrow)
-        user = next((u for u in scenario.users if u.id == name), None)
-        told = f"{scenario.v_x:.1f} m/s" if user is None else deed(user)
+        user = next((u for u in scenario.road_users if u.id == name), None)
+        told = f"{scenario.v_x:.1f} m/s" if user is None else describe_action(user)
         axis.annotate(
-            f"{plain(name)}: {told}", (x, y), (0, 13 if y > -1.0 else -13), textcoords="offset points",
+            f"{sanitize_text(name)}: {told}", (x, y), (0, 13 if y > -1.0 else -13), textcoords="offset points",
             ha="center", va="center", fontsize=9, color=color, weight="bold", zorder=6,
             bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.8},
         )  # fmt: skip
@@ -122,14 +122,16 @@ def _draw_strip(axis: Any, scenario: Scenario) -> None:
     road, car = scenario.road, scenario.vehicle
     draw_lanes(axis, road)
     axis.axhline(0.0, color="#777777", linewidth=0.9, linestyle=":", zorder=0.4)
-    palette = colors([user.id for user in scenario.users])
+    palette = assign_colors([user.id for user in scenario.road_users])
     v = scenario.v_x
     told = [("ego", car.box_offset, 0.0, 1, v, car.length, car.width, EGO, f"{v:.0f} m/s")]
     far = []
-    for u in scenario.users:
+    for u in scenario.road_users:
         if abs(u.s - scenario.start) < _LONGEST:
             at = u.s - scenario.start
-            told.append((u.id, at, u.d, u.direction, u.v_x, u.length, u.width, palette[u.id], deed(u)))
+            told.append(
+                (u.id, at, u.d, u.direction, u.v_x, u.length, u.width, palette[u.id], describe_action(u))
+            )
         else:
             far.append(u)
     ends = [place for entry in told for place in (entry[1], entry[1] + entry[3] * entry[4] * _ARROW)]
@@ -146,7 +148,7 @@ def _draw_strip(axis: Any, scenario: Scenario) -> None:
         edge = road.left_edge if above else road.right_edge
         side = "left" if x - view[0] < 0.06 * (view[1] - view[0]) else "center"
         axis.annotate(
-            f"{plain(name)}: {text}", (x, y), (x, edge + (1.6 if above else -1.6)), ha=side, va="center",
+            f"{sanitize_text(name)}: {text}", (x, y), (x, edge + (1.6 if above else -1.6)), ha=side, va="center",
             fontsize=9, color=color, weight="bold", annotation_clip=False,
             arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.6},
         )  # fmt: skip
@@ -154,7 +156,7 @@ def _draw_strip(axis: Any, scenario: Scenario) -> None:
         ahead = u.s > scenario.start
         where = f"{abs(u.s - scenario.start):.0f} m {'ahead ▸' if ahead else 'behind'}"
         axis.text(
-            view[1] - 1.0 if ahead else view[0] + 1.0, u.d, f"{plain(u.id)}: {deed(u)}, {where}",
+            view[1] - 1.0 if ahead else view[0] + 1.0, u.d, f"{sanitize_text(u.id)}: {describe_action(u)}, {where}",
             ha="right" if ahead else "left", va="center", fontsize=8, color=palette[u.id], weight="bold",
             bbox={"facecolor": ASPHALT, "edgecolor": "none", "pad": 1.0}, zorder=6,
         )  # fmt: skip

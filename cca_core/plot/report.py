@@ -8,11 +8,17 @@ from html import escape
 from pathlib import Path as FilePath
 
 from cca_core.plot.animation import animate
-from cca_core.plot.gallery import Plate, plates, tunings
+from cca_core.plot.gallery import ReportFigure, report_figures, tuning_figure
 from cca_core.plot.player import SCRIPT, STYLE
-from cca_core.plot.story import cast, listed, story
-from cca_core.plot.style import case_name, plain, scenario_name, who_drives
-from cca_core.plot.verdict import contact, contrast, grouped, line_up, verdict
+from cca_core.plot.story import describe_participants, describe_run, join_names
+from cca_core.plot.style import case_name, ego_label, sanitize_text, scenario_name
+from cca_core.plot.verdict import (
+    baseline_and_v2v,
+    first_collision,
+    group_by_case,
+    one_run_per_ego,
+    summarize_outcome,
+)
 from cca_core.sim import Log
 
 _DPI = 110
@@ -80,13 +86,13 @@ def write_report(
         If matplotlib is not installed.
     """
     folder = None if figures is None else FilePath(figures)
-    groups = grouped(runs)
+    groups = group_by_case(runs)
     chapters = ""
     for i, group in enumerate(groups):
         chapters += "".join(_chapter(i, group, folder))
         if progress is not None:
             progress()
-    both = tunings(runs)
+    both = tuning_figure(runs)
     more = f"<h2>Two tunings</h2>\n{_picture(both, folder)}" if both is not None else ""
     page = f"""<!DOCTYPE html>
 <html lang="en">
@@ -100,7 +106,7 @@ def write_report(
 <body>
 <header data-first="">
 <h1>Cooperative collision avoidance: what V2V changed</h1>
-<p class="lead">{escape(plain(headline(groups)))}</p>
+<p class="lead">{escape(sanitize_text(headline(groups)))}</p>
 <div class="cards">
 {"".join(part for i, group in enumerate(groups) for part in _card(i, group))}</div>
 <p class="note">Every number on this page comes from the runs that are shown. Speeds at a contact are
@@ -129,25 +135,25 @@ def headline(groups: Sequence[Sequence[Log]]) -> str:
     text : str
         In how many scenarios the ego collides without V2V and with it, and what else V2V makes possible.
     """
-    pairs = [pair for pair in map(contrast, groups) if len({log.scenario.v2v for log in pair}) == 2]
+    pairs = [pair for pair in map(baseline_and_v2v, groups) if len({log.scenario.v2v for log in pair}) == 2]
     if not pairs:
         return f"{len(groups)} scenarios were driven; none of them both with and without V2V."
-    hits = [[contact(log) is not None for log in pair] for pair in pairs]
+    hits = [[first_collision(log) is not None for log in pair] for pair in pairs]
     without, with_v2v = (sum(column) for column in zip(*hits, strict=True))
     n = len(pairs)
     text = f"Without V2V the ego collides in {_count(without, n)}; with V2V in {_count(with_v2v, n)}."
-    sensed = [log for group in groups for log in line_up(group) if log.scenario.ego == "sensor"]
-    driven = sum(pair[0].scenario.ego == "driver" for pair in pairs)
+    sensed = [log for group in groups for log in one_run_per_ego(group) if log.scenario.ego_type == "sensor"]
+    driven = sum(pair[0].scenario.ego_type == "driver" for pair in pairs)
     if driven and sensed:
-        hit = sum(contact(log) is not None for log in sensed)
+        hit = sum(first_collision(log) is not None for log in sensed)
         text += f" An automated ego with a sensor alone collides in {_count(hit, len(sensed))}."
     freed = [
         (pair[0], pair[1])
         for pair, hit in zip(pairs, hits, strict=True)
-        if not any(hit) and _overtaken(pair[1]) > _overtaken(pair[0])
+        if not any(hit) and _n_overtaken(pair[1]) > _n_overtaken(pair[0])
     ]
     if freed:
-        names = listed([case_name(pair[1].scenario) for pair in freed])
+        names = join_names([case_name(pair[1].scenario) for pair in freed])
         text += f" When maneuvering ({names}) it stays behind slow traffic without V2V"
         text += " and passes it with V2V."
     return text
@@ -158,41 +164,43 @@ def _count(k: int, n: int) -> str:
     return number if k in (0, n) else f"{number} of {n} scenarios"
 
 
-def _overtaken(log: Log) -> int:
-    ahead = log.user_places[[0, -1], :, 0] > log.place[[0, -1], None, 0]
-    along = [user.direction > 0 for user in log.scenario.users]
+def _n_overtaken(log: Log) -> int:
+    ahead = log.user_frenet[[0, -1], :, 0] > log.ego_frenet[[0, -1], None, 0]
+    along = [user.direction > 0 for user in log.scenario.road_users]
     return int((ahead[0] & ~ahead[1] & along).sum())
 
 
 def _card(i: int, group: Sequence[Log]) -> Iterator[str]:
     yield f'<a class="card" href="#scenario-{i}"><h3>{_text(_name(group))}</h3>\n<dl>'
-    for log in line_up(group):
-        kind = "hit" if contact(log) is not None else "good" if log.scenario.v2v else "fair"
-        yield f'<dt>{_EGOS[log.scenario.ego]}</dt><dd class="{kind}">{_text(verdict(log))}</dd>'
+    for log in one_run_per_ego(group):
+        kind = "hit" if first_collision(log) is not None else "good" if log.scenario.v2v else "fair"
+        yield f'<dt>{_EGOS[log.scenario.ego_type]}</dt><dd class="{kind}">{_text(summarize_outcome(log))}</dd>'
     yield "</dl></a>\n"
 
 
 def _name(group: Sequence[Log]) -> str:
-    scenario = contrast(group)[-1].scenario
+    scenario = baseline_and_v2v(group)[-1].scenario
     return scenario_name(scenario, cased=len({log.scenario.case for log in group}) == 1)
 
 
 def _chapter(i: int, group: Sequence[Log], folder: FilePath | None) -> Iterator[str]:
-    pair = contrast(group)
+    pair = baseline_and_v2v(group)
     yield f'<section id="scenario-{i}"><h2>{_text(_name(group))}</h2>\n'
-    yield f"<p>{_text(cast(pair[-1]))}</p>\n"
-    first, *others = plates(group)
+    yield f"<p>{_text(describe_participants(pair[-1]))}</p>\n"
+    first, *others = report_figures(group)
     yield _picture(first, folder)
     yield animate(pair, alone=False)
     yield "<ul>\n"
-    yield from (f"<li><b>{_text(_EGOS[log.scenario.ego])}.</b> {_text(story(log))}</li>\n" for log in pair)
+    yield from (
+        f"<li><b>{_text(_EGOS[log.scenario.ego_type])}.</b> {_text(describe_run(log))}</li>\n" for log in pair
+    )
     yield "</ul>\n"
     yield from _table(group)
     yield from (_picture(plate, folder) for plate in others if not plate.detail)
     yield "<details><summary>More figures and every decision</summary>\n"
     yield from (_picture(plate, folder) for plate in others if plate.detail)
     for log in pair:
-        yield f"<p><b>{_EGOS[log.scenario.ego]}</b></p><ul>\n"
+        yield f"<p><b>{_EGOS[log.scenario.ego_type]}</b></p><ul>\n"
         yield from (f"<li>{t:.1f} s <b>{name}</b>: {_text(why)}</li>\n" for t, name, why in log.decisions)
         yield "</ul>\n"
     yield "</details></section>\n"
@@ -205,9 +213,9 @@ def _table(group: Sequence[Log]) -> Iterator[str]:
     several = len({log.scenario.case for log in group}) > 1
     for log in group:
         key = log.summary()
-        ego = f"{who_drives(log)}, {case_name(log.scenario)}" if several else who_drives(log)
+        ego = f"{ego_label(log)}, {case_name(log.scenario)}" if several else ego_label(log)
         cells = (
-            ego, log.plant.replace("_", "-"), verdict(log), _value(key["min_gap_m"], "m", 2),
+            ego, log.plant.replace("_", "-"), summarize_outcome(log), _value(key["min_gap_m"], "m", 2),
             _value(key["min_ttc_s"], "s", 1), _value(key["max_decel_mps2"], "m/s²", 1),
             _value(key["max_abs_ay_mps2"], "m/s²", 1), str(len(log.received)),
         )  # fmt: skip
@@ -220,7 +228,7 @@ def _value(value: float | None, unit: str, digits: int) -> str:
     return "none" if value is None else f"{max(value, 0.0):.{digits}f}\N{NO-BREAK SPACE}{unit}"
 
 
-def _picture(plate: Plate, folder: FilePath | None) -> str:
+def _picture(plate: ReportFigure, folder: FilePath | None) -> str:
     stream = io.BytesIO()
     plate.figure.savefig(stream, format="png", dpi=_DPI)
     if folder is not None:
@@ -236,4 +244,4 @@ def _picture(plate: Plate, folder: FilePath | None) -> str:
 
 def _text(text: str) -> str:
     """Text of any origin as HTML, with numbers and units on one line."""
-    return _UNITS.sub("\\1\N{NO-BREAK SPACE}\\2", escape(plain(text)))
+    return _UNITS.sub("\\1\N{NO-BREAK SPACE}\\2", escape(sanitize_text(text)))

@@ -15,7 +15,7 @@ _GRAY, _EDGE, _VERGE = "#E3E3E3", "#777777", "#F6F7F4"
 _SAGITTA = 0.03  # of a drawn line under the true one [m]
 
 
-def lines_beside(path: Path, start: float, end: float, d: float) -> Array:
+def offset_line(path: Path, start: float, end: float, d: float) -> Array:
     """Points on a line beside a path, as dense as its tightest bend needs.
 
     Parameters
@@ -39,7 +39,7 @@ def lines_beside(path: Path, start: float, end: float, d: float) -> Array:
     return path.to_cartesian(s, np.full_like(s, d))
 
 
-def borders(road: Road) -> tuple[list[float], list[float]]:
+def lane_boundaries(road: Road) -> tuple[list[float], list[float]]:
     """Lateral coordinates of the lines on a road.
 
     Parameters
@@ -57,7 +57,7 @@ def borders(road: Road) -> tuple[list[float], list[float]]:
     return edges, sorted(lines - set(edges))
 
 
-def draw_ground(axis: "Axes", scenario: Scenario) -> None:
+def draw_roads(axis: "Axes", scenario: Scenario) -> None:
     """Draw all roads, the ego's route and its stop line.
 
     Parameters
@@ -68,30 +68,32 @@ def draw_ground(axis: "Axes", scenario: Scenario) -> None:
         Roads, route and line.
     """
     axis.set_facecolor(_VERGE)
-    roads = [*scenario.scenery, scenario.road]
+    roads = [*scenario.other_roads, scenario.road]
     for level, part in enumerate((_edges, _surface, _dashes)):
         for road in roads:
             part(axis, road, 0.1 * level)
     path = scenario.road.path
-    axis.plot(*lines_beside(path, path.start, path.end, 0.0).T, ":", color=_EDGE, linewidth=0.9, zorder=0.4)
+    axis.plot(*offset_line(path, path.start, path.end, 0.0).T, ":", color=_EDGE, linewidth=0.9, zorder=0.4)
     if scenario.stop_line is not None:
-        lane = scenario.road.own_lane
+        lane = scenario.road.ego_lane
         ends = path.to_cartesian([scenario.stop_line] * 2, [lane.right, lane.left])
         axis.plot(*ends.T, color="white", linewidth=3.0, solid_capstyle="butt", zorder=0.5)
 
 
 def _surface(axis: Any, road: Road, level: float) -> None:
-    right, left = (lines_beside(road.path, road.path.start, road.path.end, d) for d in borders(road)[0])
+    right, left = (
+        offset_line(road.path, road.path.start, road.path.end, d) for d in lane_boundaries(road)[0]
+    )
     axis.fill(*np.vstack((right, left[::-1])).T, color=_GRAY, linewidth=0.0, zorder=level)
 
 
 def _edges(axis: Any, road: Road, level: float) -> None:
-    for d in borders(road)[0]:
-        line = lines_beside(road.path, road.path.start, road.path.end, d)
+    for d in lane_boundaries(road)[0]:
+        line = offset_line(road.path, road.path.start, road.path.end, d)
         axis.plot(*line.T, color=_EDGE, linewidth=2.0, zorder=level)
 
 
 def _dashes(axis: Any, road: Road, level: float) -> None:
-    for d in borders(road)[1]:
-        line = lines_beside(road.path, road.path.start, road.path.end, d)
+    for d in lane_boundaries(road)[1]:
+        line = offset_line(road.path, road.path.start, road.path.end, d)
         axis.plot(*line.T, color="white", linewidth=1.0, linestyle=(0, (8, 6)), zorder=level)

@@ -13,7 +13,7 @@ _NEAR = 60.0  # vehicles that stay farther away were not met [m]
 _APART = 0.3  # least time between two frames chosen automatically [s]
 
 
-def story(log: Log) -> str:
+def describe_run(log: Log) -> str:
     """Tell a run in one sentence.
 
     Parameters
@@ -33,26 +33,28 @@ def story(log: Log) -> str:
         head, _, why = reason.partition(";")
         head = head.partition(":")[0]
         if Action(name) in (Action.FOLLOW, Action.BRAKE):
-            through = awaited(log, begin, end)
-            until = f" until {listed(through)} is through" if through else ""
+            through = vehicles_waited_for(log, begin, end)
+            until = f" until {join_names(through)} is through" if through else ""
             if last:
                 reason = f" ({why.strip()})" if why.strip() else ""
                 told.append(f"{head}, from {begin:.1f} s to the end{reason}")
             else:
                 told.append(f"{head} for {end - begin:.1f} s{until} ({begin:.1f} s)")
-        elif Action(name).evades:
+        elif Action(name).is_evading:
             told.append(f"{head} ({begin:.1f} s)")
         elif last and i > 0:
             told.append(f"back on the route ({begin:.1f} s)")
     if (log.gaps() <= 0.0).any():
-        told.append(f"{outcome(log)} at {log.t[-1]:.1f} s, relative speed {log.closing_speed():.1f} m/s")
+        told.append(
+            f"{describe_outcome(log)} at {log.t[-1]:.1f} s, relative speed {log.closing_speed():.1f} m/s"
+        )
     else:
-        told.append(f"{outcome(log)} at {log.ego[-1, 3]:.0f} m/s")
+        told.append(f"{describe_outcome(log)} at {log.ego[-1, 3]:.0f} m/s")
     text = ", ".join(told)
     return text[0].upper() + text[1:] + "."
 
 
-def cast(log: Log) -> str:
+def describe_participants(log: Log) -> str:
     """Tell who takes part in a run.
 
     Parameters
@@ -65,26 +67,26 @@ def cast(log: Log) -> str:
     cast : str
         Speed and place of everybody at the start.
     """
-    own = log.scenario.road.own_lane
+    own = log.scenario.road.ego_lane
     told = [f"The ego wants to drive at {log.scenario.cruise_speed:.0f} m/s"]
-    for user, (s, d) in zip(log.scenario.users, log.user_places[0], strict=True):
+    for user, (s, d) in zip(log.scenario.road_users, log.user_frenet[0], strict=True):
         does = f"drives at {user.v_x:.0f} m/s" if user.v_x > 0.0 else "stands"
         if user.route is not None:
-            away = np.hypot(*(log.users[0, len(told) - 1, :2] - log.ego[0, :2]))
+            away = np.hypot(*(log.road_users[0, len(told) - 1, :2] - log.ego[0, :2]))
             told.append(f"{user.id} {does} on another way, {away:.0f} m away")
             continue
-        ahead = s - log.place[0, 0]
+        ahead = s - log.ego_frenet[0, 0]
         where = f"{abs(ahead):.0f} m {'ahead' if ahead > 0.0 else 'behind'}"
         lane = "its lane" if own.right < d < own.left else f"the lane to the {'left' if d > 0.0 else 'right'}"
         toward = ", oncoming" if user.direction < 0 else ""
         told.append(f"{user.id} {does} on {lane}, {where}{toward}")
-    pinned = log.scenario.pinned
+    pinned = log.scenario.fixed_gap
     if pinned is not None:
         told.append(f"the ego keeps {pinned.time_gap:g} s behind {pinned.leader} until it knows of a hazard")
     return "; ".join(told) + "."
 
 
-def outcome(log: Log) -> str:
+def describe_outcome(log: Log) -> str:
     """How a run ended.
 
     Parameters
@@ -97,19 +99,19 @@ def outcome(log: Log) -> str:
     outcome : str
         The collision, or who was overtaken and who was not.
     """
-    gaps, users = log.gaps(), log.scenario.users
+    gaps, users = log.gaps(), log.scenario.road_users
     hit = [user.id for user, gap in zip(users, gaps.min(axis=0), strict=True) if gap <= 0.0]
     if hit:
-        return f"collides with {listed(hit)}"
-    ahead = log.user_places[..., 0] > log.place[:, None, 0]
+        return f"collides with {join_names(hit)}"
+    ahead = log.user_frenet[..., 0] > log.ego_frenet[:, None, 0]
     slow = [i for i, user in enumerate(users) if user.direction > 0 and ahead[0, i]]
     passed = [users[i].id for i in slow if not ahead[-1, i]]
     missed = [users[i].id for i in slow if ahead[-1, i]]
-    words = [f"{where} {listed(ids)}" for where, ids in (("ahead of", passed), ("behind", missed)) if ids]
+    words = [f"{where} {join_names(ids)}" for where, ids in (("ahead of", passed), ("behind", missed)) if ids]
     return "ends " + (" and ".join(words) or "alone on its lane")
 
 
-def awaited(log: Log, begin: float, end: float) -> list[str]:
+def vehicles_waited_for(log: Log, begin: float, end: float) -> list[str]:
     """Vehicles on other lanes that came past the ego during a part of a run.
 
     Parameters
@@ -125,15 +127,15 @@ def awaited(log: Log, begin: float, end: float) -> list[str]:
         Who came past.
     """
     first, last = row_at(log, begin), row_at(log, end)
-    own = log.scenario.road.own_lane
-    ahead = log.user_places[[first, last], :, 0] > log.place[[first, last], None, 0]
-    d = log.user_places[last, :, 1]
+    own = log.scenario.road.ego_lane
+    ahead = log.user_frenet[[first, last], :, 0] > log.ego_frenet[[first, last], None, 0]
+    d = log.user_frenet[last, :, 1]
     past = (ahead[0] != ahead[1]) & ((d > own.left) | (d < own.right))
-    return [user.id for user, is_past in zip(log.scenario.users, past, strict=True) if is_past]
+    return [user.id for user, is_past in zip(log.scenario.road_users, past, strict=True) if is_past]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Frame:
+class KeyFrame:
     """A moment of a run that is worth a picture.
 
     Parameters
@@ -148,7 +150,7 @@ class Frame:
     text: str
 
 
-def telling_frames(log: Log, *, most: int = 6) -> list[Frame]:
+def key_frames(log: Log, *, most: int = 6) -> list[KeyFrame]:
     """Choose the moments that tell what happened.
 
     Parameters
@@ -166,32 +168,32 @@ def telling_frames(log: Log, *, most: int = 6) -> list[Frame]:
         and the end.
     """
     gaps, ends = log.gaps(), float(log.t[-1])
-    ranked: list[tuple[int, Frame]] = []
+    ranked: list[tuple[int, KeyFrame]] = []
     for t, name, reason in log.decisions[1:]:
-        ranked.append((2 if name == Action.KEEP.value else 0, Frame(t=t, text=f"{name}: {reason}")))
-    for i, user in enumerate(log.scenario.users):
-        apart = np.hypot(*(log.users[:, i, :2] - log.ego[:, :2]).T)
+        ranked.append((2 if name == Action.KEEP.value else 0, KeyFrame(t=t, text=f"{name}: {reason}")))
+    for i, user in enumerate(log.scenario.road_users):
+        apart = np.hypot(*(log.road_users[:, i, :2] - log.ego[:, :2]).T)
         row = int(np.argmin(apart))
         if apart[row] < _NEAR and 0 < row < len(log.t) - 1:
-            beside = abs(log.user_places[row, i, 0] - log.place[row, 0]) < user.length
+            beside = abs(log.user_frenet[row, i, 0] - log.ego_frenet[row, 0]) < user.length
             where = "beside" if beside else "closest to"
             text = f"{where} {user.id}, {gaps[row, i]:.1f} m apart"
-            ranked.append((1, Frame(t=float(log.t[row]), text=text)))
-    names = {user.id for user in log.scenario.users}
+            ranked.append((1, KeyFrame(t=float(log.t[row]), text=text)))
+    names = {user.id for user in log.scenario.road_users}
     for t, what, who in log.events:
         if who in names and what in ("brakes", "swerves"):
-            ranked.append((1, Frame(t=t, text=f"{who} {what}")))
+            ranked.append((1, KeyFrame(t=t, text=f"{who} {what}")))
     hit = " in a collision" if (gaps <= 0.0).any() else ""
-    ranked.append((-1 if hit else 3, Frame(t=ends, text=f"the run ends{hit}")))
+    ranked.append((-1 if hit else 3, KeyFrame(t=ends, text=f"the run ends{hit}")))
     ranked.sort(key=lambda entry: (entry[0], -entry[1].t if entry[0] == 2 else entry[1].t))
-    chosen: list[Frame] = []
+    chosen: list[KeyFrame] = []
     for _, frame in ranked:
         if len(chosen) < most and all(abs(frame.t - other.t) >= _APART for other in chosen):
             chosen.append(frame)
     return sorted(chosen, key=lambda frame: frame.t)
 
 
-def listed(ids: Sequence[str]) -> str:
+def join_names(ids: Sequence[str]) -> str:
     """Enumerate.
 
     Parameters

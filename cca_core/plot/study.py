@@ -9,7 +9,7 @@ from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.plot.style import EGO, new_figure
-from cca_core.sim.scenarios.scenario import EGOS
+from cca_core.sim.scenarios.scenario import EGO_TYPES
 from cca_core.sim.study.statistics import StudyTable
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _APART = 0.01  # shift between the lines, as a share of the axis [-]
 
 
 def plot_study(
-    tables: Sequence[StudyTable], *, bins: int = 5, egos: Sequence[str] = EGOS, log: bool = False
+    tables: Sequence[StudyTable], *, bins: int = 5, egos: Sequence[str] = EGO_TYPES, log: bool = False
 ) -> "Figure":
     """Draw the share of runs that end in a contact over the latency and the loss of messages.
 
@@ -58,8 +58,8 @@ def plot_study(
         raise InputError("tables must not be empty")
     if bins < 1:
         raise InputError(f"bins must be at least 1, was {bins}")
-    if any(ego not in EGOS for ego in egos):
-        raise InputError(f"egos must be of {', '.join(EGOS)}, were {', '.join(egos)}")
+    if any(ego not in EGO_TYPES for ego in egos):
+        raise InputError(f"egos must be of {', '.join(EGO_TYPES)}, were {', '.join(egos)}")
     ticker = require_extra("matplotlib.ticker", "plot")
     figure = new_figure(2.6 * len(tables) + 0.6)
     for table, row in zip(tables, figure.subplots(len(tables), 2, squeeze=False, sharey="row"), strict=True):
@@ -82,8 +82,8 @@ def _draw(axis: Any, table: StudyTable, x: Array, bins: int, egos: Sequence[str]
     for i, ego in enumerate(egos):
         rates = [table.rate(ego, of == k) for k in range(bins)]
         value = np.array([rate.value if rate.n else np.nan for rate in rates])
-        below = value - np.array([rate.low for rate in rates])
-        above = np.array([rate.high for rate in rates]) - value
+        below = value - np.array([rate.ci_low for rate in rates])
+        above = np.array([rate.ci_high for rate in rates]) - value
         label, color, style = _LINES[ego]
         axis.errorbar(
             middle + _APART * (i - 1) * span, value, np.clip((below, above), 0.0, None), fmt=style,

@@ -59,7 +59,7 @@ _CASES = {
 _EGOS = {"v2v": "with V2V", "driver": "driver without V2V", "sensor": "sensor without V2V"}
 
 
-def colors(ids: Sequence[str]) -> dict[str, str]:
+def assign_colors(ids: Sequence[str]) -> dict[str, str]:
     """Color of each road user; the same ids get the same colors.
 
     Parameters
@@ -77,7 +77,7 @@ def colors(ids: Sequence[str]) -> dict[str, str]:
     return {id_: _NAMED.get(id_) or palette[id_] for id_ in ids}
 
 
-def plain(text: str) -> str:
+def sanitize_text(text: str) -> str:
     """Make text of any origin fit for a page.
 
     Parameters
@@ -130,7 +130,7 @@ def scenario_name(scenario: Scenario, *, cased: bool = True) -> str:
     return f"{name}, {case_name(scenario)}" if cased and scenario.case is not None else name
 
 
-def who_drives(log: Log) -> str:
+def ego_label(log: Log) -> str:
     """Who drives the ego of a run, in words.
 
     Parameters
@@ -143,7 +143,7 @@ def who_drives(log: Log) -> str:
     who : str
         Such as ``"driver without V2V"``.
     """
-    return _EGOS[log.scenario.ego]
+    return _EGOS[log.scenario.ego_type]
 
 
 def title(log: Log) -> str:
@@ -159,7 +159,7 @@ def title(log: Log) -> str:
     title : str
         Such as ``"Maneuvering in traffic, case 2: with V2V"``.
     """
-    return f"{scenario_name(log.scenario)}: {who_drives(log)}"
+    return f"{scenario_name(log.scenario)}: {ego_label(log)}"
 
 
 def row_at(log: Log, t: float) -> int:
@@ -199,7 +199,7 @@ def draw_lanes(axis: Any, road: Road) -> None:
     axis.set_yticks([lane.d for lane in road.lanes])
 
 
-def widen(axis: Any, least: float, *, above: float = 0.0) -> None:
+def expand_limits(axis: Any, least: float, *, above: float = 0.0) -> None:
     """Widen a view upwards and downwards, so that what is next to nothing looks like it.
 
     Parameters
@@ -216,7 +216,7 @@ def widen(axis: Any, least: float, *, above: float = 0.0) -> None:
     axis.set_ylim(low - lack, high + lack + above * (high - low + 2.0 * lack))
 
 
-def spelled_out(figure: "Figure") -> "Figure":
+def escape_figure_text(figure: "Figure") -> "Figure":
     """Make every text of a figure fit to be drawn, whatever ids it holds.
 
     Parameters
@@ -235,7 +235,7 @@ def spelled_out(figure: "Figure") -> "Figure":
         If matplotlib is not installed.
     """
     for text in figure.findobj(require_extra("matplotlib.text", "plot").Text):
-        text.set_text("\n".join(map(plain, text.get_text().split("\n"))))
+        text.set_text("\n".join(map(sanitize_text, text.get_text().split("\n"))))
         text.set_parse_math(False)
     return figure
 

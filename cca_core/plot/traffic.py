@@ -9,8 +9,8 @@ import numpy as np
 from cca_core._checks import Array, check_array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
-from cca_core.plot.story import Frame, story, telling_frames
-from cca_core.plot.style import ASPHALT, EGO, colors, draw_lanes, row_at, spelled_out, title
+from cca_core.plot.story import KeyFrame, describe_run, key_frames
+from cca_core.plot.style import ASPHALT, EGO, assign_colors, draw_lanes, escape_figure_text, row_at, title
 from cca_core.sim import Log
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None) -> "Figure":
     log : Log
         The run.
     times : sequence of float, shape (n,), optional
-        Times of the frames [s]; the default is chosen by `telling_frames`.
+        Times of the frames [s]; the default is chosen by `key_frames`.
 
     Returns
     -------
@@ -49,16 +49,18 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None) -> "Figure":
         If matplotlib is not installed.
     """
     if times is None:
-        frames = telling_frames(log)
+        frames = key_frames(log)
     else:
-        frames = [Frame(t=t, text=_action_at(log, t)) for t in check_array("times", times, (None,)).tolist()]
+        frames = [
+            KeyFrame(t=t, text=_action_at(log, t)) for t in check_array("times", times, (None,)).tolist()
+        ]
     if not frames:
         raise InputError("times must hold at least one time")
     below = len(frames) * (_STRIP + _TITLE)
     height = _HEAD + _OVERVIEW + _BETWEEN + below + _FOOT
     figure: Figure = require_extra("matplotlib.figure", "plot").Figure(figsize=(_WIDTH, height))
     figure.text(_LEFT / _WIDTH, 1.0 - 0.15 / height, title(log), va="top", weight="bold")
-    figure.text(_LEFT / _WIDTH, 1.0 - 0.42 / height, fill(story(log), 118), va="top", fontsize=9)
+    figure.text(_LEFT / _WIDTH, 1.0 - 0.42 / height, fill(describe_run(log), 118), va="top", fontsize=9)
 
     def axes(top: float, tall: float) -> Any:
         bottom = 1.0 - (top + tall) / height
@@ -73,7 +75,7 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None) -> "Figure":
         else:
             wider = _exaggeration(axis, _STRIP)
             axis.set_xlabel(f"distance ahead of the ego [m] (width drawn {wider})", fontsize=8.5)
-    return spelled_out(figure)
+    return escape_figure_text(figure)
 
 
 def _action_at(log: Log, t: float) -> str:
@@ -81,14 +83,14 @@ def _action_at(log: Log, t: float) -> str:
     return f"{name}: {reason}"
 
 
-def _draw_overview(axis: Any, log: Log, frames: list[Frame]) -> None:
+def _draw_overview(axis: Any, log: Log, frames: list[KeyFrame]) -> None:
     rows = [row_at(log, frame.t) for frame in frames]
-    told = log.place[[*rows, row_at(log, log.decisions[-1][0])], 0]
+    told = log.ego_frenet[[*rows, row_at(log, log.decisions[-1][0])], 0]
     view = (told.min() - 40.0, told.max() + 40.0)
     _draw_road(axis, log, view)
-    axis.plot(log.place[:, 0], log.place[:, 1], color=EGO, linewidth=1.2)
-    users = log.scenario.users
-    palette = {"ego": EGO, **colors([user.id for user in users])}
+    axis.plot(log.ego_frenet[:, 0], log.ego_frenet[:, 1], color=EGO, linewidth=1.2)
+    users = log.scenario.road_users
+    palette = {"ego": EGO, **assign_colors([user.id for user in users])}
     outline = require_extra("matplotlib.patheffects", "plot").withStroke(linewidth=2.0, foreground=ASPHALT)
     # numbers above the ego, below the others, in two rows on each lane, so that they do not meet
     down = {user.id: 5 + 9 * (sum(u.d == user.d for u in users[:i]) % 2) for i, user in enumerate(users)}
@@ -117,14 +119,14 @@ def _draw_overview(axis: Any, log: Log, frames: list[Frame]) -> None:
     )  # fmt: skip
 
 
-def _draw_strip(axis: Any, log: Log, number: int, frame: Frame) -> None:
+def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
     row = row_at(log, frame.t)
-    s = log.place[row, 0]
+    s = log.ego_frenet[row, 0]
     _draw_road(axis, log, _VIEW)
-    axis.plot(log.place[: row + 1, 0] - s, log.place[: row + 1, 1], color=EGO, linewidth=1.2)
-    axis.plot(log.place[row:, 0] - s, log.place[row:, 1], color=EGO, linewidth=1.0, linestyle=":")
+    axis.plot(log.ego_frenet[: row + 1, 0] - s, log.ego_frenet[: row + 1, 1], color=EGO, linewidth=1.2)
+    axis.plot(log.ego_frenet[row:, 0] - s, log.ego_frenet[row:, 1], color=EGO, linewidth=1.0, linestyle=":")
     axis.set_title(f"{number}   {frame.t:.1f} s   {frame.text}", fontsize=9, loc="left", pad=3)
-    palette = {"ego": EGO, **colors([user.id for user in log.scenario.users])}
+    palette = {"ego": EGO, **assign_colors([user.id for user in log.scenario.road_users])}
     taken: list[tuple[float, float, float]] = []  # from, to, lateral: where no text may stand
     inside, outside = [], []
     for id_, box, v in _boxes(log, row):
@@ -189,11 +191,11 @@ def _draw_road(axis: Any, log: Log, view: tuple[float, float]) -> None:
 def _boxes(log: Log, row: int) -> list[tuple[str, Array, float]]:
     """Name, corners in path coordinates and speed of everybody in one cycle."""
     ego, others = log.bodies()
-    near = np.append(log.place[row, 0], log.user_places[row, :, 0])
+    near = np.append(log.ego_frenet[row, 0], log.user_frenet[row, :, 0])
     corners = np.vstack((ego.corners()[row], others.corners()[row]))
-    s, d = log.scenario.road.path.project(corners, near=np.repeat(near[:, None], 4, axis=1))
-    names = ["ego", *(user.id for user in log.scenario.users)]
-    speeds = np.append(log.ego[row, 3], log.users[row, :, 3])
+    s, d = log.scenario.road.path.project(corners, s_guess=np.repeat(near[:, None], 4, axis=1))
+    names = ["ego", *(user.id for user in log.scenario.road_users)]
+    speeds = np.append(log.ego[row, 3], log.road_users[row, :, 3])
     boxes = np.stack((s, d), axis=-1)
     return [(name, box, float(v)) for name, box, v in zip(names, boxes, speeds, strict=True)]
 

@@ -11,14 +11,14 @@ from cca_core._checks import check_real, read_real
 from cca_core.errors import InputError
 from cca_core.v2x import Bsm, decode_bsm, encode_bsm
 
-__all__ = ["read_frames"]
+__all__ = ["read_bsm_log"]
 
 _HEX = "hex", "uper_hex", "data"
 _TIMES = "t", "time", "t_received"
 _MINUTE = 60.0  # [s]
 
 
-def read_frames(
+def read_bsm_log(
     path: str | FilePath, *, start: float = 0.0, latency: float = 0.0
 ) -> list[tuple[float, bytes]]:
     """Read a recorded log of Basic Safety Messages for `simulate`.
@@ -47,8 +47,8 @@ def read_frames(
     InputError
         If the file cannot be read, has no message, or a line is none.
     """
-    start = check_real("start", start, least=0.0)
-    latency = check_real("latency", latency, least=0.0)
+    start = check_real("start", start, ge=0.0)
+    latency = check_real("latency", latency, ge=0.0)
     try:
         text = FilePath(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:

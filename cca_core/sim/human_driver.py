@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from cca_core.decide import Action, CrossingSettings, Decision, crossing
+from cca_core.decide import Action, CrossingSettings, Decision, find_conflict
 from cca_core.errors import Status
 from cca_core.follow import (
     PreviewController,
@@ -16,7 +16,7 @@ from cca_core.follow import (
 )
 from cca_core.path import Road
 from cca_core.planner.command import Command
-from cca_core.planner.frenet import Neighbor, locate
+from cca_core.planner.frenet import FrenetVehicle, to_frenet
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["CURVE_ACCELERATION", "Driver"]
@@ -28,7 +28,7 @@ _LIGHTS = -0.25  # acceleration at which brake lights are on [m/s^2]
 _LOOKS = 6.0  # time to contact within which something in the way alarms [s]
 _HORIZON = 6.0  # of crossing traffic [s]
 _PERIOD = 0.1  # between two looks at crossing traffic [s]
-_CROSSING = CrossingSettings(a_max=0.0, b_max=0.0, margin=0.5)
+_CROSSING = CrossingSettings(a_max=0.0, b_max=0.0, min_pet=0.5)
 
 
 class Driver:
@@ -79,7 +79,7 @@ class Driver:
         state: VehicleState,
         remotes: Iterable[RemoteVehicle],
         *,
-        known_range: float = math.inf,
+        awareness_range: float = math.inf,
     ) -> Command:
         """Steer and brake for one cycle.
 
@@ -91,7 +91,7 @@ class Driver:
             The car now.
         remotes : iterable of RemoteVehicle
             Those whom he sees.
-        known_range : float
+        awareness_range : float
             Of the messages, which he does not hear [m].
 
         Returns
@@ -122,7 +122,7 @@ class Driver:
 
     def _look(self, t: float, s: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> str:
         """Name a danger in words; empty if there is none."""
-        neighbors, _ = locate(remotes, self.road.path, self._places)
+        neighbors, _ = to_frenet(remotes, self.road.path, self._places)
         front = s + self.vehicle.box_offset + 0.5 * self.vehicle.length
         for n in neighbors:
             gap = n.s - n.half_length - front
@@ -137,13 +137,13 @@ class Driver:
             return self._crosses(s, state.v_x, neighbors)
         return ""
 
-    def _crosses(self, s: float, v_x: float, neighbors: list[Neighbor]) -> str:
+    def _crosses(self, s: float, v_x: float, neighbors: list[FrenetVehicle]) -> str:
         v = max(v_x, 1.0)
         for n in neighbors:
-            conflict = crossing(
+            conflict = find_conflict(
                 self.road.path, s, np.array([s, s + _HORIZON * v]), np.array([0.0, _HORIZON]), self.vehicle,
                 n.remote, horizon=_HORIZON, settings=_CROSSING,
             )  # fmt: skip
-            if conflict is not None and not conflict.free:
+            if conflict is not None and not conflict.is_clear:
                 return f"{n.remote.id} crosses"
         return ""

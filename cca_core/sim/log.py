@@ -31,19 +31,19 @@ class Log:
         Lateral acceleration of the center of gravity [m/s^2], left positive.
     command : ndarray, shape (n, 2)
         Road-wheel angle [rad] and acceleration [m/s^2] asked for.
-    place : ndarray, shape (n, 2)
+    ego_frenet : ndarray, shape (n, 2)
         Ego in path coordinates s, d [m].
     tracking : ndarray, shape (n,)
         Lateral error to the reference that was steered along [m], left positive.
-    users : ndarray, shape (n, n_users, 4)
+    road_users : ndarray, shape (n, n_users, 4)
         x [m], y [m], psi [rad], v_x [m/s] of the others' body centers.
     user_motion : ndarray, shape (n, n_users, 2)
         Their acceleration [m/s^2] and yaw rate [rad/s].
-    user_places : ndarray, shape (n, n_users, 2)
+    user_frenet : ndarray, shape (n, n_users, 2)
         The others in path coordinates s, d [m].
-    seen, heard : ndarray of bool, shape (n, n_users)
+    visible, tracked : ndarray of bool, shape (n, n_users)
         Who is in the ego's line of sight, whatever drives it, and who is known to it by messages.
-    held : ndarray of bool, shape (n,)
+    gap_held : ndarray of bool, shape (n,)
         Whether a pinned gap was held instead of the command's acceleration.
     decisions : tuple of (float, str, str)
         Time [s], action and reason at each change of action.
@@ -54,13 +54,13 @@ class Log:
     messages : dict
         How many messages the others sent, how many were delivered to the ego, and the same for those of the
         ego to the others.
-    fallback : ndarray of bool, shape (n,)
+    degraded : ndarray of bool, shape (n,)
         Whether the command's status was not `OK`.
     cycle_us : ndarray, shape (n,)
         Wall-clock time of each planner cycle [us]; the only field that differs between equal runs.
     wall_s : float
         Wall-clock time of the whole run [s].
-    missed : int
+    missed_deadlines : int
         Cycles of a paced run that ended too late.
     """
 
@@ -71,28 +71,28 @@ class Log:
     ego: Array
     a_y: Array
     command: Array
-    place: Array
+    ego_frenet: Array
     tracking: Array
-    users: Array
+    road_users: Array
     user_motion: Array
-    user_places: Array
-    seen: Mask
-    heard: Mask
-    held: Mask
+    user_frenet: Array
+    visible: Mask
+    tracked: Mask
+    gap_held: Mask
     decisions: tuple[tuple[float, str, str], ...]
     events: tuple[tuple[float, str, str], ...]
     received: tuple[tuple[int, bytes], ...]
     messages: dict[str, int]
-    fallback: Mask
+    degraded: Mask
     cycle_us: Array
     wall_s: float
-    missed: int = 0
+    missed_deadlines: int = 0
 
     def __repr__(self) -> str:
         scenario = self.scenario
         contact = next((f", contact with {who}" for _, what, who in self.events if what == "contact"), "")
         return (
-            f"Log({' '.join(filter(None, (scenario.name, scenario.case)))}, {scenario.ego}, {self.plant}, "
+            f"Log({' '.join(filter(None, (scenario.name, scenario.case)))}, {scenario.ego_type}, {self.plant}, "
             f"seed {self.seed}, {self.t[-1]:.2f} s{contact})"
         )
 
@@ -114,14 +114,14 @@ class Log:
         ego, others : Boxes
             Fields of shape (n, 1) and (n, n_users).
         """
-        vehicle, users = self.scenario.vehicle, self.scenario.users
+        vehicle, users = self.scenario.vehicle, self.scenario.road_users
         x, y, psi = self.ego[:, 0:1], self.ego[:, 1:2], self.ego[:, 2:3]
         ego = Boxes(
             x + vehicle.box_offset * np.cos(psi), y + vehicle.box_offset * np.sin(psi), psi,
             np.array(vehicle.length), np.array(vehicle.width),
         )  # fmt: skip
         others = Boxes(
-            self.users[..., 0], self.users[..., 1], self.users[..., 2],
+            self.road_users[..., 0], self.road_users[..., 1], self.road_users[..., 2],
             np.array([u.length for u in users]), np.array([u.width for u in users]),
         )  # fmt: skip
         return ego, others
@@ -134,13 +134,13 @@ class Log:
         ttc : ndarray, shape (n,)
             Least over all vehicles that overlap the ego sideways and come closer [s]; else infinite.
         """
-        vehicle, users = self.scenario.vehicle, self.scenario.users
+        vehicle, users = self.scenario.vehicle, self.scenario.road_users
         size = np.array([(u.length, u.width) for u in users]).reshape(-1, 2)
-        along = self.user_places[..., 0] - self.place[:, None, 0]
-        beside = np.abs(self.user_places[..., 1] - self.place[:, None, 1])
+        along = self.user_frenet[..., 0] - self.ego_frenet[:, None, 0]
+        beside = np.abs(self.user_frenet[..., 1] - self.ego_frenet[:, None, 1])
         gap = np.abs(along) - 0.5 * (vehicle.length + size[:, 0])
-        heading = self.scenario.road.path.heading(self.user_places[..., 0])
-        v_s = self.users[..., 3] * np.cos(self.users[..., 2] - heading)
+        heading = self.scenario.road.path.heading(self.user_frenet[..., 0])
+        v_s = self.road_users[..., 3] * np.cos(self.road_users[..., 2] - heading)
         closing = (self.ego[:, None, 3] - v_s) * np.sign(along)
         relevant = (beside < 0.5 * (vehicle.width + size[:, 1])) & (closing > 0.1) & (gap > 0.0)
         ttc = np.where(relevant, gap / np.where(relevant, closing, 1.0), np.inf)
@@ -155,21 +155,21 @@ class Log:
         speed : float
             Magnitude of the difference of both velocities [m/s]: the severity of a contact; 0 without others.
         """
-        if not self.scenario.users:
+        if not self.scenario.road_users:
             return 0.0
-        _, _, psi, v = self.users[-1, int(np.argmin(self.gaps()[-1]))].tolist()
+        _, _, psi, v = self.road_users[-1, int(np.argmin(self.gaps()[-1]))].tolist()
         ego = self.ego[-1]
         own = (ego[3] + 1j * ego[4]) * np.exp(1j * ego[2])
         return float(abs(own - v * np.exp(1j * psi)))
 
-    def time_of(self, what: str, who: str = "ego") -> float:
+    def time_of(self, event: str, vehicle_id: str = "ego") -> float:
         """When something happened first.
 
         Parameters
         ----------
-        what : str
+        event : str
             Kind of event, as in `events`.
-        who : str
+        vehicle_id : str
             Id of a road user, or ``"ego"``.
 
         Returns
@@ -177,7 +177,7 @@ class Log:
         t : float
             Time [s]; infinite if it never did.
         """
-        return next((t for t, kind, name in self.events if (kind, name) == (what, who)), np.inf)
+        return next((t for t, kind, name in self.events if (kind, name) == (event, vehicle_id)), np.inf)
 
     @property
     def actions(self) -> list[str]:
@@ -195,13 +195,13 @@ class Log:
         """
         gaps = self.gaps()
         collided = bool((gaps <= 0.0).any())
-        hit = self.scenario.users[int(np.argmin(gaps.min(axis=0)))].id if collided else None
+        hit = self.scenario.road_users[int(np.argmin(gaps.min(axis=0)))].id if collided else None
         jerk = np.abs(np.diff(self.ego[:, 7])) / np.diff(self.t)
         evading = _evading(self)
         return {
             "scenario": self.scenario.name,
             "case": self.scenario.case,
-            "ego": self.scenario.ego,
+            "ego": self.scenario.ego_type,
             "v2v": self.scenario.v2v,
             "plant": self.plant,
             "seed": self.seed,
@@ -214,12 +214,12 @@ class Log:
             "max_decel_mps2": _rounded(max(0.0, -self.ego[:, 7].min())),
             "max_jerk_mps3": _rounded(jerk.max(initial=0.0)),
             "max_tracking_error_m": _rounded(np.abs(self.tracking).max()),
-            "max_offset_m": _rounded(np.abs(self.place[:, 1]).max()),
+            "max_offset_m": _rounded(np.abs(self.ego_frenet[:, 1]).max()),
             "evading_s": _rounded(float(np.sum(np.diff(self.t)[evading[:-1]]))),
             "actions": [[round(t, 2), name] for t, name, _ in self.decisions],
             "events": [[round(t, 2), what, who] for t, what, who in self.events],
             "messages": dict(self.messages),
-            "missed_deadlines": self.missed,
+            "missed_deadlines": self.missed_deadlines,
             "duration_s": _rounded(self.t[-1]),
             "realtime_factor": _rounded(self.t[-1] / self.wall_s, 1),
             "cycle_us": {
@@ -233,7 +233,7 @@ class Log:
 def _evading(log: Log) -> Mask:
     begins = [t for t, _, _ in log.decisions]
     index = np.searchsorted(begins, log.t, side="right") - 1
-    return np.array([Action(log.decisions[i][1]).evades for i in index])
+    return np.array([Action(log.decisions[i][1]).is_evading for i in index])
 
 
 def _rounded(value: Any, digits: int = 3) -> float | None:

@@ -16,7 +16,7 @@ __all__ = ["load_log", "save_log"]
 
 _VERSION = 1
 _ARRAYS = tuple(
-    "t ego a_y command place tracking users user_motion user_places seen heard held fallback cycle_us".split()
+    "t ego a_y command place tracking users user_motion user_frenet seen heard held fallback cycle_us".split()
 )
 
 

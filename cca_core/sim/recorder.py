@@ -8,13 +8,13 @@ from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.traffic import Traffic
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
-__all__ = ["Witness"]
+__all__ = ["EventRecorder"]
 
 _BRAKES = -1.0  # acceleration that counts as braking [m/s^2]
 _STANDS = 0.05  # [m/s]
 
 
-class Witness:
+class EventRecorder:
     """Collects decisions and the first time of each event.
 
     Parameters
@@ -33,14 +33,14 @@ class Witness:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self._names = [user.id for user in scenario.users]
-        self._pinned = scenario.pinned is not None
+        self._names = [user.id for user in scenario.road_users]
+        self._pinned = scenario.fixed_gap is not None
         self.decisions: list[tuple[float, str, str]] = []
         self.events: list[tuple[float, str, str]] = []
         self._told: set[tuple[str, str]] = set()
-        self._moved = {user.id for user in scenario.users if user.v_x > _STANDS}
+        self._moved = {user.id for user in scenario.road_users if user.v_x > _STANDS}
 
-    def note(
+    def record(
         self,
         t: float,
         state: VehicleState,
@@ -90,7 +90,7 @@ class Witness:
                 self._tell(t, "brakes", name)
             if mover.v <= _STANDS and name in self._moved:
                 self._tell(t, "stands", name)
-            if mover.swerving:
+            if mover.is_shifting:
                 self._tell(t, "swerves", name)
         if self._pinned and not held:
             self._tell(t, "released", "ego")

@@ -4,14 +4,14 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.sim.log import Log
-from cca_core.sim.loop import Pilot, make_driver, make_planner
+from cca_core.sim.loop import EgoController, make_driver, make_planner
 from cca_core.sim.world.perception import Perception
 from cca_core.vehicle import VehicleState
 
 __all__ = ["replay"]
 
 
-def replay(log: Log, *, planner: Pilot | None = None) -> Array:
+def replay(log: Log, *, planner: EgoController | None = None) -> Array:
     """Run the planner, or the driver, on the recorded bytes, sights and ego motion.
 
     Parameters
@@ -28,17 +28,17 @@ def replay(log: Log, *, planner: Pilot | None = None) -> Array:
         for bit, if it was driven with the default too.
     """
     scenario = log.scenario
-    pilot = planner or (make_driver(scenario) if scenario.ego == "driver" else make_planner(scenario))
+    pilot = planner or (make_driver(scenario) if scenario.ego_type == "driver" else make_planner(scenario))
     perception = Perception(scenario)
     messages: list[list[bytes]] = [[] for _ in log.t]
     for row, data in log.received:
         messages[row].append(data)
-    rows = np.concatenate((log.users, log.user_motion), axis=2).tolist()
+    rows = np.concatenate((log.road_users, log.user_motion), axis=2).tolist()
     command = np.empty((len(log.t), 2))
     for k, (t, ego) in enumerate(zip(log.t.tolist(), log.ego.tolist(), strict=True)):
         x, y, psi, v_x, v_y, r, delta, a_x = ego
         state = VehicleState(x=x, y=y, psi=psi, v_x=v_x, v_y=v_y, r=r, delta=delta, a_x=a_x)
-        remotes = perception.remotes(t, rows[k], log.seen[k].tolist(), messages[k], state)
-        given = pilot.step(t, state, remotes, known_range=perception.known_range(t))
+        remotes = perception.remotes(t, rows[k], log.visible[k].tolist(), messages[k], state)
+        given = pilot.step(t, state, remotes, awareness_range=perception.awareness_range(t))
         command[k] = given.delta, given.a_x
     return command

@@ -1,16 +1,31 @@
 """V2X: message bytes to vehicles with honest bounds, and back; no sockets."""
 
-from cca_core.v2x.bsm import Accuracy, Brakes, Bsm, decode_bsm, encode_bsm
-from cca_core.v2x.channel import Arrival, Channel, ChannelSettings
-from cca_core.v2x.motion import Fix, move_on, position_bounds
+from cca_core.v2x.bsm import BrakeStatus, Bsm, PositionalAccuracy, decode_bsm, encode_bsm
+from cca_core.v2x.channel import Channel, ChannelSettings, ReceivedMessage
+from cca_core.v2x.motion import Fix, dead_reckon, position_bounds
 from cca_core.v2x.plausibility import PLAUSIBILITY_CHECKS, PlausibilitySettings
 from cca_core.v2x.sender import Sender, SenderSettings
 from cca_core.v2x.tracker import Tracker
 from cca_core.v2x.tracker_settings import TrackerSettings
-from cca_core.v2x.update_result import Outcome
+from cca_core.v2x.update_result import UpdateResult
 
 __all__ = [
-    "PLAUSIBILITY_CHECKS", "Accuracy", "Arrival", "Brakes", "Bsm", "Channel", "ChannelSettings", "Fix",
-    "Outcome", "PlausibilitySettings", "Sender", "SenderSettings", "Tracker", "TrackerSettings", "decode_bsm",
-    "encode_bsm", "move_on", "position_bounds",
+    "PLAUSIBILITY_CHECKS",
+    "BrakeStatus",
+    "Bsm",
+    "Channel",
+    "ChannelSettings",
+    "Fix",
+    "PlausibilitySettings",
+    "PositionalAccuracy",
+    "ReceivedMessage",
+    "Sender",
+    "SenderSettings",
+    "Tracker",
+    "TrackerSettings",
+    "UpdateResult",
+    "dead_reckon",
+    "decode_bsm",
+    "encode_bsm",
+    "position_bounds",
 ]  # fmt: skip

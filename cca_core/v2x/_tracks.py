@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from cca_core.geometry import wrap_angle
-from cca_core.v2x.motion import STALE_AFTER, Fix, carried, move_on, position_bounds
+from cca_core.v2x.motion import STALE_AFTER, Fix, dead_reckon, position_bounds, predicted_displacement
 from cca_core.v2x.tracker_settings import TrackerSettings
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
@@ -41,16 +41,16 @@ class Track:
         self.doubt: Track | None = None  # its last message whose place was not believed
         self.row = -1
 
-    def carry(self, fresh: "Track") -> None:
+    def coast(self, fresh: "Track") -> None:
         """Go on as a message says, from where the sender was: its place is not believed, its motion is."""
         new, old = fresh.fix, self.fix
-        x, y, way = carried(old, new)
+        x, y, way = predicted_displacement(old, new)
         self.driven += way
         self.ref = self.ref[0] + x - old.x, self.ref[1] + y - old.y
         self.fix = new._replace(x=x, y=y)
         self.events, self.msg_count, self.timed = fresh.events, fresh.msg_count, fresh.timed
 
-    def resembles(self, other: "Track") -> bool:
+    def matches(self, other: "Track") -> bool:
         """Whether both may be one body."""
         return (
             abs(self.length - other.length) < 0.2
@@ -79,7 +79,7 @@ class Track:
         seconds lies within the bounds too.
         """
         fix, shared = self.fix, math.hypot(shared, self.accuracy)
-        _, x, y, psi, v, a, r = move_on(fix, t)
+        _, x, y, psi, v, a, r = dead_reckon(fix, t)
         age = max(t - self.placed, 0.0)
         if self.placed == fix.t:
             along, across = position_bounds(fix.v, age)
@@ -87,7 +87,7 @@ class Track:
             along, across = position_bounds(self.speed, age, self.driven + abs(fix.v) * max(t - fix.t, 0.0))
         doubt = self.doubt
         if doubt is not None and doubt.fix.t - doubt.begun >= agreed:
-            other, cos, sin = move_on(doubt.fix, t), math.cos(psi), math.sin(psi)
+            other, cos, sin = dead_reckon(doubt.fix, t), math.cos(psi), math.sin(psi)
             far_x, far_y = other.x - x, other.y - y
             more = position_bounds(doubt.fix.v, max(t - doubt.fix.t, 0.0))
             along = max(along, abs(far_x * cos + far_y * sin) + more[0])
@@ -100,23 +100,23 @@ class Track:
         )  # fmt: skip
 
 
-def is_over(
+def is_expired(
     vehicle: RemoteVehicle, silent: float, ego: VehicleState | None, speed: float, settings: TrackerSettings
 ) -> bool:
     """Whether a vehicle silent for some time [s] stays out of the way of an ego at a speed."""
-    if silent > settings.forget_after:
+    if silent > settings.delete_after:
         return True
     if ego is None:
         return False
-    stopping = speed * settings.reaction + 0.5 * speed * speed / settings.braking
+    stopping = speed * settings.reaction_time + 0.5 * speed * speed / settings.braking
     extent = 0.5 * math.hypot(vehicle.length, vehicle.width)
     bound = 2.0 * math.hypot(vehicle.sigma_along, vehicle.sigma_across)
     x, y = vehicle.x - ego.x, vehicle.y - ego.y
     away = math.hypot(x, y)
     v_x = vehicle.v_x * math.cos(vehicle.psi) - speed * math.cos(ego.psi)
     v_y = vehicle.v_x * math.sin(vehicle.psi) - speed * math.sin(ego.psi)
-    nearer = max(-(x * v_x + y * v_y) / max(away, 1.0), 0.0) * settings.outlook
-    return away - bound - extent - nearer > max(stopping, settings.least_reach)
+    nearer = max(-(x * v_x + y * v_y) / max(away, 1.0), 0.0) * settings.approach_horizon
+    return away - bound - extent - nearer > max(stopping, settings.min_stopping_distance)
 
 
 class Tracks:
@@ -172,7 +172,7 @@ class Tracks:
         self._half[:, row] = 0.5 * max(track.length, _SHORTEST), 0.5 * max(track.width, _NARROWEST)
         self._begun[row] = track.begun
 
-    def holder(self, fix: Fix, begun: float, itself: Track | None) -> Track | None:
+    def find_overlapping(self, fix: Fix, begun: float, itself: Track | None) -> Track | None:
         """Track, begun earlier and not stale, in whose body a position lies."""
         within = np.abs(self._form @ np.array((fix.x, fix.y, fix.t, 1.0))) <= self._half
         for row in np.flatnonzero(within[0] & within[1]).tolist():
@@ -183,7 +183,7 @@ class Tracks:
                 return track
         return None
 
-    def dispensable(
+    def find_evictable(
         self, place: tuple[float, float], fix: Fix, within: float, established: float
     ) -> Track | None:
         """Farthest track that may make room for a nearer newcomer.

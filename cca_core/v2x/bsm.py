@@ -8,10 +8,10 @@ from typing import Any, TypeVar
 
 from cca_core.errors import InputError
 from cca_core.v2x.events import decode_events, encode_events
-from cca_core.v2x.message import Accuracy, Brakes, Bsm
+from cca_core.v2x.message import BrakeStatus, Bsm, PositionalAccuracy
 from cca_core.v2x.uper import BitFields, close_frame, open_frame
 
-__all__ = ["Accuracy", "Brakes", "Bsm", "decode_bsm", "encode_bsm"]
+__all__ = ["BrakeStatus", "Bsm", "PositionalAccuracy", "decode_bsm", "encode_bsm"]
 
 _MESSAGE_ID = 20
 _TRANSMISSION = ("neutral", "park", "forward", "reverse", None, None, None, None)
@@ -40,7 +40,7 @@ _Choice = TypeVar("_Choice", str, tuple[bool, ...])
 _ID = re.compile("[0-9a-f]{8}")
 
 
-def _turned(code: int) -> float:
+def _heading_from_code(code: int) -> float:
     """Direction counter-clockwise from east [rad], in [-pi, pi), of a code clockwise from north."""
     return (16383.75 - code if code <= 49151 else 81918.75 - code) * _ORIENTATION
 
@@ -100,13 +100,13 @@ def decode_bsm(data: bytes | bytearray) -> Bsm:
         a_y=(2000 - a_lat) / 100.0 if a_lat < 4001 else None,
         a_z=(127 - a_vert) * _VERTICAL if a_vert else None,
         r=(32767 - yaw) * _YAW,
-        accuracy=Accuracy(
+        accuracy=PositionalAccuracy(
             semi_major=major / 20.0 if major < 255 else None,
             semi_minor=minor / 20.0 if minor < 255 else None,
-            orientation=_turned(orientation) if orientation < 65535 else None,
+            orientation=_heading_from_code(orientation) if orientation < 65535 else None,
         ),
         transmission=_TRANSMISSION[transmission],
-        brakes=Brakes(
+        brakes=BrakeStatus(
             wheels=_WHEELS[wheels],
             traction=_SYSTEM[traction],
             abs=_SYSTEM[lock],
@@ -179,7 +179,7 @@ def _check_kinds(bsm: Any) -> None:
     if not isinstance(bsm, Bsm):
         raise InputError(f"bsm must be a Bsm, was {bsm!r}")
     parts: tuple[Any, ...] = (bsm.accuracy, bsm.brakes)
-    if not (isinstance(parts[0], Accuracy) and isinstance(parts[1], Brakes)):
+    if not (isinstance(parts[0], PositionalAccuracy) and isinstance(parts[1], BrakeStatus)):
         raise InputError(f"accuracy and brakes must be Accuracy and Brakes, were {parts!r}")
     name: Any = bsm.id
     if not isinstance(name, str) or not _ID.fullmatch(name):

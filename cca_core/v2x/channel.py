@@ -9,7 +9,7 @@ import numpy as np
 from cca_core._checks import check_array, check_real
 from cca_core.errors import InputError
 
-__all__ = ["Arrival", "Channel", "ChannelSettings"]
+__all__ = ["Channel", "ChannelSettings", "ReceivedMessage"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,19 +22,19 @@ class ChannelSettings:
         Least time from sending to receiving [s].
     jitter : float
         Mean of what is added to it, exponentially distributed [s].
-    loss : float
+    loss_probability : float
         Share of messages lost near by [-], below 1.
-    burst : float
+    mean_burst_length : float
         Mean number of messages lost in a row [-], at least 1; 1 / (1 - `loss`) is loss without memory.
     range : float
         Distance beyond which nothing arrives [m].
-    edge_loss : float
+    loss_at_range : float
         Share of messages lost besides at that distance [-]; grows with the fourth power of distance.
-    reordered : float
+    reorder_probability : float
         Share of messages that are held back by `reordering`, so that later ones overtake them [-].
-    reordering : float
+    reorder_delay : float
         Time for which they are held back [s].
-    duplicated : float
+    duplicate_probability : float
         Share of messages that arrive a second time, up to `reordering` later [-].
 
     Raises
@@ -45,36 +45,36 @@ class ChannelSettings:
 
     latency: float = 0.0
     jitter: float = 0.0
-    loss: float = 0.0
-    burst: float = 1.0
+    loss_probability: float = 0.0
+    mean_burst_length: float = 1.0
     range: float = math.inf
-    edge_loss: float = 0.0
-    reordered: float = 0.0
-    reordering: float = 0.15
-    duplicated: float = 0.0
+    loss_at_range: float = 0.0
+    reorder_probability: float = 0.0
+    reorder_delay: float = 0.15
+    duplicate_probability: float = 0.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name == "range":
-                check_real(field.name, value, above=0.0, infinite=True)
-            elif field.name == "burst":
-                check_real(field.name, value, least=1.0)
+                check_real(field.name, value, gt=0.0, allow_inf=True)
+            elif field.name == "mean_burst_length":
+                check_real(field.name, value, ge=1.0)
             else:
-                share = field.name not in ("latency", "jitter", "reordering")
-                check_real(field.name, value, least=0.0, most=1.0 if share else 60.0)
-        if self.loss >= 1.0:
-            raise InputError("loss must be below 1")
-        if self.loss > 0.0 and self.entering > 1.0:
+                share = field.name not in ("latency", "jitter", "reorder_delay")
+                check_real(field.name, value, ge=0.0, le=1.0 if share else 60.0)
+        if self.loss_probability >= 1.0:
+            raise InputError("loss_probability must be below 1")
+        if self.loss_probability > 0.0 and self.burst_start_probability > 1.0:
             raise InputError(
-                f"burst must be at least {self.loss / (1.0 - self.loss):.3g} for loss {self.loss:g}, "
-                f"was {self.burst:g}"
+                f"mean_burst_length must be at least {self.loss_probability / (1.0 - self.loss_probability):.3g} for loss_probability {self.loss_probability:g}, "
+                f"was {self.mean_burst_length:g}"
             )
 
     @property
-    def entering(self) -> float:
+    def burst_start_probability(self) -> float:
         """Probability that a loss follows on a message that was not lost [-]."""
-        return self.loss / (self.burst * (1.0 - self.loss))
+        return self.loss_probability / (self.mean_burst_length * (1.0 - self.loss_probability))
 
     @classmethod
     def wyoming(cls) -> Self:
@@ -86,10 +86,10 @@ class ChannelSettings:
             28 % lost, in bursts of 3 messages in the mean; 20 ms latency and 10 ms jitter, which the record
             does not show, are assumed.
         """
-        return cls(latency=0.02, jitter=0.01, loss=0.28, burst=3.0)
+        return cls(latency=0.02, jitter=0.01, loss_probability=0.28, mean_burst_length=3.0)
 
 
-class Arrival(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """A message that has arrived.
 
     Parameters
@@ -161,21 +161,25 @@ class Channel:
         jitter = settings.jitter * float(self._rng.standard_exponential())
         before = self._lossy.get(sender)
         if before is None:
-            lossy = fading < settings.loss
+            lossy = fading < settings.loss_probability
         else:
-            lossy = fading < (1.0 - 1.0 / settings.burst if before else settings.entering)
+            lossy = fading < (
+                1.0 - 1.0 / settings.mean_burst_length if before else settings.burst_start_probability
+            )
         self._lossy[sender] = lossy
         if lossy:
             return
-        arrives = t + settings.latency + jitter + settings.reordering * (held < settings.reordered)
+        arrives = (
+            t + settings.latency + jitter + settings.reorder_delay * (held < settings.reorder_probability)
+        )
         times = [arrives]
-        if again < settings.duplicated:
-            times.append(arrives + settings.reordering * after)
+        if again < settings.duplicate_probability:
+            times.append(arrives + settings.reorder_delay * after)
         for arrives in times:
             self._flying.append(_Flying(arrives, self._number, data, sender, (x, y), luck))
             self._number += 1
 
-    def receive(self, t: float, position: tuple[float, float]) -> tuple[Arrival, ...]:
+    def receive(self, t: float, position: tuple[float, float]) -> tuple[ReceivedMessage, ...]:
         """Take what has arrived since the last call.
 
         Parameters
@@ -200,11 +204,13 @@ class Channel:
         due = sorted(f for f in self._flying if f.t <= t + 1e-9)
         self._flying = [f for f in self._flying if f.t > t + 1e-9]
         return tuple(
-            Arrival(f.data, f.sender, f.t) for f in due if self._reaches(math.dist(f.place, (x, y)), f.luck)
+            ReceivedMessage(f.data, f.sender, f.t)
+            for f in due
+            if self._reaches(math.dist(f.place, (x, y)), f.luck)
         )
 
     def _reaches(self, distance: float, luck: float) -> bool:
         settings = self.settings
         if distance > settings.range:
             return False
-        return luck >= settings.edge_loss * (distance / settings.range) ** 4
+        return luck >= settings.loss_at_range * (distance / settings.range) ** 4

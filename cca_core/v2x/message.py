@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, field
 
-__all__ = ["Accuracy", "Brakes", "Bsm"]
+__all__ = ["BrakeStatus", "Bsm", "PositionalAccuracy"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Accuracy:
+class PositionalAccuracy:
     """Error ellipse of a sender's position, typically one standard deviation; None is unavailable.
 
     Parameters
@@ -23,7 +23,7 @@ class Accuracy:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Brakes:
+class BrakeStatus:
     """State of a sender's brakes; None is unavailable.
 
     Parameters
@@ -102,9 +102,9 @@ class Bsm:
     a_y: float | None = None
     a_z: float | None = None
     r: float | None = None
-    accuracy: Accuracy = field(default_factory=Accuracy)
+    accuracy: PositionalAccuracy = field(default_factory=PositionalAccuracy)
     transmission: str | None = None
-    brakes: Brakes = field(default_factory=Brakes)
+    brakes: BrakeStatus = field(default_factory=BrakeStatus)
     width: float | None = None
     length: float | None = None
     events: frozenset[str] = frozenset()

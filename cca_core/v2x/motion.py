@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from cca_core.geometry import wrap_angle
 
-__all__ = ["STALE_AFTER", "Fix", "carried", "move_on", "position_bounds"]
+__all__ = ["STALE_AFTER", "Fix", "dead_reckon", "position_bounds", "predicted_displacement"]
 
 STALE_AFTER = 1.0
 """Age from which on a track is stale [s]."""
@@ -51,7 +51,7 @@ class Fix(NamedTuple):
     r: float = 0.0
 
 
-def move_on(fix: Fix, t: float) -> Fix:
+def dead_reckon(fix: Fix, t: float) -> Fix:
     """Dead-reckon to a later time.
 
     Parameters
@@ -64,7 +64,7 @@ def move_on(fix: Fix, t: float) -> Fix:
     Returns
     -------
     fix : Fix
-        Where it is: constant turn rate and acceleration for 1 s as in `predict_free`, then straight on at
+        Where it is: constant turn rate and acceleration for 1 s as in `predict_ctra`, then straight on at
         the speed reached. A braking vehicle stops.
     """
     _, x, y, psi, v, a, r = fix
@@ -85,7 +85,7 @@ def move_on(fix: Fix, t: float) -> Fix:
     return Fix(t, x, y, psi, after, a, r)
 
 
-def carried(last: Fix, fix: Fix) -> tuple[float, float, float]:
+def predicted_displacement(last: Fix, fix: Fix) -> tuple[float, float, float]:
     """Place to which the motion told by two messages leads from the place of the first.
 
     Parameters

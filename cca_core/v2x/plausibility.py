@@ -11,7 +11,7 @@ from cca_core.v2x.motion import Fix
 __all__ = ["PLAUSIBILITY_CHECKS", "PlausibilitySettings", "implausible_motion", "implausible_state"]
 
 PLAUSIBILITY_CHECKS = (
-    "replayed", "future", "size", "frozen", "teleport", "displacement", "acceleration", "yaw", "inside",
+    "replay", "future", "size", "frozen", "teleport", "displacement", "acceleration", "yaw", "overlap",
 )  # fmt: skip
 """Names of the checks; each is a switch of `PlausibilitySettings`."""
 
@@ -27,12 +27,12 @@ class PlausibilitySettings:
 
     Parameters
     ----------
-    replayed : bool
+    replay : bool
         Drop what was measured longer than `age_limit` ago.
     future : bool
         Drop what claims to be measured more than `clock_error` from now.
     size : bool
-        Drop a body longer than `longest`, wider than `widest`, or shorter or narrower than `least_size`.
+        Drop a body longer than `longest`, wider than `widest`, or shorter or narrower than `min_size`.
     frozen : bool
         Drop a position that stands still while its sender reports to move.
     teleport : bool
@@ -44,19 +44,19 @@ class PlausibilitySettings:
         Drop an acceleration, or a change of speed, beyond `strongest`.
     yaw : bool
         Drop a yaw rate, or a change of heading, that needs more than `strongest` sideways.
-    inside : bool
+    overlap : bool
         Drop a position within the body of a vehicle that was heard of before it.
     age_limit : float
         Oldest measurement [s].
     clock_error : float
         Largest lead of a sender's clock [s].
-    longest, widest, least_size : float
+    max_length, max_width, min_size : float
         Limits of a body [m].
-    room : float
+    position_tolerance : float
         Error of a position against the last ones [m].
-    timing : float
+    time_tolerance : float
         Error of a time stamp [s].
-    strongest : float
+    max_acceleration : float
         Acceleration of a road vehicle [m/s^2].
 
     Raises
@@ -65,7 +65,7 @@ class PlausibilitySettings:
         If a switch is not a bool, or a limit is not a positive number.
     """
 
-    replayed: bool = True
+    replay: bool = True
     future: bool = True
     size: bool = True
     frozen: bool = True
@@ -73,21 +73,21 @@ class PlausibilitySettings:
     displacement: bool = True
     acceleration: bool = True
     yaw: bool = True
-    inside: bool = True
+    overlap: bool = True
     age_limit: float = 1.0
     clock_error: float = 0.2
-    longest: float = 26.0
-    widest: float = 4.0
-    least_size: float = 0.3
-    room: float = 6.0
-    timing: float = 0.35
-    strongest: float = 12.0
+    max_length: float = 26.0
+    max_width: float = 4.0
+    min_size: float = 0.3
+    position_tolerance: float = 6.0
+    time_tolerance: float = 0.35
+    max_acceleration: float = 12.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name not in PLAUSIBILITY_CHECKS:
-                check_real(field.name, value, above=0.0)
+                check_real(field.name, value, gt=0.0)
             elif not isinstance(value, bool):
                 raise InputError(f"{field.name} must be True or False, was {value!r}")
 
@@ -114,17 +114,18 @@ def implausible_state(
         Name of the check that it fails; empty if none.
     """
     age = t_received - fix.t
-    if settings.replayed and age > settings.age_limit:
-        return "replayed"
+    if settings.replay and age > settings.age_limit:
+        return "replay"
     if settings.future and -age > settings.clock_error:
         return "future"
     if settings.size and not (
-        settings.least_size <= length <= settings.longest and settings.least_size <= width <= settings.widest
+        settings.min_size <= length <= settings.max_length
+        and settings.min_size <= width <= settings.max_width
     ):
         return "size"
-    if settings.acceleration and abs(fix.a) > settings.strongest:
+    if settings.acceleration and abs(fix.a) > settings.max_acceleration:
         return "acceleration"
-    if settings.yaw and abs(fix.r) * max(abs(fix.v), _TURNING) > settings.strongest:
+    if settings.yaw and abs(fix.r) * max(abs(fix.v), _TURNING) > settings.max_acceleration:
         return "yaw"
     return ""
 
@@ -166,10 +167,14 @@ def implausible_motion(
     turn = wrap_angle(fix.psi - last.psi)
     mean, s = last.psi + 0.5 * turn, 0.5 * (last.v + fix.v) * dt
     x, y = ref[0] + s * math.cos(mean), ref[1] + s * math.sin(mean)
-    if settings.acceleration and abs(fix.v - last.v) > _SPEED_NOISE + settings.strongest * dt:
+    if settings.acceleration and abs(fix.v - last.v) > _SPEED_NOISE + settings.max_acceleration * dt:
         return "acceleration", (x, y)
     slowest = max(min(abs(last.v), abs(fix.v)), 0.1)
-    if settings.yaw and slowest > _TURNING and abs(turn) > _TURN_NOISE + settings.strongest / slowest * dt:
+    if (
+        settings.yaw
+        and slowest > _TURNING
+        and abs(turn) > _TURN_NOISE + settings.max_acceleration / slowest * dt
+    ):
         return "yaw", (x, y)
     driven += abs(s)
     moved = math.hypot(fix.x - said[0], fix.y - said[1])
@@ -178,7 +183,11 @@ def implausible_motion(
     off_x, off_y = fix.x - x, fix.y - y
     off = math.hypot(off_x, off_y)
     fastest = max(abs(last.v), abs(fix.v))
-    room = settings.room + settings.timing * fastest + 0.25 * settings.strongest * dt * dt
+    room = (
+        settings.position_tolerance
+        + settings.time_tolerance * fastest
+        + 0.25 * settings.max_acceleration * dt * dt
+    )
     if settings.teleport and off > _TELEPORT * room:
         return "teleport", (x, y)
     if settings.displacement and off > room:

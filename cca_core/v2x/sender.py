@@ -8,7 +8,7 @@ import numpy as np
 
 from cca_core._checks import check_real
 from cca_core.path.local_frame import LocalFrame
-from cca_core.v2x.bsm import Accuracy, Bsm, encode_bsm
+from cca_core.v2x.bsm import Bsm, PositionalAccuracy, encode_bsm
 from cca_core.vehicle import RemoteVehicle
 
 __all__ = ["Sender", "SenderSettings"]
@@ -26,11 +26,11 @@ class SenderSettings:
         Largest difference from it [s]; intervals are distributed evenly.
     position_noise : float
         Standard deviation of the position in each of x and y [m]; its messages tell it.
-    noise_time : float
+    noise_time_constant : float
         Time over which the noise forgets itself [s]; 0 is noise without memory.
-    frozen : float
+    freeze_probability : float
         Probability that a message begins to repeat the last position [-].
-    frozen_length : float
+    mean_freeze_length : float
         Mean number of messages that repeat it [-], at least 1.
 
     Raises
@@ -42,21 +42,21 @@ class SenderSettings:
     interval: float = 0.1
     interval_spread: float = 0.0
     position_noise: float = 0.0
-    noise_time: float = 0.0
-    frozen: float = 0.0
-    frozen_length: float = 1.0
+    noise_time_constant: float = 0.0
+    freeze_probability: float = 0.0
+    mean_freeze_length: float = 1.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name == "interval":
-                check_real(field.name, value, above=0.0)
+                check_real(field.name, value, gt=0.0)
             elif field.name == "interval_spread":
-                check_real(field.name, value, least=0.0, most=0.5 * self.interval)
-            elif field.name == "frozen_length":
-                check_real(field.name, value, least=1.0)
+                check_real(field.name, value, ge=0.0, le=0.5 * self.interval)
+            elif field.name == "mean_freeze_length":
+                check_real(field.name, value, ge=1.0)
             else:
-                check_real(field.name, value, least=0.0, most=1.0 if field.name == "frozen" else 1e3)
+                check_real(field.name, value, ge=0.0, le=1.0 if field.name == "freeze_probability" else 1e3)
 
     @classmethod
     def wyoming(cls) -> Self:
@@ -67,7 +67,7 @@ class SenderSettings:
         settings : SenderSettings
             Intervals of 95 to 105 ms; 3 % of its messages repeat a position.
         """
-        return cls(interval_spread=0.005, frozen=0.03)
+        return cls(interval_spread=0.005, freeze_probability=0.03)
 
 
 class Sender:
@@ -96,7 +96,7 @@ class Sender:
         self._last: tuple[float, float, float] | None = None  # time, latitude, longitude
         self._noise = np.zeros(2)
         error = min(settings.position_noise, 12.7) or None  # [m], the largest that can be told
-        self._accuracy = Accuracy(semi_major=error, semi_minor=error)
+        self._accuracy = PositionalAccuracy(semi_major=error, semi_minor=error)
         self._is_frozen = False
 
     def poll(self, t: float, vehicle: RemoteVehicle, *, transmission: str | None = "forward") -> bytes | None:
@@ -133,8 +133,8 @@ class Sender:
             self._due += settings.interval + settings.interval_spread * (2.0 * spread - 1.0)
         last = self._last
         lat, lon = self._place(t, vehicle, shock)
-        ends = stays < 1.0 / settings.frozen_length
-        self._is_frozen = not ends if self._is_frozen else begins < settings.frozen
+        ends = stays < 1.0 / settings.mean_freeze_length
+        self._is_frozen = not ends if self._is_frozen else begins < settings.freeze_probability
         if self._is_frozen and last is not None:
             lat, lon = last[1:]
         self._last = t, lat, lon
@@ -153,8 +153,8 @@ class Sender:
         """Latitude and longitude as the sender knows them [deg]."""
         settings = self.settings
         kept = 0.0
-        if self._last is not None and settings.noise_time > 0.0:
-            kept = math.exp(-(t - self._last[0]) / settings.noise_time)
+        if self._last is not None and settings.noise_time_constant > 0.0:
+            kept = math.exp(-(t - self._last[0]) / settings.noise_time_constant)
         self._noise = kept * self._noise + math.sqrt(1.0 - kept * kept) * settings.position_noise * shock
         lat, lon = self._frame.to_geodetic((vehicle.x + self._noise[0], vehicle.y + self._noise[1]))
         return float(lat), float(lon)

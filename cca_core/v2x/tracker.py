@@ -8,13 +8,13 @@ from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.path.local_frame import LocalFrame
 from cca_core.v2x._projection import projector
-from cca_core.v2x._tracks import Track, Tracks, is_over
+from cca_core.v2x._tracks import Track, Tracks, is_expired
 from cca_core.v2x.bsm import Bsm, decode_bsm
 from cca_core.v2x.motion import STALE_AFTER, Fix
 from cca_core.v2x.plausibility import implausible_motion, implausible_state
 from cca_core.v2x.tracker_settings import TrackerSettings
-from cca_core.v2x.update_result import Outcome
-from cca_core.vehicle import FARTHEST, FASTEST, RemoteVehicle, VehicleState
+from cca_core.v2x.update_result import UpdateResult
+from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED, RemoteVehicle, VehicleState
 
 __all__ = ["Tracker"]
 
@@ -25,7 +25,7 @@ _BACKWARDS = -20.0
 _WIDEST = 5.0  # [m]
 _CALMING = 0.5  # rate at which it is forgotten how fast the ego was [m/s^2]
 _DRIVEN = 5.0  # way on which a doubted sender shows that its place moves as it tells [m]
-_OF_PLACE = frozenset({"frozen", "teleport", "displacement", "inside"})  # its motion may be true
+_OF_PLACE = frozenset({"frozen", "teleport", "displacement", "overlap"})  # its motion may be true
 _ACCEPTED = frozenset({"new", "updated", "returned", "took_over"})
 
 
@@ -49,8 +49,8 @@ class Tracker:
         self.settings = settings or TrackerSettings()
         self.counts: Counter[str] = Counter()
         self._place = projector(frame)
-        self._tracks = Tracks(self.settings.most_senders)
-        self._dropped: deque[Outcome] = deque(maxlen=_REMEMBERED)
+        self._tracks = Tracks(self.settings.max_tracks)
+        self._dropped: deque[UpdateResult] = deque(maxlen=_REMEMBERED)
         self._turned_away = -math.inf
         self._ego: tuple[float, float] | None = None
         self._speed = 0.0, 0.0  # that the ego may have again, and when that was said
@@ -59,12 +59,12 @@ class Tracker:
         return len(self._tracks.by_id)
 
     @property
-    def dropped(self) -> tuple[Outcome, ...]:
+    def dropped(self) -> tuple[UpdateResult, ...]:
         """The last 100 messages that were dropped, oldest first."""
         return tuple(self._dropped)
 
     def is_saturated(self, t: float) -> bool:
-        """Tell whether senders within `keep_within` were turned away of late: silence then says nothing.
+        """Tell whether senders within `retention_range` were turned away of late: silence then says nothing.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class Tracker:
         """
         return t - self._turned_away <= 1.0
 
-    def update(self, data: bytes | bytearray | Bsm, t_received: float) -> Outcome:
+    def update(self, data: bytes | bytearray | Bsm, t_received: float) -> UpdateResult:
         """Take in a message.
 
         Parameters
@@ -101,11 +101,11 @@ class Tracker:
         t = check_real("t_received", t_received)
         try:
             bsm = data if isinstance(data, Bsm) else decode_bsm(data)
-            what = self._take(bsm, t)
-            outcome = Outcome(accepted=what in _ACCEPTED, what=what, id=str(bsm.id), t=t)
+            what = self._process(bsm, t)
+            outcome = UpdateResult(accepted=what in _ACCEPTED, kind=what, id=str(bsm.id), t=t)
         except (InputError, TypeError, ValueError, OverflowError):
-            outcome = Outcome(accepted=False, what="unreadable", id="", t=t)
-        self.counts[outcome.what] += 1
+            outcome = UpdateResult(accepted=False, kind="unreadable", id="", t=t)
+        self.counts[outcome.kind] += 1
         if not outcome.accepted:
             self._dropped.append(outcome)
         return outcome
@@ -146,13 +146,13 @@ class Tracker:
             name = track.id if names is None else names.get(track.id, track.id)
             vehicle = track.vehicle(t, name, settings.sigma_position, settings.readmit_after)
             silent = t - track.fix.t
-            if silent > STALE_AFTER and is_over(vehicle, silent, ego, self._speed[0], settings):
+            if silent > STALE_AFTER and is_expired(vehicle, silent, ego, self._speed[0], settings):
                 self._tracks.remove(track)
             else:
                 known.append(vehicle)
         return tuple(known)
 
-    def _take(self, bsm: Bsm, t: float) -> str:
+    def _process(self, bsm: Bsm, t: float) -> str:
         """Take in a decoded message; say what became of it."""
         track = self._tracks.by_id.get(bsm.id)
         mark, timed, measured = bsm.sec_mark, False, t - _UNTIMED_AGE
@@ -174,7 +174,7 @@ class Tracker:
             length = width = min(max(length, width), _WIDEST)  # it may point anywhere
         told: object = getattr(bsm.accuracy, "semi_major", None)
         told = told if isinstance(told, (int, float)) and told > 0.0 else 0.0
-        accuracy = min(float(told), self.settings.most_accuracy)
+        accuracy = min(float(told), self.settings.max_reported_accuracy)
         fresh = Track(bsm.id, fix, length, width, bsm.events, bsm.msg_count, timed, accuracy)
         if track is not None:
             return self._follow(track, fresh)
@@ -192,31 +192,31 @@ class Tracker:
         v = -speed if bsm.transmission == "reverse" else speed
         a, r = bsm.a_x or 0.0, bsm.r or 0.0
         finite = math.isfinite(psi + a + r + measured)
-        usable = finite and abs(x) + abs(y) <= FARTHEST and _BACKWARDS <= v <= FASTEST
+        usable = finite and abs(x) + abs(y) <= MAX_COORDINATE and _BACKWARDS <= v <= MAX_SPEED
         return Fix(measured, x, y, psi, v, a, r) if usable else None
 
     def _follow(self, track: Track, fresh: Track) -> str:
         """Move a track on to its sender's next message, or only as far as that is believed."""
         failed = self._compare(track, fresh)
-        if not failed and self._is_inside(fresh, track):
-            failed = "inside"
-        elif failed and self._agrees(track.doubt, fresh) and not self._is_inside(fresh, track):
+        if not failed and self._overlaps_track(fresh, track):
+            failed = "overlap"
+        elif failed and self._is_consistent(track.doubt, fresh) and not self._overlaps_track(fresh, track):
             fresh.ref = fresh.fix.x, fresh.fix.y
             self._tracks.advance(track, fresh)
             return "returned"
         if not failed:
             self._tracks.advance(track, fresh)
             return "updated"
-        if failed != "inside":
+        if failed != "overlap":
             track.doubt = fresh
         if failed in _OF_PLACE:
-            track.carry(fresh)
+            track.coast(fresh)
             self._tracks.write(track)
         return failed
 
-    def _agrees(self, doubt: Track | None, fresh: Track) -> bool:
+    def _is_consistent(self, doubt: Track | None, fresh: Track) -> bool:
         """Whether a sender whose place was doubted has meanwhile driven as it tells."""
-        place, room = fresh.fix[1:3], 0.5 * self.settings.plausibility.room
+        place, room = fresh.fix[1:3], 0.5 * self.settings.plausibility.position_tolerance
         if doubt is None or self._compare(doubt, fresh) or math.dist(place, fresh.ref) > room:
             fresh.ref = fresh.fix.x, fresh.fix.y
             return False
@@ -235,35 +235,37 @@ class Tracker:
             fresh.ref = ref
         return failed
 
-    def _is_inside(self, fresh: Track, track: Track) -> bool:
+    def _overlaps_track(self, fresh: Track, track: Track) -> bool:
         """Whether a message lies in the body of a vehicle heard of before its sender."""
-        if not self.settings.plausibility.inside:
+        if not self.settings.plausibility.overlap:
             return False
-        return self._tracks.holder(fresh.fix, track.begun, track) is not None
+        return self._tracks.find_overlapping(fresh.fix, track.begun, track) is not None
 
     def _begin(self, fresh: Track) -> str:
         """Begin a track, or let a lost one go on under a new id."""
         fix, tracks = fresh.fix, self._tracks
-        former = tracks.holder(fix, math.inf, None)
-        if former is not None and fix.t - former.fix.t > self.settings.lost_after:
-            if former.resembles(fresh) and not self._compare(former, fresh):
+        former = tracks.find_overlapping(fix, math.inf, None)
+        if former is not None and fix.t - former.fix.t > self.settings.reassociate_after:
+            if former.matches(fresh) and not self._compare(former, fresh):
                 tracks.advance(former, fresh)
                 return "took_over"
-        if former is not None and self.settings.plausibility.inside:
-            return "inside"
-        if tracks.is_full and not self._makes_room(fix):
+        if former is not None and self.settings.plausibility.overlap:
+            return "overlap"
+        if tracks.is_full and not self._evict_for(fix):
             return "full"
         tracks.add(fresh)
         return "new"
 
-    def _makes_room(self, fix: Fix) -> bool:
+    def _evict_for(self, fix: Fix) -> bool:
         """Forget a sender that matters less than a new one, if there is any."""
         settings, loser, spare = self.settings, fix, None
         if self._ego is not None:
-            spare = self._tracks.dispensable(self._ego, fix, settings.keep_within, settings.established_after)
+            spare = self._tracks.find_evictable(
+                self._ego, fix, settings.retention_range, settings.confirm_after
+            )
         if spare is not None:
             loser = spare.fix
             self._tracks.remove(spare)
-        if self._ego is None or math.dist(loser[1:3], self._ego) <= settings.keep_within:
+        if self._ego is None or math.dist(loser[1:3], self._ego) <= settings.retention_range:
             self._turned_away = fix.t
         return spare is not None

@@ -17,29 +17,29 @@ class TrackerSettings:
     ----------
     plausibility : PlausibilitySettings
         Which messages are believed.
-    most_senders : int
+    max_tracks : int
         Senders kept at the same time, 1 to 1000.
-    keep_within : float
+    retention_range : float
         Distance from the ego within which all senders are wanted, and one that is known makes no room for
         another [m].
-    established_after : float
+    confirm_after : float
         Time after which a sender is known in that sense [s]; until then a nearer one replaces it.
-    lost_after : float
+    reassociate_after : float
         Silence after which a new id at its place takes a track over [s].
     readmit_after : float
         Time after which a sender whose messages are dropped, but agree with each other while it drives, is
         believed again [s].
-    braking, reaction, least_reach : float
-        Stopping distance of the ego is v `reaction` + v^2 / (2 `braking`), at least `least_reach`
+    braking, reaction_time, min_stopping_distance : float
+        Stopping distance of the ego is v `reaction` + v^2 / (2 `braking`), at least `min_stopping_distance`
         [m/s^2, s, m]; a stale track that cannot be nearer is forgotten.
-    outlook : float
+    approach_horizon : float
         Time for which a stale track that comes nearer is taken to go on doing so [s]: as long as a pass.
-    forget_after : float
+    delete_after : float
         Age at which a track is forgotten in any case [s].
     sigma_position : float
         Standard deviation of positions that does not show when a sender is compared with itself [m]; added
         to both of a vehicle's.
-    most_accuracy : float
+    max_reported_accuracy : float
         The standard deviation that a sender tells of its position (`Accuracy.semi_major`) counts up to this
         [m] and is added likewise; 0 leaves it out, since devices tell meters where they err by decimeters.
     length, width : float
@@ -52,18 +52,18 @@ class TrackerSettings:
     """
 
     plausibility: PlausibilitySettings = field(default_factory=PlausibilitySettings)
-    most_senders: int = 200
-    keep_within: float = 300.0
-    established_after: float = 0.5
-    lost_after: float = 0.25
+    max_tracks: int = 200
+    retention_range: float = 300.0
+    confirm_after: float = 0.5
+    reassociate_after: float = 0.25
     readmit_after: float = 1.0
     braking: float = 4.0
-    reaction: float = 1.0
-    least_reach: float = 20.0
-    outlook: float = 15.0
-    forget_after: float = 30.0
+    reaction_time: float = 1.0
+    min_stopping_distance: float = 20.0
+    approach_horizon: float = 15.0
+    delete_after: float = 30.0
     sigma_position: float = 0.0
-    most_accuracy: float = 0.0
+    max_reported_accuracy: float = 0.0
     length: float = 5.0
     width: float = 2.0
 
@@ -72,9 +72,15 @@ class TrackerSettings:
             raise InputError(f"plausibility must be PlausibilitySettings, was {self.plausibility!r}")
         for limit in fields(self)[1:]:
             value = getattr(self, limit.name)
-            if limit.name in ("sigma_position", "most_accuracy", "reaction", "least_reach", "outlook"):
-                check_real(limit.name, value, least=0.0, most=100.0)
+            if limit.name in (
+                "sigma_position",
+                "max_reported_accuracy",
+                "reaction_time",
+                "min_stopping_distance",
+                "approach_horizon",
+            ):
+                check_real(limit.name, value, ge=0.0, le=100.0)
             else:
-                check_real(limit.name, value, above=0.0, most=1000.0)
-        if not isinstance(self.most_senders, int):
-            raise InputError(f"most_senders must be an integer, was {self.most_senders!r}")
+                check_real(limit.name, value, gt=0.0, le=1000.0)
+        if not isinstance(self.max_tracks, int):
+            raise InputError(f"max_tracks must be an integer, was {self.max_tracks!r}")

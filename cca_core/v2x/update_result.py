@@ -2,18 +2,18 @@
 
 from dataclasses import dataclass
 
-__all__ = ["Outcome"]
+__all__ = ["UpdateResult"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Outcome:
+class UpdateResult:
     """What a tracker did with a message.
 
     Parameters
     ----------
     accepted : bool
         Whether the sender's track follows it.
-    what : str
+    kind : str
         Accepted: ``"new"``, ``"updated"``, ``"returned"`` (believed again after a jump) or
         ``"took_over"`` (a new id of a sender that is known). Dropped: ``"unreadable"``, ``"unusable"`` (a
         value needed is not available, or not that of a road vehicle), ``"duplicate"``, ``"out_of_order"``,
@@ -25,6 +25,6 @@ class Outcome:
     """
 
     accepted: bool
-    what: str
+    kind: str
     id: str
     t: float

@@ -12,7 +12,7 @@ from cca_core.vehicle import RemoteVehicle
 
 __all__ = ["Alert", "AlertSettings", "Application", "EgoView", "Level", "Sighting"]
 
-ALIKE = 0.25 * math.pi
+PARALLEL_ANGLE = 0.25 * math.pi
 """Headings within this angle of the route, or of its opposite, are along it [rad]."""
 
 
@@ -47,7 +47,7 @@ class Alert:
         Who warns.
     level : Level
         How urgently.
-    remote : str
+    vehicle_id : str
         Id of the vehicle that it warns of.
     time_to_conflict : float
         Time until the bodies would meet, or both would be in the same place [s]; 0 for a vehicle beside,
@@ -58,7 +58,7 @@ class Alert:
 
     application: Application
     level: Level
-    remote: str
+    vehicle_id: str
     time_to_conflict: float
     reason: str
 
@@ -95,13 +95,13 @@ class AlertSettings:
         DNPW: time to collision with oncoming traffic in which a pass must not begin [s].
     braking : float
         Deceleration from which on a leader counts as braking [m/s^2]; it then brakes until it stands.
-    standing : float
+    standstill_speed : float
         Speed below which a vehicle stands [m/s].
     turning_speed : float
         Speed with which an ego that means to turn is reckoned at least [m/s].
     act_deceleration : float
         Deceleration needed from which on a warning becomes `Level.ACT` [m/s^2].
-    oldest : float
+    max_age : float
         Age of what is known of a vehicle up to which it is warned of [s].
     crossing : CrossingSettings
         What counts as crossing; bounds on the acceleration do not matter here.
@@ -128,10 +128,10 @@ class AlertSettings:
     bsw_behind: float = 3.0
     dnpw_time: float = 9.0
     braking: float = 1.0
-    standing: float = 0.5
+    standstill_speed: float = 0.5
     turning_speed: float = 3.0
     act_deceleration: float = 4.0
-    oldest: float = 3.0
+    max_age: float = 3.0
     crossing: CrossingSettings = field(
         default_factory=lambda: CrossingSettings(a_max=0.0, b_max=0.0, clearance=0.0)
     )
@@ -139,8 +139,8 @@ class AlertSettings:
     def __post_init__(self) -> None:
         for name in self.__slots__:
             if name != "crossing":
-                check_real(name, getattr(self, name), least=0.0)
-        check_real("braking", self.braking, above=0.0)
+                check_real(name, getattr(self, name), ge=0.0)
+        check_real("braking", self.braking, gt=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,7 +183,7 @@ class Sighting:
         The vehicle.
     gap : float
         Distance along the route from the ego's front to its rear [m]; negative if it is not ahead.
-    beside : float
+    lateral_offset : float
         Lateral distance from the middle of the ego to the middle of the vehicle [m], left positive.
     v : float
         Its speed along the route [m/s], negative if it comes toward the ego.
@@ -193,27 +193,29 @@ class Sighting:
         Half extents along and across the route [m].
     conflict : Conflict, optional
         Where its way crosses that of the ego.
-    turns_across : bool
+    crosses_ego_turn : bool
         Whether the ego turns in front of it there, and it comes toward the ego's approach.
-    hidden_by : str
+    occluded_by : str
         Id of a vehicle in the line of sight to it; empty if there is none.
     """
 
     remote: RemoteVehicle
     gap: float
-    beside: float
+    lateral_offset: float
     v: float
     angle: float
     half_length: float
     half_width: float
     conflict: Conflict | None = None
-    turns_across: bool = False
-    hidden_by: str = ""
+    crosses_ego_turn: bool = False
+    occluded_by: str = ""
 
 
 def alert(what: Application, level: Level, other: Sighting, time: float, reason: str) -> Alert:
     """Make an alert of a vehicle."""
-    return Alert(application=what, level=level, remote=other.remote.id, time_to_conflict=time, reason=reason)
+    return Alert(
+        application=what, level=level, vehicle_id=other.remote.id, time_to_conflict=time, reason=reason
+    )
 
 
 def level_for(needed: float, settings: AlertSettings) -> Level:
@@ -226,6 +228,6 @@ def is_ahead(ego: EgoView, other: Sighting) -> bool:
     return other.gap + ego.half_length + other.half_length > 0.0
 
 
-def is_in_the_way(ego: EgoView, other: Sighting, clearance: float = 0.0) -> bool:
+def blocks_ego(ego: EgoView, other: Sighting, clearance: float = 0.0) -> bool:
     """Whether a vehicle is where the ego would pass, or within a lateral clearance [m] of it."""
-    return abs(other.beside) < ego.half_width + other.half_width + clearance
+    return abs(other.lateral_offset) < ego.half_width + other.half_width + clearance

@@ -3,7 +3,7 @@
 import math
 
 from cca_core.warnings.alert import (
-    ALIKE,
+    PARALLEL_ANGLE,
     Alert,
     AlertSettings,
     Application,
@@ -11,13 +11,18 @@ from cca_core.warnings.alert import (
     Level,
     Sighting,
     alert,
+    blocks_ego,
     is_ahead,
-    is_in_the_way,
     level_for,
 )
 
 __all__ = [
-    "blind_spot", "brake_light", "do_not_pass", "forward_collision", "intersection", "left_turn",
+    "blind_spot",
+    "do_not_pass",
+    "emergency_brake_light",
+    "forward_collision",
+    "intersection",
+    "left_turn",
     "stationary_ahead",
 ]  # fmt: skip
 
@@ -39,8 +44,10 @@ def forward_collision(ego: EgoView, other: Sighting, settings: AlertSettings) ->
     alert : Alert or None
         The warning, None if there is no reason for one.
     """
-    stands = abs(other.remote.v_x) < settings.standing
-    if not (is_ahead(ego, other) and is_in_the_way(ego, other)) or (abs(other.angle) > ALIKE and not stands):
+    stands = abs(other.remote.v_x) < settings.standstill_speed
+    if not (is_ahead(ego, other) and blocks_ego(ego, other)) or (
+        abs(other.angle) > PARALLEL_ANGLE and not stands
+    ):
         return None
     if stands:
         does, threshold = "stands", settings.fcw_stopped
@@ -55,7 +62,7 @@ def forward_collision(ego: EgoView, other: Sighting, settings: AlertSettings) ->
     return alert(Application.FCW, level_for(_needed(ego, other, settings), settings), other, time, reason)
 
 
-def brake_light(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert | None:
+def emergency_brake_light(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert | None:
     """Tell of hard braking ahead, in sight or not (EEBL).
 
     Parameters
@@ -77,9 +84,9 @@ def brake_light(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert
         return None
     if other.gap > settings.eebl_range or abs(other.angle) > settings.eebl_heading:
         return None
-    if abs(other.beside) > 1.5 * ego.lane_width:
+    if abs(other.lateral_offset) > 1.5 * ego.lane_width:
         return None
-    own = abs(other.beside) <= 0.5 * ego.lane_width
+    own = abs(other.lateral_offset) <= 0.5 * ego.lane_width
     level = level_for(_needed(ego, other, settings), settings) if own else Level.INFORM
     lane = "on the ego's lane" if own else "on the lane beside"
     reason = f"{other.remote.id} brakes hard {max(other.gap, 0.0):.0f} m ahead, {lane}"
@@ -104,14 +111,14 @@ def stationary_ahead(ego: EgoView, other: Sighting, settings: AlertSettings) -> 
     alert : Alert or None
         The warning, None if there is no reason for one.
     """
-    if abs(other.remote.v_x) >= settings.standing or not is_ahead(ego, other):
+    if abs(other.remote.v_x) >= settings.standstill_speed or not is_ahead(ego, other):
         return None
-    if not is_in_the_way(ego, other, settings.curbside_clearance) or ego.v <= 0.0:
+    if not blocks_ego(ego, other, settings.curbside_clearance) or ego.v <= 0.0:
         return None
     time = max(other.gap, 0.0) / ego.v
     if time > settings.curbside_time:
         return None
-    hidden = f", hidden by {other.hidden_by}" if other.hidden_by else ""
+    hidden = f", hidden by {other.occluded_by}" if other.occluded_by else ""
     reason = f"{other.remote.id} stands {max(other.gap, 0.0):.0f} m ahead{hidden}: {time:.1f} s to it"
     return alert(
         Application.CURB_SIDE, level_for(_needed(ego, other, settings), settings), other, time, reason
@@ -156,15 +163,15 @@ def blind_spot(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert 
     alert : Alert or None
         The warning, None if there is no reason for one.
     """
-    apart = abs(other.beside) - ego.half_width - other.half_width
+    apart = abs(other.lateral_offset) - ego.half_width - other.half_width
     across = apart < settings.bsw_far and apart + 2.0 * other.half_width > settings.bsw_near
     # from the ego's middle back
     ahead = other.gap + ego.half_length
     behind = -(other.gap + 2.0 * other.half_length) - 2.0 * ego.half_length
     along = ahead <= 0.0 and behind <= settings.bsw_behind
-    if not (across and along) or abs(other.angle) > ALIKE:
+    if not (across and along) or abs(other.angle) > PARALLEL_ANGLE:
         return None
-    side = "left" if other.beside > 0.0 else "right"
+    side = "left" if other.lateral_offset > 0.0 else "right"
     if ego.intent == side:
         reason = f"{other.remote.id} is beside, {side}, where the ego means to go"
         return alert(Application.LCW, Level.WARN, other, 0.0, reason)
@@ -189,11 +196,15 @@ def do_not_pass(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert
     alert : Alert or None
         The warning, None if there is no reason for one.
     """
-    if abs(other.angle) < math.pi - ALIKE or other.v > -settings.standing or not is_ahead(ego, other):
+    if (
+        abs(other.angle) < math.pi - PARALLEL_ANGLE
+        or other.v > -settings.standstill_speed
+        or not is_ahead(ego, other)
+    ):
         return None
-    side = "left" if other.beside > 0.0 else "right"
-    lane = 0.5 * ego.lane_width <= abs(other.beside) <= 1.5 * ego.lane_width
-    if not (is_in_the_way(ego, other) or (ego.intent == side and lane)):
+    side = "left" if other.lateral_offset > 0.0 else "right"
+    lane = 0.5 * ego.lane_width <= abs(other.lateral_offset) <= 1.5 * ego.lane_width
+    if not (blocks_ego(ego, other) or (ego.intent == side and lane)):
         return None
     time = max(other.gap, 0.0) / (max(ego.v, 0.0) - other.v)
     if time >= settings.dnpw_time:
@@ -220,17 +231,17 @@ def intersection(ego: EgoView, other: Sighting, settings: AlertSettings) -> Aler
         The warning, None if there is no reason for one.
     """
     c = other.conflict
-    if c is None or c.ego[0] > settings.ima_time or other.turns_across:
+    if c is None or c.t_ego[0] > settings.ima_time or other.crosses_ego_turn:
         return None
-    together = c.ego[0] <= c.expected[1] and c.expected[0] <= c.ego[1]
-    difference = abs(c.ego[0] - c.expected[0])
+    together = c.t_ego[0] <= c.t_other_nominal[1] and c.t_other_nominal[0] <= c.t_ego[1]
+    difference = abs(c.t_ego[0] - c.t_other_nominal[0])
     if not together and difference > settings.ima_difference:
         return None
     reason = (
         f"{other.remote.id} crosses {max(c.distance, 0.0):.0f} m ahead: "
-        f"it arrives in {c.expected[0]:.1f} s, the ego in {c.ego[0]:.1f} s"
+        f"it arrives in {c.t_other_nominal[0]:.1f} s, the ego in {c.t_ego[0]:.1f} s"
     )
-    time = max(c.ego[0], c.expected[0])
+    time = max(c.t_ego[0], c.t_other_nominal[0])
     return alert(Application.IMA, _stop_level(ego, c.distance, settings), other, time, reason)
 
 
@@ -252,16 +263,16 @@ def left_turn(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert |
         The warning, None if there is no reason for one. Where traffic keeps left it is a right turn.
     """
     c = other.conflict
-    if c is None or c.ego[0] > settings.ima_time or not other.turns_across:
+    if c is None or c.t_ego[0] > settings.ima_time or not other.crosses_ego_turn:
         return None
-    gap = c.expected[0] - c.ego[0]
-    if gap >= settings.lta_gap or c.ego[0] - c.expected[1] > settings.ima_difference:
+    gap = c.t_other_nominal[0] - c.t_ego[0]
+    if gap >= settings.lta_gap or c.t_ego[0] - c.t_other_nominal[1] > settings.ima_difference:
         return None
     reason = (
         f"{other.remote.id} comes toward the turning ego: a gap of {gap:.1f} s, "
         f"{settings.lta_gap:.1f} s are needed"
     )
-    time = max(c.ego[0], c.expected[0])
+    time = max(c.t_ego[0], c.t_other_nominal[0])
     return alert(Application.LTA, _stop_level(ego, c.distance, settings), other, time, reason)
 
 

@@ -8,15 +8,15 @@ from typing import Literal
 import numpy as np
 
 from cca_core._checks import check_real
-from cca_core.decide.crossing import Conflict, conflict_with
+from cca_core.decide.crossing import Conflict, find_conflict_for_sweep
 from cca_core.decide.sweep import Sweep
 from cca_core.errors import InputError
 from cca_core.geometry import wrap_angle
 from cca_core.path import Path, Road
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
-from cca_core.warnings.alert import ALIKE, AlertSettings, EgoView, Sighting
+from cca_core.warnings.alert import PARALLEL_ANGLE, AlertSettings, EgoView, Sighting
 
-__all__ = ["sight"]
+__all__ = ["warning_view"]
 
 _GRID = 10.0  # distance of places on the route to begin the search for foot points with [m]
 _FARTHEST = 1000.0  # nobody beyond is looked at [m]
@@ -26,7 +26,7 @@ _TURN = math.pi / 6.0  # change of heading from which on the route turns [rad]
 _CREEPS = 0.1  # an ego slower than this does not reach a crossing [m/s]
 
 
-def sight(
+def warning_view(
     state: VehicleState,
     vehicle: VehicleParams,
     road: Path | Road,
@@ -72,7 +72,7 @@ def sight(
         raise InputError(f"road must be a Path or a Road, was {type(road).__name__}")
     if intent not in (None, "left", "right"):
         raise InputError(f'intent must be "left", "right" or None, was {intent!r}')
-    path, width = (road, 3.5) if isinstance(road, Path) else (road.path, road.own_lane.width)
+    path, width = (road, 3.5) if isinstance(road, Path) else (road.path, road.ego_lane.width)
     near = float(path.project((state.x, state.y))[0]) if near is None else check_real("near", near)
     s, d, heading, _ = path.foot_point(state.x, state.y, near)
     cos, sin = math.cos(state.psi - heading), math.sin(state.psi - heading)
@@ -83,15 +83,15 @@ def sight(
     )  # fmt: skip
     usable: dict[str, RemoteVehicle] = {}
     for remote in remotes:
-        if remote.defect is not None or remote.age > settings.oldest:
+        if remote.invalid_reason is not None or remote.age > settings.max_age:
             continue
         if remote.id not in usable or remote.age < usable[remote.id].age:
             usable[remote.id] = remote
-    others = _place(ego, list(usable.values()), settings)
-    return ego, tuple(_judge(ego, s, vehicle, others, settings))
+    others = _to_frenet(ego, list(usable.values()), settings)
+    return ego, tuple(_classify(ego, s, vehicle, others, settings))
 
 
-def _place(ego: EgoView, remotes: list[RemoteVehicle], settings: AlertSettings) -> list[Sighting]:
+def _to_frenet(ego: EgoView, remotes: list[RemoteVehicle], settings: AlertSettings) -> list[Sighting]:
     """Path coordinates of those that are near enough, the foot points around the ego's."""
     if not remotes:
         return []
@@ -117,7 +117,7 @@ def _place(ego: EgoView, remotes: list[RemoteVehicle], settings: AlertSettings) 
         length = 0.5 * (remote.length * abs(cos) + remote.width * abs(sin))
         found.append(
             Sighting(
-                remote=remote, gap=at - length - ego.s - ego.half_length, beside=side - ego.d, angle=angle,
+                remote=remote, gap=at - length - ego.s - ego.half_length, lateral_offset=side - ego.d, angle=angle,
                 v=remote.v_x * cos / max(stretch, 0.1), half_length=length,
                 half_width=0.5 * (remote.length * abs(sin) + remote.width * abs(cos)),
             )
@@ -125,7 +125,7 @@ def _place(ego: EgoView, remotes: list[RemoteVehicle], settings: AlertSettings) 
     return found
 
 
-def _judge(
+def _classify(
     ego: EgoView, s: float, vehicle: VehicleParams, others: Sequence[Sighting], settings: AlertSettings
 ) -> list[Sighting]:
     """Add where ways cross, and who hides a standing vehicle; `s` is that of the center of gravity."""
@@ -136,32 +136,32 @@ def _judge(
     if v > _CREEPS and others:
         # what begins later than ima_time ahead is of no interest
         reach = v * settings.ima_time + vehicle.length + _AREA
-        body = Sweep.along(ego.path, s, s + reach, vehicle, settings.crossing.clearance)
+        body = Sweep.along_path(ego.path, s, s + reach, vehicle, settings.crossing.clearance)
     judged = []
     for other in others:
         conflict = None
         if body is not None:
-            conflict = conflict_with(body, s, at, t, other.remote, horizon, settings.crossing)
-        hidden = _hidden_by(other, others) if abs(other.remote.v_x) < settings.standing else ""
+            conflict = find_conflict_for_sweep(body, s, at, t, other.remote, horizon, settings.crossing)
+        hidden = _hidden_by(other, others) if abs(other.remote.v_x) < settings.standstill_speed else ""
         if body is not None and conflict is not None:
             across = _turns_across(ego.path, body, conflict, other.remote)
-            other = replace(other, conflict=conflict, turns_across=across)
-        judged.append(replace(other, hidden_by=hidden) if hidden else other)
+            other = replace(other, conflict=conflict, crosses_ego_turn=across)
+        judged.append(replace(other, occluded_by=hidden) if hidden else other)
     return judged
 
 
 def _turns_across(path: Path, body: Sweep, conflict: Conflict, remote: RemoteVehicle) -> bool:
     """Whether the route turns in front of a vehicle that comes toward its approach."""
-    at, start = conflict.s_in - _APPROACH, float(body.station[0])
+    at, start = conflict.s_enter - _APPROACH, float(body.station[0])
     before = body.heading_at(at) if at >= start else float(path.heading(at))
-    oncoming = abs(wrap_angle(remote.psi - before)) > math.pi - ALIKE
-    return oncoming and abs(wrap_angle(body.heading_at(conflict.s_out) - before)) > _TURN
+    oncoming = abs(wrap_angle(remote.psi - before)) > math.pi - PARALLEL_ANGLE
+    return oncoming and abs(wrap_angle(body.heading_at(conflict.s_exit) - before)) > _TURN
 
 
 def _hidden_by(other: Sighting, others: Iterable[Sighting]) -> str:
     """Id of the first vehicle between the ego's front and another vehicle that is in the line of sight."""
     between = [o for o in others if 0.0 < o.gap and o.gap + 2.0 * o.half_length <= other.gap]
     for o in sorted(between, key=lambda o: o.gap):
-        if abs(o.beside - other.beside * o.gap / other.gap) < o.half_width:
+        if abs(o.lateral_offset - other.lateral_offset * o.gap / other.gap) < o.half_width:
             return o.remote.id
     return ""

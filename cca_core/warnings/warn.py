@@ -8,19 +8,19 @@ from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 from cca_core.warnings.alert import Alert, AlertSettings
 from cca_core.warnings.rules import (
     blind_spot,
-    brake_light,
     do_not_pass,
+    emergency_brake_light,
     forward_collision,
     intersection,
     left_turn,
     stationary_ahead,
 )
-from cca_core.warnings.view import sight
+from cca_core.warnings.view import warning_view
 
 __all__ = ["warn"]
 
 _APPLICATIONS = (
-    brake_light, forward_collision, intersection, left_turn, stationary_ahead, blind_spot, do_not_pass,
+    emergency_brake_light, forward_collision, intersection, left_turn, stationary_ahead, blind_spot, do_not_pass,
 )  # fmt: skip
 
 
@@ -69,7 +69,7 @@ def warn(
     ways of two vehicles cross is found as in `crossing`.
     """
     settings = AlertSettings() if settings is None else settings
-    ego, others = sight(state, vehicle, road, remotes, intent=intent, near=near, settings=settings)
+    ego, others = warning_view(state, vehicle, road, remotes, intent=intent, near=near, settings=settings)
     found = [application(ego, other, settings) for other in others for application in _APPLICATIONS]
     alerts = [alert for alert in found if alert is not None]
-    return tuple(sorted(alerts, key=lambda alert: (-alert.level, alert.time_to_conflict, alert.remote)))
+    return tuple(sorted(alerts, key=lambda alert: (-alert.level, alert.time_to_conflict, alert.vehicle_id)))

@@ -99,7 +99,7 @@ def test_shapes_and_status_arrays() -> None:
     assert set(many.status) == {Status.OK, Status.INFEASIBLE}
     np.testing.assert_array_equal(many.ok, [status is Status.OK for status in many.status])
     assert repr(many) == f"Band(({COUNT},) bands, {many.ok.sum()} OK)"
-    assert len(set(many.binding)) > 3
+    assert len(set(many.active_constraint)) > 3
     for array in (many.nodes, many.displacement, many.lower, many.upper, many.passes_left):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = array[1]

@@ -196,9 +196,9 @@ CROSSWISE = boxes(75.0, 0.0, 0.0, 4.5, 1.8)
 
 def test_binding_is_the_nearest_obstacle() -> None:
     obstacles = [boxes(40.0, 9.0, 0.0, 4.5, 1.8), CROSSWISE, boxes(110.0, -9.0, 0.0, 4.5, 1.8)]
-    assert relax(scene(straight(), obstacles)).binding == "obstacle 1"
-    assert relax(scene(straight(), obstacles[::-1][:2])).binding == "obstacle 1"
-    assert relax(scene(straight(), [CROSSWISE, *obstacles[::2]])).binding == "obstacle 0"
+    assert relax(scene(straight(), obstacles)).active_constraint == "obstacle 1"
+    assert relax(scene(straight(), obstacles[::-1][:2])).active_constraint == "obstacle 1"
+    assert relax(scene(straight(), [CROSSWISE, *obstacles[::2]])).active_constraint == "obstacle 0"
 
 
 def test_binding_is_the_edge_where_that_is_nearer() -> None:
@@ -206,18 +206,18 @@ def test_binding_is_the_edge_where_that_is_nearer() -> None:
     for side, corridor in (("left", (-20.0, body + 0.2)), ("right", (-body - 0.2, 20.0))):
         band = relax(scene(straight(), [CROSSWISE], corridor=corridor), side=side)
         assert band.ok, band.message
-        assert band.binding in ("obstacle 0", f"{side} edge")
+        assert band.active_constraint in ("obstacle 0", f"{side} edge")
         assert band.edge_clearance < 0.25
     pushed = np.where(np.abs(straight()[:, 0] - 75.0) < 5.0, 0.5, -20.0)
     band = relax(scene(straight(), [boxes(75.0, 9.0, 0.0, 4.5, 1.8)], corridor=(pushed, 20.0)))
     assert band.ok, band.message
-    assert band.binding == "right edge"
+    assert band.active_constraint == "right edge"
 
 
 def test_empty_interval_message_names_both_obstacles() -> None:
     edge = 0.9 + 1.0 + CAR.width - 0.05
     left = relax(scene(straight(), [CROSSWISE], corridor=(-20.0, edge)), side="left")
-    assert (left.status, left.binding) == (Status.INFEASIBLE, "obstacle 0")
+    assert (left.status, left.active_constraint) == (Status.INFEASIBLE, "obstacle 0")
     assert left.message.startswith("no room between obstacle 0 and the left edge")
     right = relax(scene(straight(), [CROSSWISE], corridor=(-edge, 20.0)), side="right")
     assert right.message.startswith("no room between the right edge and obstacle 0")
@@ -235,9 +235,9 @@ def test_excess_curvature_message() -> None:
     free = relax(scene(straight(), [CROSSWISE]), side="left")
     tight = relax(scene(straight(), [CROSSWISE], curvature_limit=0.1 * free.curvature), side="left")
     assert tight.status is Status.INFEASIBLE
-    assert "obstacle 0" in tight.message or tight.binding == "curvature"
+    assert "obstacle 0" in tight.message or tight.active_constraint == "curvature"
     road = relax(scene(bend(100.0), [], curvature_limit=0.009))
-    assert (road.status, road.binding) == (Status.INFEASIBLE, "curvature")
+    assert (road.status, road.active_constraint) == (Status.INFEASIBLE, "curvature")
     assert "curvature 0.0100 1/m is 1.11 times the limit" in road.message
 
 
@@ -255,7 +255,7 @@ def test_curvature_limit_is_kept_if_feasible() -> None:
 def test_obstacle_on_a_pin(x: float) -> None:
     case = scene(straight(), [boxes(x, 0.0, 0.0, 4.5, 1.8)])
     band = relax(case)
-    assert (band.status, band.binding) == (Status.INFEASIBLE, "obstacle 0")
+    assert (band.status, band.active_constraint) == (Status.INFEASIBLE, "obstacle 0")
     assert band.clearance < 0.0
     assert_certified(band, case)
 
@@ -271,7 +271,7 @@ def test_obstacle_beside_a_pin(x: float, sign: float) -> None:
     np.testing.assert_array_equal(band.displacement, 0.0)
     near = scene(straight(), [boxes(x, sign * (far - 0.3), 0.0, 4.5, 1.8)])
     band = relax(near)
-    assert (band.status, band.binding) == (Status.INFEASIBLE, "obstacle 0")
+    assert (band.status, band.active_constraint) == (Status.INFEASIBLE, "obstacle 0")
     assert f"{band.clearance:.3f} m from obstacle 0" in band.message
     assert_certified(band, near)
 
@@ -280,7 +280,7 @@ def test_obstacle_at_pinned_end_fails_without_search() -> None:
     """The other one could be passed, as long as it takes to find that."""
     blocked = scene(straight(), [boxes(x, 0.0, 0.0, 4.5, 1.8) for x in (75.0, 148.0)])
     band = relax(blocked)
-    assert (band.status, band.binding, band.solves) == (Status.INFEASIBLE, "obstacle 1", 1)
+    assert (band.status, band.active_constraint, band.n_solves) == (Status.INFEASIBLE, "obstacle 1", 1)
     assert "obstacle 1, which is at a pinned end" in band.message
     assert_certified(band, blocked)
     assert relax(scene(straight(), [boxes(75.0, 0.0, 0.0, 4.5, 1.8)])).ok
@@ -288,7 +288,7 @@ def test_obstacle_at_pinned_end_fails_without_search() -> None:
 
 def test_pin_outside_the_edges() -> None:
     band = relax(scene(straight(), [], corridor=(0.0, 20.0)))
-    assert (band.status, band.binding) == (Status.INFEASIBLE, "right edge")
+    assert (band.status, band.active_constraint) == (Status.INFEASIBLE, "right edge")
     assert "right edge" in band.message
     assert -1.0 < band.edge_clearance < -0.8  # half the body at the pins, and no more elsewhere
 
@@ -322,7 +322,7 @@ def test_leader_almost_as_fast_is_refused_with_a_reason(ratio: float) -> None:
         # never reached within the stretch: nothing in the way
         assert band.ok
     else:
-        assert (band.status, band.binding) == (Status.INFEASIBLE, "obstacle 0")
+        assert (band.status, band.active_constraint) == (Status.INFEASIBLE, "obstacle 0")
         assert "obstacle 0" in band.message
     assert_certified(band, case)
     assert np.abs(band.displacement).max() < 20.0
@@ -351,5 +351,5 @@ def test_sideways_course_without_a_curvature_limit_is_refused() -> None:
         band = relax(case)
         assert np.isfinite(band.nodes).all()
         assert np.abs(band.displacement).max() > 30.0
-        assert (band.status, band.binding) == (Status.INFEASIBLE, "obstacle 0")
+        assert (band.status, band.active_constraint) == (Status.INFEASIBLE, "obstacle 0")
         assert band.message.startswith("it would swerve by ")

@@ -15,7 +15,7 @@ from cca_core.band import (
     equilibrium,
     kkt_residual,
 )
-from cca_core.band.equilibrium import Bends
+from cca_core.band.equilibrium import CurvatureBounds
 from cca_core.errors import InputError
 from tests.support.band_scenes import SOFT, dense_stiffness
 
@@ -160,10 +160,12 @@ def test_batch_is_the_same_bit_for_bit(stiffness: BandStiffness, bent: bool) -> 
     if bent:
         most = 0.9 * np.abs(np.diff(free, n=2)).max(axis=1)
         limit = np.repeat(most[:, None], 90, axis=1)
-        bends = Bends(100.0 * contact, -limit, limit)
+        bends = CurvatureBounds(100.0 * contact, -limit, limit)
     u, solves, settled = equilibrium(stencil, contact, lower, upper, bends)
     for i in range(len(h)):
-        one = None if bends is None else Bends(bends.contact[[i]], bends.least[[i]], bends.most[[i]])
+        one = (
+            None if bends is None else CurvatureBounds(bends.contact[[i]], bends.lower[[i]], bends.upper[[i]])
+        )
         alone = equilibrium(stencil[[i]], contact[[i]], lower[[i]], upper[[i]], one)
         np.testing.assert_array_equal(alone[0][0], u[i])
         assert (alone[1][0], alone[2][0]) == (solves[i], settled[i])
@@ -194,7 +196,7 @@ def test_bends_give_way_by_their_stiffness_only() -> None:
     most = np.full((1, n), limit)
     for stiff in (0.25, 25.0):
         u, _, settled = equilibrium(
-            stencil, contact, lower[None], upper[None], Bends(np.array([stiff]), -most, most)
+            stencil, contact, lower[None], upper[None], CurvatureBounds(np.array([stiff]), -most, most)
         )
         assert settled.all()
         bend = np.diff(u[0], n=2)  # at all nodes but the ends

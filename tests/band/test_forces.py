@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core.band import external_force
-from cca_core.band.corridor import corridor_around
+from cca_core.band.corridor import make_corridor
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
 from cca_core.vehicle import VehicleParams
@@ -110,7 +110,7 @@ def test_corridor_is_what_the_boxes_leave_free(
     car = dataclasses.replace(VehicleParams.bmw_320i(), box_offset=0.4)
     unit = complex(math.cos(heading), math.sin(heading))
     base, tangents = np.full((1, 5), 2.0 + 1.0j), np.full((1, 5), unit)
-    found = corridor_around(base, tangents, [boxes(x, y, psi, length, width)], None, car, clearance, lead, ())
+    found = make_corridor(base, tangents, [boxes(x, y, psi, length, width)], None, car, clearance, lead, ())
     grown = boxes(x, y, psi, length + 2.0 * clearance, width + 2.0 * clearance).corners()
     local = ((grown @ np.array((1.0, 1.0j))) - base[0, 0]) * unit.conjugate() - car.box_offset
     box = shapely.Polygon(np.column_stack((local.real, local.imag)))
@@ -119,7 +119,7 @@ def test_corridor_is_what_the_boxes_leave_free(
     part = box.intersection(strip)
     margin = min(abs(local.real.min() - reach - lead), abs(local.real.max() + reach))
     if margin > 1e-6:
-        assert bool(found.abeam[0, 0, 0]) == (not part.is_empty)
+        assert bool(found.alongside[0, 0, 0]) == (not part.is_empty)
     if not part.is_empty and part.area > 1e-9:
         right, left = (float(bound[0, 0, 0]) for bound in (found.right, found.left))
         lowest, highest = part.bounds[1] - 0.5 * car.width, part.bounds[3] + 0.5 * car.width

@@ -12,7 +12,7 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
 from cca_core.band import qp as quadratic
-from cca_core.band.qp import smoothest
+from cca_core.band.qp import solve_smoothing_qp
 from cca_core.errors import InputError, MissingExtraError
 
 pytestmark = [pytest.mark.requires(module) for module in ("qpsolvers", "piqp", "osqp")]
@@ -83,29 +83,29 @@ PROBLEMS = [
 def test_optimum_against_least_distance_programming(problem: dict[str, Any], solver: Any) -> None:
     expected = least_distance(problem)
     assert expected is not None
-    band = smoothest(**problem, solver=solver)
+    band = solve_smoothing_qp(**problem, solver=solver)
     assert band.solved, band.message
     np.testing.assert_allclose(band.u, expected, rtol=0.0, atol=1e-5 if solver == "piqp" else 1e-4)
 
 
 @both
 def test_nothing_in_the_way_is_no_displacement(solver: Any) -> None:
-    band = smoothest(**passing(100, at=-4.0, curvature_limit=0.1), solver=solver)
+    band = solve_smoothing_qp(**passing(100, at=-4.0, curvature_limit=0.1), solver=solver)
     assert band.solved
     np.testing.assert_allclose(band.u, 0.0, atol=1e-6)
 
 
 def test_limits_bind() -> None:
-    free = smoothest(**passing(100, at=2.5)).u
+    free = solve_smoothing_qp(**passing(100, at=2.5)).u
     kappa = np.zeros(100)
     peak = np.abs(linear_curvature(free, 1.0, kappa)).max()
     rate = np.abs(np.diff(np.pad(free, 2), 3)).max()
-    bent = smoothest(**passing(100, at=2.5, curvature_limit=0.9 * peak)).u
+    bent = solve_smoothing_qp(**passing(100, at=2.5, curvature_limit=0.9 * peak)).u
     assert np.abs(linear_curvature(bent, 1.0, kappa)).max() == pytest.approx(0.9 * peak, abs=1e-8)
-    bent = smoothest(**passing(100, at=2.5, curvature_rate_limit=0.9 * rate)).u
+    bent = solve_smoothing_qp(**passing(100, at=2.5, curvature_rate_limit=0.9 * rate)).u
     assert np.abs(np.diff(np.pad(bent, 2), 3)).max() == pytest.approx(0.9 * rate, abs=1e-8)
     per_node = np.where(np.arange(100) < 50, 0.9 * peak, math.inf)
-    bent = smoothest(**passing(100, at=2.5, curvature_limit=per_node)).u
+    bent = solve_smoothing_qp(**passing(100, at=2.5, curvature_limit=per_node)).u
     assert np.abs(linear_curvature(bent, 1.0, kappa))[:50].max() <= 0.9 * peak + 1e-8
 
 
@@ -113,8 +113,8 @@ def test_rate_counts_the_route_s_own_change() -> None:
     problem = passing(60, at=-4.0)
     problem["route_curvature"] = 0.02 * np.sin(np.linspace(0.0, 2.0 * np.pi, 60))
     rate = np.abs(np.diff(problem["route_curvature"])).max()
-    assert np.abs(smoothest(**problem, curvature_rate_limit=1.01 * rate).u).max() < 1e-6
-    band = smoothest(**problem, curvature_rate_limit=0.95 * rate)
+    assert np.abs(solve_smoothing_qp(**problem, curvature_rate_limit=1.01 * rate).u).max() < 1e-6
+    band = solve_smoothing_qp(**problem, curvature_rate_limit=0.95 * rate)
     assert band.solved, band.message
     curvature = linear_curvature(band.u, 1.0, problem["route_curvature"])
     assert np.abs(np.diff(curvature)).max() <= 0.95 * rate + 1e-8
@@ -123,8 +123,10 @@ def test_rate_counts_the_route_s_own_change() -> None:
 
 @both
 def test_solver_s_word_is_checked_by_the_kkt_conditions(solver: Any) -> None:
-    band = smoothest(**passing(100, at=2.5, curvature_limit=0.01, curvature_rate_limit=0.02), solver=solver)
-    other = smoothest(**passing(100, at=2.5, curvature_limit=0.01, curvature_rate_limit=0.02))
+    band = solve_smoothing_qp(
+        **passing(100, at=2.5, curvature_limit=0.01, curvature_rate_limit=0.02), solver=solver
+    )
+    other = solve_smoothing_qp(**passing(100, at=2.5, curvature_limit=0.01, curvature_rate_limit=0.02))
     assert band.solved, band.message
     assert band.primal_residual < 1e-6
     assert band.dual_residual < 1e-4
@@ -144,7 +146,7 @@ def test_solver_s_word_is_checked_by_the_kkt_conditions(solver: Any) -> None:
     ],
 )
 def test_infeasible_is_an_outcome(problem: dict[str, Any], solver: Any) -> None:
-    band = smoothest(**problem, solver=solver)
+    band = solve_smoothing_qp(**problem, solver=solver)
     assert not band.solved
     assert "room" in band.message or "no band within" in band.message
     assert band.gap == band.dual_residual == band.primal_residual == math.inf
@@ -154,16 +156,16 @@ def test_infeasible_is_an_outcome(problem: dict[str, Any], solver: Any) -> None:
 @both
 def test_out_of_iterations_is_an_outcome(solver: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(quadratic._SETTINGS[solver], "max_iter", 3)
-    band = smoothest(**passing(60), solver=solver)
+    band = solve_smoothing_qp(**passing(60), solver=solver)
     assert not band.solved
     assert "max" in band.message.lower()
     np.testing.assert_array_equal(band.u, 0.0)
 
 
 def test_warm_start_takes_no_more_iterations() -> None:
-    yesterday = smoothest(**passing(100, at=2.5)).u
-    cold = smoothest(**passing(100, at=2.55), solver="osqp")
-    warm = smoothest(**passing(100, at=2.55), solver="osqp", start=yesterday)
+    yesterday = solve_smoothing_qp(**passing(100, at=2.5)).u
+    cold = solve_smoothing_qp(**passing(100, at=2.55), solver="osqp")
+    warm = solve_smoothing_qp(**passing(100, at=2.55), solver="osqp", start=yesterday)
     assert cold.solved
     assert warm.solved
     assert warm.iterations <= cold.iterations
@@ -175,7 +177,9 @@ def test_correction_makes_the_true_curvature_keep_the_limit() -> None:
     error: float | np.ndarray = 0.0
     over = []
     for _ in range(4):
-        band = smoothest(**passing(n, at=3.0, kappa=kappa, curvature_limit=limit), curvature_error=error)
+        band = solve_smoothing_qp(
+            **passing(n, at=3.0, kappa=kappa, curvature_limit=limit), curvature_error=error
+        )
         assert band.solved, band.message
         r = 1.0 / kappa - np.pad(band.u, 1)  # polar coordinates around the center of the route's circle
         slope, bend = (r[2:] - r[:-2]) / (2.0 * kappa), np.diff(r, 2) / kappa**2
@@ -200,7 +204,7 @@ def test_every_outcome_is_finite_and_keeps_what_it_says(
     n: int, h: float, at: float, kappa: float, limit: float, rate: float
 ) -> None:
     problem = passing(n, h=h, at=at, kappa=kappa, curvature_limit=limit, curvature_rate_limit=rate)
-    band = smoothest(**problem)
+    band = solve_smoothing_qp(**problem)
     assert np.isfinite(band.u).all()
     assert (band.u[[0, 1, -2, -1]] == 0.0).all()
     if band.solved:
@@ -215,11 +219,11 @@ def test_every_outcome_is_finite_and_keeps_what_it_says(
 
 def test_misuse_and_absence_raise(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match="solver must be"):
-        smoothest(**passing(10), solver="simplex")  # type: ignore[arg-type]
+        solve_smoothing_qp(**passing(10), solver="simplex")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="finite"):
-        smoothest(**passing(10, kappa=math.nan))
+        solve_smoothing_qp(**passing(10, kappa=math.nan))
     monkeypatch.setattr(
         "cca_core._optional.find_spec", lambda name: None if name == "osqp" else find_spec(name)
     )
     with pytest.raises(MissingExtraError, match=r"cca-core\[qp\]"):
-        smoothest(**passing(10), solver="osqp")
+        solve_smoothing_qp(**passing(10), solver="osqp")

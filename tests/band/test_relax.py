@@ -38,7 +38,7 @@ def test_route_is_untouched_without_obstacles(route: np.ndarray, side: object) -
     assert band.status is Status.OK
     assert band.ok
     assert band.clearance == band.edge_clearance == math.inf
-    assert band.binding == ""
+    assert band.active_constraint == ""
     assert band.sides == ()
     assert band.require() is band
     assert len(band) == len(route)
@@ -153,7 +153,7 @@ def test_edge_that_draws_in_pushes_the_band() -> None:
     band = relax(case)
     assert band.ok, band.message
     assert band.displacement[75] >= 0.5 * CAR.width - 1e-9
-    assert band.binding == "right edge"
+    assert band.active_constraint == "right edge"
     assert_certified(band, case)
 
 
@@ -180,12 +180,12 @@ def test_residual_says_that_it_is_an_equilibrium(stiffness: BandStiffness) -> No
     band = relax(case, side="left", stiffness=stiffness)
     assert band.ok, band.message
     assert band.residual < 1e-8
-    assert 1 <= band.solves <= 60
+    assert 1 <= band.n_solves <= 60
 
 
 def test_a_handful_of_solves() -> None:
     solves = [
-        relax(scene(straight(), [boxes(75.0, d, 0.1, 4.5, 1.8)])).solves for d in np.linspace(-2, 2, 21)
+        relax(scene(straight(), [boxes(75.0, d, 0.1, 4.5, 1.8)])).n_solves for d in np.linspace(-2, 2, 21)
     ]
     assert np.median(solves) <= 12
 

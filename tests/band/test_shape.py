@@ -156,7 +156,7 @@ def assert_mirrored(band: Band, other: Band) -> None:
     assert other.curvature == pytest.approx(band.curvature, abs=1e-9)
     assert other.status is band.status
     names = {"left edge": "right edge", "right edge": "left edge"}
-    assert other.binding == names.get(band.binding, band.binding)
+    assert other.active_constraint == names.get(band.active_constraint, band.active_constraint)
 
 
 @pytest.mark.parametrize("h", MESHES)

@@ -17,10 +17,14 @@ from tests.support.band_scenes import CAR, assert_certified, bend, moving, relax
 
 def energy(band: Band) -> float:
     """Energy of the band between the bounds that its sides ask for, before they were pushed."""
-    lower, upper = (bound[0] for bound in band.task.corridor.bounds(band.passes_left[:, None]))
+    lower, upper = (bound[0] for bound in band.problem.corridor.bounds(band.passes_left[:, None]))
     return float(
         band_energy(
-            band.displacement, lower=lower, upper=upper, spacing=band.spacing, stiffness=band.task.stiffness
+            band.displacement,
+            lower=lower,
+            upper=upper,
+            spacing=band.spacing,
+            stiffness=band.problem.stiffness,
         )
     )
 
@@ -59,7 +63,7 @@ def test_sides_allowed_by_corridor(d: float) -> None:
 def test_none_where_both_sides_are_closed() -> None:
     band = relax(scene(straight(), [boxes(75.0, 0.0, 0.0, 4.5, 1.8)], corridor=(-2.0, 2.0)))
     assert band.status is Status.INFEASIBLE
-    assert band.binding == "obstacle 0"
+    assert band.active_constraint == "obstacle 0"
     assert "no room" in band.message
 
 

@@ -90,7 +90,7 @@ def test_curvature_rate_is_bounded_hard(solver: Any) -> None:
             assert rate(smooth) <= 1.02 * asked
             assert_certified(smooth, one())
         else:
-            assert smooth.status is Status.FALLBACK
+            assert smooth.status is Status.DEGRADED
 
 
 def test_route_that_changes_its_curvature_too_fast() -> None:
@@ -123,7 +123,7 @@ def test_curvature_limit_that_the_band_alone_misses() -> None:
 def test_fallback_keeps_the_band(solver: Any) -> None:
     band = relax(one(), side="left")
     stands = smooth_band(band, curvature_rate_limit=1e-5, solver=solver)
-    assert stands.status is Status.FALLBACK
+    assert stands.status is Status.DEGRADED
     assert not stands.ok
     assert "not smoothed" in stands.message
     assert stands.qp_residual is None
@@ -217,5 +217,5 @@ def test_many_bands_are_refused() -> None:
 
 def test_says_in_words_that_no_band_is_smooth_enough() -> None:
     stands = smooth_band(relax(one(), side="left"), curvature_rate_limit=1e-9)
-    assert stands.status is Status.FALLBACK
+    assert stands.status is Status.DEGRADED
     assert stands.message.startswith("not smoothed (no band within these bounds); ")

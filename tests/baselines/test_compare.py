@@ -13,12 +13,12 @@ import pytest
 from cca_core import InputError, Status
 from cca_core.baselines import OneShotBand, RelaxedBand, SmoothedBand
 from cca_core.baselines.closed_loop import ClosedLoop, drive_closed
-from cca_core.baselines.compare import Row, compare
+from cca_core.baselines.compare import ComparisonRow, compare
 from cca_core.baselines.csv_rows import append_row, read_rows
 from cca_core.baselines.problem import Problem
-from cca_core.baselines.sampled_problems import draw, parked
-from cca_core.baselines.scaling import Step, grow
-from cca_core.baselines.verify import judge
+from cca_core.baselines.sampled_problems import parked, sample_problem
+from cca_core.baselines.scaling import ScalingPoint, measure_scaling
+from cca_core.baselines.verify import verify_plan
 from cca_core.plot.comparison import plot_growth, plot_plans, plot_time_quality
 from cca_core.sim import paper_scenarios
 from cca_core.sim.loop import make_planner
@@ -26,7 +26,7 @@ from tests.support.misbehaving_methods import CannotBeMade, Dies, Empty, Hangs, 
 from tests.support.table1_problems import BLOCKED, CASES, SLALOM
 from tests.support.table1_problems import judge as independent
 
-TWO = [draw("one car", 1), draw("blocked", 1)]
+TWO = [sample_problem("one car", 1), sample_problem("blocked", 1)]
 BANDS = pytest.mark.parametrize(
     "method",
     [RelaxedBand(), pytest.param(SmoothedBand(), marks=pytest.mark.requires("piqp"))],
@@ -42,7 +42,7 @@ def test_a_band_keeps_limits_and_clearance(method: Any, task: Problem) -> None:
     gap, edge = independent(task, plan)
     assert gap >= task.clearance - 5e-3
     assert edge >= -5e-3
-    assert judge(task, plan).confirmed
+    assert verify_plan(task, plan).passed
 
 
 @BANDS
@@ -54,7 +54,7 @@ def test_a_band_refuses_a_blocked_road(method: Any) -> None:
 
 
 def test_eq_9_as_printed_bends_away_and_knows_no_failure() -> None:
-    plans = [OneShotBand().plan(draw("one car", seed).problem) for seed in range(1, 6)]
+    plans = [OneShotBand().plan(sample_problem("one car", seed).problem) for seed in range(1, 6)]
     assert all(plan.status is Status.OK for plan in plans)
     assert max(np.abs(plan.xy[:, 1]).max() for plan in plans) > 1.0
     assert OneShotBand().plan(BLOCKED).status is Status.OK
@@ -73,7 +73,7 @@ def test_bad_settings(make: Any, name: str) -> None:
 def test_every_outcome_is_a_row_and_an_interrupted_run_goes_on(tmp_path: Path) -> None:
     out = tmp_path / "new" / "rows.csv"
     methods = {"band": RelaxedBand, "straight": Straight}
-    seen: list[Row] = []
+    seen: list[ComparisonRow] = []
     first = compare({"band": RelaxedBand}, TWO, out=out, progress=seen.append)
     assert [row.outcome for row in first] == ["solved", "rightly refused"]
     assert first == seen
@@ -112,7 +112,7 @@ def test_a_hanging_method_is_stopped(tmp_path: Path) -> None:
 
 
 def test_rows_are_the_same_when_read_again(tmp_path: Path) -> None:
-    row = Row(
+    row = ComparisonRow(
         method="a, b",
         kind="one car",
         seed=3,
@@ -122,30 +122,31 @@ def test_rows_are_the_same_when_read_again(tmp_path: Path) -> None:
         finished=True,
     )
     append_row(tmp_path / "rows.csv", row)
-    (again,) = read_rows(tmp_path / "rows.csv", Row)
+    (again,) = read_rows(tmp_path / "rows.csv", ComparisonRow)
     assert again.method == "a, b"
     assert again.message == "two lines"
     assert again.finished is True
     assert again.seed == 3
     assert again.length == 1.5
     assert math.isnan(again.clearance)
-    assert read_rows(tmp_path / "none.csv", Row) == []
+    assert read_rows(tmp_path / "none.csv", ComparisonRow) == []
     (tmp_path / "other.csv").write_text("method,seed\na,1\n")
-    assert read_rows(tmp_path / "other.csv", Row) == []
+    assert read_rows(tmp_path / "other.csv", ComparisonRow) == []
 
 
 @pytest.mark.requires("matplotlib")
 def test_growth_is_timed_and_kept(tmp_path: Path) -> None:
     steps = [
-        Step(method="band", axis="cars", value=n, make=RelaxedBand, problem=parked(n, 200.0)) for n in (1, 2)
-    ] + [Step(method="bad", axis="cars", value=1, make=Raises, problem=parked(1, 200.0))]
-    found = grow(steps, out=tmp_path / "growth.csv")
+        ScalingPoint(method="band", axis="cars", value=n, make=RelaxedBand, problem=parked(n, 200.0))
+        for n in (1, 2)
+    ] + [ScalingPoint(method="bad", axis="cars", value=1, make=Raises, problem=parked(1, 200.0))]
+    found = measure_scaling(steps, out=tmp_path / "growth.csv")
     assert [r.status[:5] for r in found] == ["OK", "OK", "ERROR"]
     assert found[0].peak > 1.0
     assert found[0].time_ms > 0.0
     assert math.isnan(found[2].time_ms)
     seen: list[Any] = []
-    grow(steps, out=tmp_path / "growth.csv", progress=seen.append)
+    measure_scaling(steps, out=tmp_path / "growth.csv", progress=seen.append)
     assert not seen
     assert plot_growth(found[:2], ["cars"]).axes
 
@@ -169,7 +170,7 @@ def test_closed_loop_is_measured_and_kept(tmp_path: Path) -> None:
 def test_figures_show_every_method() -> None:
     measured = {"time_ms": 2.0, "driven_jerk": 9.0}
     rows = [
-        Row(method=m, kind=k, seed=1, outcome=o, **measured)  # type: ignore[arg-type]
+        ComparisonRow(method=m, kind=k, seed=1, outcome=o, **measured)  # type: ignore[arg-type]
         for m, k, o in (
             ("a", "one car", "solved"),
             ("a", "blocked", "rightly refused"),

@@ -12,7 +12,7 @@ from cca_core import InputError, Lane, MissingExtraError, Path, RemoteVehicle, R
 from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
 from cca_core.baselines.mpc.linear import LinearMpc
 from cca_core.baselines.mpc.nonlinear import NonlinearMpc
-from cca_core.baselines.mpc.side_choice import passages
+from cca_core.baselines.mpc.side_choice import side_choices
 from cca_core.baselines.problem import Plan, Problem
 from cca_core.geometry import Boxes, box_gap
 from cca_core.path import interpolate_path
@@ -206,11 +206,11 @@ def test_linear_motion_without_limits_is_that_of_least_squares() -> None:
 
 def test_all_choices_of_sides_are_offered_and_the_easiest_first() -> None:
     horizon = Horizon.of(SLALOM, 24)
-    found = passages(horizon, V * horizon.t, np.full(25, V), 0.0)
+    found = side_choices(horizon, V * horizon.t, np.full(25, V), 0.0)
     assert len(found) == 1  # left, right, left: all else leaves the road or contradicts itself
     assert found[0].overlap == 0.0
     wide = dataclasses.replace(horizon, road=Road(LINE, (Lane(d=0.0, width=14.0),)))
-    found = passages(wide, V * horizon.t, np.full(25, V), 0.0)
+    found = side_choices(wide, V * horizon.t, np.full(25, V), 0.0)
     assert len(found) > 2
     assert all((p.lower <= p.upper + 1e-9).all() for p in found)
 
@@ -241,7 +241,7 @@ def test_ends_of_the_body_are_kept_where_their_corridor_is() -> None:
     """The bound begins where the front meets the other, half an interval early, and the ends stay in it."""
     horizon = Horizon.of(STANDING, 40)
     v, s = np.full(41, V), V * horizon.t
-    passage = passages(horizon, s, v, 0.0)[0]
+    passage = side_choices(horizon, s, v, 0.0)[0]
     reach = 0.5 * 4.5 + STANDING.clearance + 0.5 * V * horizon.step
     for bound, offset in zip(passage.lower, (-2.25, 2.25), strict=True):
         beside = np.abs(s + offset - 50.0) <= reach

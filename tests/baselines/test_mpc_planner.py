@@ -24,7 +24,7 @@ STATE = VehicleState(x=100.0, y=0.0, psi=0.0, v_x=20.0)
 
 def drive(method: Any, *users: RoadUser, duration: float, road: Road = ROAD) -> Log:
     scenario = Scenario(
-        name="test", case=None, road=road, vehicle=CAR, start=20.0, v_x=20.0, cruise_speed=20.0, users=users,
+        name="test", case=None, road=road, vehicle=CAR, start=20.0, v_x=20.0, cruise_speed=20.0, road_users=users,
         duration=duration,
     )  # fmt: skip
     planner = MpcPlanner(CAR, road, cruise_speed=20.0, method=method)
@@ -41,8 +41,8 @@ def test_one_car_is_passed_without_contact(method: str, s: float, v: float) -> N
     log = drive(method, RoadUser(id="a", s=20.0 + s, d=0.0, v_x=v), duration=14.0)
     assert log.t[-1] == pytest.approx(14.0)
     assert log.gaps().min() > 0.3
-    assert log.place[-1, 0] > log.user_places[-1, 0, 0] + 5.0
-    assert abs(log.place[-1, 1]) < 0.3
+    assert log.ego_frenet[-1, 0] > log.user_frenet[-1, 0, 0] + 5.0
+    assert abs(log.ego_frenet[-1, 1]) < 0.3
     assert np.abs(log.a_y).max() < 3.5
     assert np.abs(log.tracking).max() < 0.3
     assert "EVADE_LEFT" in log.actions
@@ -52,7 +52,7 @@ def test_one_car_is_passed_without_contact(method: str, s: float, v: float) -> N
 def test_without_a_second_lane_it_follows(method: str) -> None:
     log = drive(method, RoadUser(id="a", s=80.0, d=0.0, v_x=12.0), duration=12.0, road=Road(LINE))
     assert log.gaps().min() > 2.0
-    assert np.abs(log.place[:, 1]).max() < 0.2
+    assert np.abs(log.ego_frenet[:, 1]).max() < 0.2
     assert abs(log.ego[-1, 3] - 12.0) < 2.0
     assert "FOLLOW" in log.actions
 
@@ -70,7 +70,7 @@ def test_waits_for_oncoming_traffic(method: str) -> None:
 @METHODS
 def test_nothing_in_the_way_changes_nothing(method: str) -> None:
     log = drive(method, duration=2.0)
-    assert np.abs(log.place[:, 1]).max() < 1e-2
+    assert np.abs(log.ego_frenet[:, 1]).max() < 1e-2
     assert np.abs(log.ego[:, 3] - 20.0).max() < 0.05
     assert log.actions == ["KEEP"]
 
@@ -98,7 +98,7 @@ def test_misuse_of_a_step_brakes(method: Any) -> None:
 def test_without_solution_the_last_one_is_driven_on_and_then_it_brakes(method: Any) -> None:
     planner = MpcPlanner(CAR, ROAD, cruise_speed=20.0, method=method, settings=MpcSettings(iterations=1))
     command = planner.step(0.0, STATE, [RemoteVehicle(id="a", x=150.0, y=0.0, psi=0.0, v_x=5.0)])
-    assert command.status is Status.FALLBACK
+    assert command.status is Status.DEGRADED
     assert command.a_x < -1.0
     planner = MpcPlanner(CAR, ROAD, cruise_speed=20.0, method=method)
     planner.step(0.0, STATE, [])

@@ -11,7 +11,7 @@ from cca_core import InputError, Path, VehicleParams, VehicleState
 from cca_core.baselines import LqrSteering, PurePursuit, Stanley
 from cca_core.follow import discretized, single_track, steady_sideslip, steady_steering
 from cca_core.path import interpolate_path
-from cca_core.sim import SingleTrackPlant, lane_change, track
+from cca_core.sim import SingleTrackPlant, lane_change_path, track_path
 
 CAR = VehicleParams.bmw_320i()
 UNDERSTEER = VehicleParams(m=1500.0, I_z=2500.0, l_f=1.2, l_r=1.5, C_f=80e3, C_r=110e3, length=4.5, width=1.8)
@@ -77,7 +77,7 @@ def test_pure_pursuit_is_the_circle_to_the_goal() -> None:
         v_x=1.0,
     )
     for look_ahead in (4.0, 10.0, 40.0):
-        law = PurePursuit(CAR, least_look_ahead=look_ahead)
+        law = PurePursuit(CAR, min_look_ahead=look_ahead)
         assert law.steer(state, LEFT) == pytest.approx(math.atan(CAR.wheelbase / 200.0), rel=1e-4)
 
 
@@ -125,13 +125,13 @@ def test_lqr_is_optimal(v: float) -> None:
 @pytest.mark.parametrize("law", LAWS)
 def test_follows_a_lane_change(law: Any) -> None:
     plant = SingleTrackPlant(CAR, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=14.0))
-    run = track(plant, law(CAR).steer, lane_change(3.5, 60.0), 14.0)
+    run = track_path(plant, law(CAR).steer, lane_change_path(3.5, 60.0), 14.0)
     assert run.peak < 0.15
 
 
 @pytest.mark.parametrize(
     ("law", "name", "value"),
-    [(PurePursuit, "look_ahead_time", 0.0), (PurePursuit, "least_look_ahead", -1.0), (Stanley, "gain", -1.0),
+    [(PurePursuit, "look_ahead_time", 0.0), (PurePursuit, "min_look_ahead", -1.0), (Stanley, "gain", -1.0),
      (Stanley, "softening", math.nan), (Stanley, "yaw_damping", -0.1), (LqrSteering, "q_d", 0.0),
      (LqrSteering, "q_rate", -1.0), (LqrSteering, "q_psi", -1.0)],
 )  # fmt: skip

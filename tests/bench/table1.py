@@ -25,9 +25,9 @@ from cca_core.baselines import (
     SmoothedBand,
 )
 from cca_core.baselines.closed_loop import ClosedLoop, drive_closed
-from cca_core.baselines.compare import Row, compare
-from cca_core.baselines.sampled_problems import KINDS, draw, parked
-from cca_core.baselines.scaling import Growth, Step, grow
+from cca_core.baselines.compare import ComparisonRow, compare
+from cca_core.baselines.sampled_problems import KINDS, parked, sample_problem
+from cca_core.baselines.scaling import ScalingPoint, ScalingResult, measure_scaling
 from cca_core.plot.comparison import plot_growth, plot_time_quality
 from cca_core.sim import Scenario, paper_scenarios
 from cca_core.sim.loop import make_planner
@@ -69,7 +69,7 @@ PLANNERS: dict[str, Callable[[Scenario], Any]] = {
 }
 
 
-def steps() -> list[Step]:
+def steps() -> list[ScalingPoint]:
     """What grows: nodes over 120 m, meters at the same spacing, and cars on 300 m."""
     nodes, meters, cars = AXES
     found = []
@@ -87,7 +87,9 @@ def steps() -> list[Step]:
         elif value <= 60:
             made["primitives"] = partial(MotionPrimitives, step=length / 20.0 / value)
         for name, make in made.items():
-            found.append(Step(method=name, axis=axis, value=value, make=make, problem=parked(others, length)))
+            found.append(
+                ScalingPoint(method=name, axis=axis, value=value, make=make, problem=parked(others, length))
+            )
 
     for n in (30, 60, 120):
         add(nodes, n, 120.0, 1, n)
@@ -95,10 +97,10 @@ def steps() -> list[Step]:
         add(meters, length, length, 1, round(length / 4.0))
     for others in (1, 2, 4, 6):
         add(cars, others, 300.0, others, 75)
-    example = draw("one car", 1).problem
+    example = sample_problem("one car", 1).problem
     for seed in range(1, 11):
         tree = partial(Rrt, variant="rrt", seed=seed, iterations=TREE, time_limit=8.0)
-        found.append(Step(method="RRT", axis=SEEDS, value=seed, make=tree, problem=example))
+        found.append(ScalingPoint(method="RRT", axis=SEEDS, value=seed, make=tree, problem=example))
     return found
 
 
@@ -112,12 +114,12 @@ def main() -> int:
         sys.stdout.write(f"{time.perf_counter() - begun:5.0f} s  {line}\n")
         sys.stdout.flush()
 
-    problems = [draw(kind, seed) for kind in KINDS for seed in range(1, 21)]
+    problems = [sample_problem(kind, seed) for kind in KINDS for seed in range(1, 21)]
     rows = compare(
         METHODS, problems, out=OUT / "plans.csv", core=core,
         progress=lambda r: told(f"{r.method}: {r.kind} {r.seed}: {r.outcome}") if r.seed == 20 else None,
     )  # fmt: skip
-    growth = grow(
+    growth = measure_scaling(
         steps(), out=OUT / "growth.csv", core=core,
         progress=lambda g: told(f"{g.method}: {g.axis} {g.value:g}: {g.time_ms:.1f} ms"),
     )  # fmt: skip
@@ -137,7 +139,7 @@ def main() -> int:
     return 0
 
 
-def write(rows: list[Row], growth: list[Growth], drives: list[ClosedLoop]) -> str:
+def write(rows: list[ComparisonRow], growth: list[ScalingResult], drives: list[ClosedLoop]) -> str:
     """Write page and pictures; return the main table."""
     machine = f"{_processor()}, Python {platform.python_version()}"
     text, table = page(rows, growth, drives, machine=machine, modules=ROOT / "cca_core")

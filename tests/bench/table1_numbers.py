@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from cca_core.baselines.closed_loop import ClosedLoop
-from cca_core.baselines.compare import Row
-from cca_core.baselines.scaling import Growth
+from cca_core.baselines.compare import ComparisonRow
+from cca_core.baselines.scaling import ScalingResult
 
 AXES = ("nodes or intervals on 120 m", "length [m]", "cars on 300 m")
 SEEDS = "seed of the tree"
@@ -32,7 +32,11 @@ class Measured:
     """What was measured, with the numbers that the page quotes."""
 
     def __init__(
-        self, rows: Sequence[Row], growth: Sequence[Growth], drives: Sequence[ClosedLoop], modules: Path
+        self,
+        rows: Sequence[ComparisonRow],
+        growth: Sequence[ScalingResult],
+        drives: Sequence[ClosedLoop],
+        modules: Path,
     ) -> None:
         self.rows, self.growth, self.drives = rows, growth, drives
         self.methods = list(dict.fromkeys(row.method for row in rows))
@@ -41,14 +45,14 @@ class Measured:
             for name, patterns in MODULES.items()
         }
 
-    def of(self, method: str, *outcomes: str, kind: str | None = None) -> list[Row]:
+    def of(self, method: str, *outcomes: str, kind: str | None = None) -> list[ComparisonRow]:
         return [
             row for row in self.rows
             if row.method == method and (not outcomes or row.outcome in outcomes)
             and (kind is None or row.kind == kind)
         ]  # fmt: skip
 
-    def open(self, method: str, *outcomes: str) -> list[Row]:
+    def open(self, method: str, *outcomes: str) -> list[ComparisonRow]:
         return [row for row in self.of(method, *outcomes) if row.kind != "blocked"]
 
     def solved(self, method: str, kind: str | None = None) -> float:

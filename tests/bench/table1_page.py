@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 
 from cca_core.baselines.closed_loop import ClosedLoop
-from cca_core.baselines.compare import Row
+from cca_core.baselines.compare import ComparisonRow
 from cca_core.baselines.sampled_problems import KINDS
-from cca_core.baselines.scaling import Growth
+from cca_core.baselines.scaling import ScalingResult
 from tests.bench.table1_numbers import AXES, Lines, Measured, num, table
 from tests.bench.table1_text import CONDITIONS, DIFFERS, HEAD
 from tests.bench.table1_verdicts import better, sentences
 
 
 def page(
-    rows: Sequence[Row],
-    growth: Sequence[Growth],
+    rows: Sequence[ComparisonRow],
+    growth: Sequence[ScalingResult],
     drives: Sequence[ClosedLoop],
     *,
     machine: str,

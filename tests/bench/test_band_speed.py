@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 
 from cca_core import Path, VehicleParams
 from cca_core.band import Band, BandStiffness, equilibrium, relax_band, smooth_band
-from cca_core.band.corridor import Corridor, corridor_around
+from cca_core.band.corridor import Corridor, make_corridor
 from cca_core.band.stiffness import deformed
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import interpolate_path
@@ -105,7 +105,7 @@ def corridor_of(problem: Problem, nodes: np.ndarray, obstacles: list[Boxes]) -> 
     """How the corridor of a straight road is found, given what a planner has at hand."""
     base = nodes.view(np.complex128).reshape(-1, nodes.shape[-2])
     tangents, leading = np.ones_like(base), nodes.shape[:-2]
-    return lambda: corridor_around(base, tangents, obstacles, None, CAR, problem.clearance, 0.0, leading)
+    return lambda: make_corridor(base, tangents, obstacles, None, CAR, problem.clearance, 0.0, leading)
 
 
 def contact(stiffness: BandStiffness, spacing: float) -> tuple[np.ndarray, float]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleState
-from cca_core.decide import Action, Candidate, Leader, choose_action
+from cca_core.decide import Action, Candidate, LeadVehicle, choose_action
 from cca_core.path import fit_path
 from tests.bench.conftest import Budget, median_us
 from tests.planner.test_planner import ALL_KNOWN, CAR
@@ -35,11 +35,11 @@ def traffic() -> tuple[Planner, VehicleState, list[RemoteVehicle]]:
 
 @pytest.mark.parametrize("free", [True, False])
 def test_choose_action(slowness: float, budget: Budget, record_property: Report, free: bool) -> None:
-    leader = Leader(id="R0", gap=30.0, v_x=12.0, required_deceleration=1.0, follow_acceleration=-1.0)
+    leader = LeadVehicle(id="R0", gap=30.0, v_x=12.0, required_deceleration=1.0, follow_acceleration=-1.0)
     ways = [
         Candidate(
-            side="left" if i % 2 else "right", obstruction="" if free else f"R{i} is in the way",
-            lead_in=20.0, needed=50.0, duration=6.0, zone=(-40.0, 10.0), cost=3.0 + i,
+            side="left" if i % 2 else "right", rejection="" if free else f"R{i} is in the way",
+            available_distance=20.0, required_distance=50.0, t_maneuver=6.0, danger_zone=(-40.0, 10.0), cost=3.0 + i,
         )
         for i in range(20)
     ]  # fmt: skip

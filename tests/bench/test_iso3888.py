@@ -9,12 +9,12 @@ import pytest
 from cca_core import VehicleParams, VehicleState
 from cca_core.sim import (
     DoubleLaneChange,
+    GateRun,
     MultiBodyPlant,
-    Passage,
     drive_through,
     iso3888_1,
     iso3888_2,
-    plan_through,
+    plan_gate_path,
 )
 
 CAR = VehicleParams.bmw_320i()
@@ -36,11 +36,11 @@ def test_passed_up_to(benchmark: Any, name: str, plant: str) -> None:
     """The speed asked for is passed; then 1 km/h more each time until a gate is touched."""
     course, wanted = COURSES[name]
 
-    def highest() -> tuple[int, Passage]:
+    def highest() -> tuple[int, GateRun]:
         speed_kmh, first = wanted - 1, None
         while True:
             speed = (speed_kmh + 1) / 3.6
-            band = plan_through(course, CAR, speed)
+            band = plan_gate_path(course, CAR, speed)
             if not band.ok:
                 break
             passage = drive_through(course, band, speed, PLANTS[plant])

@@ -49,7 +49,7 @@ def test_planner_step(
 ) -> None:
     """A cycle: without news; looking for a way on two sides, in vain; renewing the band of a swerve."""
     road = Road(route, (Lane(d=0.0), Lane(d=3.5), Lane(d=-3.5)))
-    planner = Planner(CAR, road, cruise_speed=20.0, evasion=EvasionSettings(known_range=np.inf))
+    planner = Planner(CAR, road, cruise_speed=20.0, evasion=EvasionSettings(awareness_range=np.inf))
     ego = _state(route, 20.0)
     others = []
     for i, (s, d) in enumerate(places):

@@ -26,7 +26,7 @@ from cca_core.follow import (
     steady_turn,
 )
 from cca_core.path import clean_route, fit_path, interpolate_path, read_waypoints
-from cca_core.sim import MultiBodyPlant, SingleTrackPlant, TrackingRun, lane_change, track
+from cca_core.sim import MultiBodyPlant, SingleTrackPlant, TrackingRun, lane_change_path, track_path
 
 CAR = VehicleParams.bmw_320i()
 DELAY = 0.15  # [s]
@@ -37,7 +37,7 @@ Law = Callable[[VehicleState, Path], float]
 
 # found by `python tests/bench/test_steering.py`: least rms error on `tuning_track`, single track
 TUNED: dict[str, dict[str, float]] = {
-    "pure pursuit": {"look_ahead_time": 0.6769, "least_look_ahead": 3.368},
+    "pure pursuit": {"look_ahead_time": 0.6769, "min_look_ahead": 3.368},
     "Stanley": {"gain": 29.12, "softening": 19.48, "yaw_damping": 0.2234},
     "LQR": {"q_d": 0.01017, "q_rate": 1.855e-6, "q_psi": 1.423},
 }
@@ -100,9 +100,9 @@ class Track:
 
 
 TRACKS = {
-    "3.5 m over 44 m, 50 km/h": Track(lambda _: lane_change(3.5, 44.0), 50.0 / 3.6, (0.04, 0.05)),
-    "3.5 m over 60 m, 70 km/h": Track(lambda _: lane_change(3.5, 60.0), 70.0 / 3.6, (0.04, 0.05)),
-    "3.5 m over 60 m, 25 m/s": Track(lambda _: lane_change(3.5, 60.0), 25.0, (0.08, 0.08)),
+    "3.5 m over 44 m, 50 km/h": Track(lambda _: lane_change_path(3.5, 44.0), 50.0 / 3.6, (0.04, 0.05)),
+    "3.5 m over 60 m, 70 km/h": Track(lambda _: lane_change_path(3.5, 60.0), 70.0 / 3.6, (0.04, 0.05)),
+    "3.5 m over 60 m, 25 m/s": Track(lambda _: lane_change_path(3.5, 60.0), 25.0, (0.08, 0.08)),
     "I-80, 20 km, 30 m/s": Track(interstate, 30.0, (0.04, 0.06), recorded=True),
     "I-80, 2 km, 30 m/s": Track(
         lambda data: stretch(interstate(data), 2e3), 30.0, (0.04, 0.06), recorded=True
@@ -145,7 +145,7 @@ def drive(name: str, plant: str, law: str, data: FilePath, variant: str = "") ->
         steer = LAWS[law]()
         if variant == "delay told":
             steer = PreviewController(CAR, told_of_delay(), delay=DELAY).steer
-        RUNS[key] = track(
+        RUNS[key] = track_path(
             make_plant(plant, steady_turn(path, path.start, speed, CAR), variant), steer, path, speed,
             delay=DELAY if "delay" in variant else 0.0, fix_sigma=NOISE if variant == "noise" else 0.0,
         )  # fmt: skip
@@ -191,7 +191,7 @@ def test_high_gain_controllers_with_dead_time(benchmark: Any, name: str, law: st
 
 def test_steer_takes_at_most_20_us(benchmark: Any, slowness: float, budget: Any) -> None:
     """On the reference machine, and in proportion on a slower one."""
-    path, controller = lane_change(3.5, 60.0), PreviewController(CAR)
+    path, controller = lane_change_path(3.5, 60.0), PreviewController(CAR)
     state = VehicleState(x=110.0, y=1.0, psi=0.08, v_x=20.0)
     benchmark(controller.steer, state, path)
     budget(1e6 * benchmark.stats.stats.median, "µs", most=20.0 * slowness)
@@ -230,7 +230,7 @@ def test_recorded_drive(benchmark: Any, plant: str, bound: float, data_dir: File
 
     def run() -> TrackingRun:
         car = make_plant(plant, steady_turn(path, path.start, math.sqrt(float(speed[1][0])), CAR), "")
-        return track(car, PreviewController(CAR).steer, path, speed, margin=30.0)
+        return track_path(car, PreviewController(CAR).steer, path, speed, margin=30.0)
 
     driven = benchmark.pedantic(run, rounds=1)
     RUNS["recorded drive", plant, "preview", ""] = driven
@@ -298,7 +298,7 @@ def cost(values: Any, law: type[Any], names: list[str], robust: bool) -> float:
         for delay in (0.04, DELAY) if robust else (0.04,):
             steer = law(CAR, **dict(zip(names, np.power(10.0, values).tolist(), strict=True))).steer
             car = SingleTrackPlant(CAR, steady_turn(path, path.start, speed, CAR))
-            run = track(car, steer, path, speed, delay=delay)
+            run = track_path(car, steer, path, speed, delay=delay)
             if delay == DELAY:
                 total += 0.0 if run.finished and np.abs(run.d[-50:]).max() < 0.1 else 10.0
             else:
@@ -307,7 +307,7 @@ def cost(values: Any, law: type[Any], names: list[str], robust: bool) -> float:
 
 
 SPACES: dict[type[Any], dict[str, tuple[float, float]]] = {  # decimal logarithms
-    PurePursuit: {"look_ahead_time": (-1.0, 0.5), "least_look_ahead": (0.0, 1.2)},
+    PurePursuit: {"look_ahead_time": (-1.0, 0.5), "min_look_ahead": (0.0, 1.2)},
     Stanley: {"gain": (-1.0, 2.0), "softening": (-1.0, 1.5), "yaw_damping": (-3.0, 0.5)},
     LqrSteering: {"q_d": (-4.0, 2.0), "q_rate": (-6.0, 1.0), "q_psi": (-3.0, 2.0)},
 }

@@ -7,21 +7,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cca_core.decide import Action, Candidate, Leader, choose_action
+from cca_core.decide import Action, Candidate, LeadVehicle, choose_action
 
 K, F, L, R, B = Action.KEEP, Action.FOLLOW, Action.EVADE_LEFT, Action.EVADE_RIGHT, Action.BRAKE
 
 
-def leader(need: float = 0.5, follow: float = -1.0, gap: float = 30.0) -> Leader:
-    return Leader(id="R1", gap=gap, v_x=12.0, required_deceleration=need, follow_acceleration=follow)
+def leader(need: float = 0.5, follow: float = -1.0, gap: float = 30.0) -> LeadVehicle:
+    return LeadVehicle(id="R1", gap=gap, v_x=12.0, required_deceleration=need, follow_acceleration=follow)
 
 
 def free(side: str = "left", **kwargs: Any) -> Candidate:
-    return Candidate(side=side, **({"lead_in": 20.0, "needed": 50.0, "duration": 6.0} | kwargs))
+    return Candidate(side=side, **({"available_distance": 20.0, "needed": 50.0, "duration": 6.0} | kwargs))
 
 
-BLOCKED = Candidate(side="left", obstruction="A is in the way", zone=(-50.0, 10.0))
-DUE, EARLY = free(), free(lead_in=80.0)
+BLOCKED = Candidate(side="left", rejection="A is in the way", danger_zone=(-50.0, 10.0))
+DUE, EARLY = free(), free(available_distance=80.0)
 CALM, SLOWING, HARD = leader(0.1, -0.1), leader(1.0, -1.0), leader(5.0, -5.0)
 
 TABLE = [
@@ -53,16 +53,18 @@ TABLE = [
     (HARD, [DUE], B, L),
     (SLOWING, [free("right")], K, R),
     (SLOWING, [BLOCKED, free("right")], K, R),
-    (SLOWING, [BLOCKED, free("right", lead_in=80.0)], K, K),
+    (SLOWING, [BLOCKED, free("right", available_distance=80.0)], K, K),
 ]
 
 
 @pytest.mark.parametrize(("ahead", "candidates", "previous", "expected"), TABLE)
-def test_table(ahead: Leader | None, candidates: list[Candidate], previous: Action, expected: Action) -> None:
+def test_table(
+    ahead: LeadVehicle | None, candidates: list[Candidate], previous: Action, expected: Action
+) -> None:
     decision = choose_action(ahead, candidates, previous=previous)
     assert decision.action is expected
     assert decision.reason.strip()
-    assert decision.leader == (None if ahead is None else "R1")
+    assert decision.lead_id == (None if ahead is None else "R1")
 
 
 @pytest.mark.parametrize(
@@ -75,12 +77,12 @@ def test_cost_decides_between_sides(left: float, right: float, expected: Action,
 
 
 def test_blocked_side_loses_whatever_it_costs() -> None:
-    blocked = Candidate(side="left", obstruction="there is no lane", cost=-100.0)
+    blocked = Candidate(side="left", rejection="there is no lane", cost=-100.0)
     assert choose_action(SLOWING, [blocked, free("right", cost=9.0)]).action is R
 
 
 def test_reason_names_leader_and_every_obstruction() -> None:
-    two = [BLOCKED, Candidate(side="right", obstruction="there is no lane")]
+    two = [BLOCKED, Candidate(side="right", rejection="there is no lane")]
     for ahead in (CALM, SLOWING, HARD):
         reason = choose_action(ahead, two).reason
         assert "R1" in reason
@@ -94,21 +96,21 @@ def test_reason_without_candidates_says_so() -> None:
 
 def test_zone_is_that_of_the_chosen_side() -> None:
     a, b = free("left", cost=2.0, zone=(1.0, 2.0)), free("right", cost=1.0, zone=(3.0, 4.0))
-    assert choose_action(SLOWING, [a, b]).zone == (3.0, 4.0)
-    assert choose_action(SLOWING, [BLOCKED]).zone == BLOCKED.zone
+    assert choose_action(SLOWING, [a, b]).danger_zone == (3.0, 4.0)
+    assert choose_action(SLOWING, [BLOCKED]).danger_zone == BLOCKED.danger_zone
 
 
 def test_thresholds_are_strict_and_adjustable() -> None:
     assert choose_action(leader(4.0, -0.5), []).action is K
     assert choose_action(leader(4.0, -0.501), []).action is F
     assert choose_action(leader(4.001, 0.0), []).action is B
-    assert choose_action(leader(4.001, -1.0), [], brake_above=5.0).action is F
-    assert choose_action(leader(1.0, -1.0), [], follow_below=-1.5).action is K
+    assert choose_action(leader(4.001, -1.0), [], brake_threshold=5.0).action is F
+    assert choose_action(leader(1.0, -1.0), [], follow_threshold=-1.5).action is K
 
 
 def test_due_at_equality() -> None:
-    assert choose_action(CALM, [free(lead_in=50.0, needed=50.0)]).action is L
-    assert choose_action(CALM, [free(lead_in=50.0 + 1e-9, needed=50.0)]).action is K
+    assert choose_action(CALM, [free(available_distance=50.0, needed=50.0)]).action is L
+    assert choose_action(CALM, [free(available_distance=50.0 + 1e-9, needed=50.0)]).action is K
 
 
 def test_infinite_need_brakes() -> None:
@@ -131,17 +133,17 @@ def test_following_does_not_chatter_round_its_threshold() -> None:
     st.lists(
         st.builds(
             Candidate, side=st.sampled_from(["left", "right"]), obstruction=st.sampled_from(["", "no lane"]),
-            lead_in=st.floats(0.0, 200.0), needed=st.floats(0.0, 100.0), cost=st.floats(0.0, 5.0),
+            available_distance=st.floats(0.0, 200.0), needed=st.floats(0.0, 100.0), cost=st.floats(0.0, 5.0),
         ),
         max_size=3,
     ),
     st.sampled_from(list(Action)),
 )  # fmt: skip
 def test_never_evades_to_an_obstructed_side_and_never_ignores_danger(
-    ahead: Leader | None, candidates: list[Candidate], previous: Action
+    ahead: LeadVehicle | None, candidates: list[Candidate], previous: Action
 ) -> None:
     decision = choose_action(ahead, candidates, previous=previous)
-    usable = {c.side for c in candidates if not c.obstruction}
+    usable = {c.side for c in candidates if not c.rejection}
     assert decision.reason
     if decision.action is L:
         assert "left" in usable
@@ -152,4 +154,4 @@ def test_never_evades_to_an_obstructed_side_and_never_ignores_danger(
     elif ahead.required_deceleration > 4.0:
         assert decision.action is not K
         assert decision.action is not F
-        assert decision.action.evades == bool(usable)
+        assert decision.action.is_evading == bool(usable)

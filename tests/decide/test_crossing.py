@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core import InputError, RemoteVehicle, VehicleParams
-from cca_core.decide import Conflict, CrossingSettings, crossing
+from cca_core.decide import Conflict, CrossingSettings, find_conflict
 from cca_core.geometry import box_gap, boxes, wrap_angle
 from cca_core.path import Path, interpolate_path
 
@@ -38,7 +38,7 @@ def car(x: float, y: float, psi: float, v: float, **more: Any) -> RemoteVehicle:
 
 
 def drive(path: Path, s: float, v: float, remote: RemoteVehicle, **more: Any) -> Conflict | None:
-    return crossing(path, s, [s, s + 60.0 * v], [0.0, 60.0], CAR, remote, **more)
+    return find_conflict(path, s, [s, s + 60.0 * v], [0.0, 60.0], CAR, remote, **more)
 
 
 class TestScripted:
@@ -46,14 +46,14 @@ class TestScripted:
         found = drive(STRAIGHT, 0.0, 10.0, car(30.0, -40.0, math.pi / 2.0, 10.0))
         assert found is not None
         # bodies 1.8 m wide, 4.5 m long, clearance 0.3 m: +-3.45 m in s; samples add at most 1 m at each end
-        assert 25.45 <= found.s_in + 0.1 <= 26.55
-        assert 33.45 <= found.s_out + 0.1 <= 34.55
-        assert found.distance == found.s_in
-        assert found.expected == pytest.approx(((40 - 3.45) / 10.0, (40 + 3.45) / 10.0), abs=0.11)
-        assert found.other[0] < found.expected[0] < found.expected[1] < found.other[1]
-        assert found.ego == pytest.approx((found.s_in / 10.0, found.s_out / 10.0))
-        assert not found.free
-        assert found.wait
+        assert 25.45 <= found.s_enter + 0.1 <= 26.55
+        assert 33.45 <= found.s_exit + 0.1 <= 34.55
+        assert found.distance == found.s_enter
+        assert found.t_other_nominal == pytest.approx(((40 - 3.45) / 10.0, (40 + 3.45) / 10.0), abs=0.11)
+        assert found.t_other[0] < found.t_other_nominal[0] < found.t_other_nominal[1] < found.t_other[1]
+        assert found.t_ego == pytest.approx((found.s_enter / 10.0, found.s_exit / 10.0))
+        assert not found.is_clear
+        assert found.must_yield
 
     @pytest.mark.parametrize(
         ("y", "v", "before", "after"),
@@ -61,31 +61,31 @@ class TestScripted:
     )
     def test_order(self, y: float, v: float, before: bool, after: bool) -> None:
         found = drive(
-            STRAIGHT, 0.0, 10.0, car(30.0, y, math.pi / 2.0, v), settings=CrossingSettings(margin=0.5)
+            STRAIGHT, 0.0, 10.0, car(30.0, y, math.pi / 2.0, v), settings=CrossingSettings(min_pet=0.5)
         )
         assert found is not None
-        assert (found.before, found.after, found.free, found.wait) == (
+        assert (found.ego_first, found.other_first, found.is_clear, found.must_yield) == (
             before, after, before or after, not (before or after),
         )  # fmt: skip
 
     def test_one_that_may_stop_in_the_area_never_leaves_it_for_certain(self) -> None:
         found = drive(STRAIGHT, 0.0, 10.0, car(30.0, -20.0, math.pi / 2.0, 8.0))
         assert found is not None
-        assert found.other[1] == math.inf
-        assert math.isfinite(found.expected[1])
+        assert found.t_other[1] == math.inf
+        assert math.isfinite(found.t_other_nominal[1])
 
     def test_inside_the_area_it_is_to_be_cleared(self) -> None:
         found = drive(STRAIGHT, 28.0, 5.0, car(30.0, -15.0, math.pi / 2.0, 10.0))
         assert found is not None
         assert found.distance <= 0.0
-        assert not found.wait
+        assert not found.must_yield
 
     def test_left_turn_across(self) -> None:
         path = turn()
         s = float(path.project((-20.0, 0.0))[0])
         found = drive(path, s, 6.0, car(60.0, 7.0, math.pi, 16.0))
         assert found is not None
-        place = path.position(0.5 * (found.s_in + found.s_out))
+        place = path.position(0.5 * (found.s_enter + found.s_exit))
         assert place[1] == pytest.approx(7.0, abs=2.0)
         assert found.distance > 20.0
 
@@ -102,13 +102,13 @@ class TestScripted:
             found = drive(STRAIGHT, 0.0, 10.0, replace(remote, **more))
             assert base is not None
             assert found is not None
-            assert found.other[0] < base.other[0] - 0.05
-            assert found.other[1] > base.other[1] + 0.05 or base.other[1] == math.inf
+            assert found.t_other[0] < base.t_other[0] - 0.05
+            assert found.t_other[1] > base.t_other[1] + 0.05 or base.t_other[1] == math.inf
         wide = drive(STRAIGHT, 0.0, 10.0, replace(remote, sigma_across=1.0))
         assert wide is not None
         assert base is not None
-        assert wide.s_in == pytest.approx(base.s_in - 2.0, abs=1.0)
-        assert wide.s_out == pytest.approx(base.s_out + 2.0, abs=1.0)
+        assert wide.s_enter == pytest.approx(base.s_enter - 2.0, abs=1.0)
+        assert wide.s_exit == pytest.approx(base.s_exit + 2.0, abs=1.0)
 
     @pytest.mark.parametrize(
         "remote",
@@ -180,10 +180,10 @@ def test_bad_arguments(changes: dict[str, Any], named: str) -> None:
         "remote": car(30.0, -40.0, math.pi / 2.0, 10.0),
     }  # fmt: skip
     with pytest.raises(InputError, match=named):
-        crossing(**{**good, **changes})
+        find_conflict(**{**good, **changes})
 
 
-@pytest.mark.parametrize("changes", [{"a_max": -1.0}, {"margin": math.nan}, {"least_angle": 2.0}])
+@pytest.mark.parametrize("changes", [{"a_max": -1.0}, {"margin": math.nan}, {"min_angle": 2.0}])
 def test_bad_settings(changes: dict[str, float]) -> None:
     with pytest.raises(InputError, match=next(iter(changes))):
         CrossingSettings(**changes)
@@ -276,29 +276,29 @@ def sweep_gaps(
 
 def test_never_free_where_the_boxes_meet() -> None:
     rng = np.random.default_rng(2024)
-    settings = CrossingSettings(margin=0.0, clearance=0.0)
+    settings = CrossingSettings(min_pet=0.0, clearance=0.0)
     met = free = conflicts = 0
     for _ in range(COUNT):
         path, s, stations, times, remote = encounter(rng)
-        found = crossing(path, s, stations, times, CAR, remote, horizon=HORIZON, settings=settings)
+        found = find_conflict(path, s, stations, times, CAR, remote, horizon=HORIZON, settings=settings)
         conflicts += found is not None
-        free += found is not None and found.free
+        free += found is not None and found.is_clear
         for a in np.linspace(-settings.b_max, settings.a_max, 5):
             shift, late = rng.choice([-1.0, 1.0, rng.uniform(-1.0, 1.0)]), remote.age * rng.choice([0.5, 1.0])
             gap, sine, at, t = sweep_gaps(path, stations, times, remote, float(a), late, shift)
-            touch = (gap < 0.0) & (sine > math.sin(settings.least_angle))
+            touch = (gap < 0.0) & (sine > math.sin(settings.min_angle))
             if not touch.any():
                 continue
             met += 1
             assert found is not None
-            assert not found.free
+            assert not found.is_clear
             touch = gap < 0.0
-            assert found.s_in <= at[touch].min()
-            assert found.s_out >= at[touch].max()
-            assert found.ego[0] <= t[touch].min() + 1e-6
-            assert found.ego[1] >= t[touch].max() - 1e-6
-            assert found.other[0] <= t[touch].min() + 1e-6
-            assert found.other[1] >= t[touch].max() - 1e-6
+            assert found.s_enter <= at[touch].min()
+            assert found.s_exit >= at[touch].max()
+            assert found.t_ego[0] <= t[touch].min() + 1e-6
+            assert found.t_ego[1] >= t[touch].max() - 1e-6
+            assert found.t_other[0] <= t[touch].min() + 1e-6
+            assert found.t_other[1] >= t[touch].max() - 1e-6
     assert met > COUNT // 5
     assert conflicts > COUNT // 3
     assert free > COUNT // 50
@@ -307,7 +307,7 @@ def test_never_free_where_the_boxes_meet() -> None:
 def test_not_much_larger_than_needed() -> None:
     """At exact knowledge the area is at most 3 m longer than what the bodies sweep at constant speed."""
     rng = np.random.default_rng(5)
-    settings = CrossingSettings(margin=0.0, clearance=0.0, a_max=0.0, b_max=0.0)
+    settings = CrossingSettings(min_pet=0.0, clearance=0.0, a_max=0.0, b_max=0.0)
     for _ in range(12):
         angle = rng.uniform(0.7, math.pi - 0.7)
         remote = car(60.0 - 40.0 * math.cos(angle), -40.0 * math.sin(angle), angle, 10.0)
@@ -319,10 +319,10 @@ def test_not_much_larger_than_needed() -> None:
         x, y = remote.x + u * math.cos(angle), remote.y + u * math.sin(angle)
         touch = box_gap(ego, boxes(x, y, angle, remote.length, remote.width)) < 0.0
         reached, beside = s[touch.any(axis=0)], u[touch.any(axis=1), 0]
-        assert found.s_in <= reached.min()
-        assert found.s_out >= reached.max()
-        assert found.s_out - found.s_in <= np.ptp(reached) + 3.0
-        assert found.expected[1] - found.expected[0] <= (np.ptp(beside) + 3.0) / 10.0
+        assert found.s_enter <= reached.min()
+        assert found.s_exit >= reached.max()
+        assert found.s_exit - found.s_enter <= np.ptp(reached) + 3.0
+        assert found.t_other_nominal[1] - found.t_other_nominal[0] <= (np.ptp(beside) + 3.0) / 10.0
 
 
 @given(
@@ -330,16 +330,16 @@ def test_not_much_larger_than_needed() -> None:
 )  # fmt: skip
 def test_turned_shifted_mirrored(seed: int, angle: float, shift: float, mirror: float) -> None:
     path, s, stations, times, remote = encounter(np.random.default_rng(seed))
-    found = crossing(path, s, stations, times, CAR, remote)
+    found = find_conflict(path, s, stations, times, CAR, remote)
     c, k = math.cos(angle), math.sin(angle)
     turned = np.array([[c, -k], [k, c]])
     coefficients = np.einsum("ij,njk->nik", turned @ np.diag([1.0, mirror]), path.coefficients)
     coefficients[:, :, 3] += shift
     x, y = turned @ (remote.x, mirror * remote.y) + shift
     other = replace(remote, x=float(x), y=float(y), psi=mirror * remote.psi + angle, r=mirror * remote.r)
-    again = crossing(Path(path.breaks, coefficients), s, stations, times, CAR, other)
+    again = find_conflict(Path(path.breaks, coefficients), s, stations, times, CAR, other)
     assert (found is None) == (again is None)
     if found is not None and again is not None:
-        for name in ("s_in", "s_out", "distance", "ego", "other", "expected"):
+        for name in ("s_enter", "s_exit", "distance", "ego", "other", "expected"):
             # a body that only just touches a sample may do so or not
             assert getattr(again, name) == pytest.approx(getattr(found, name), abs=1e-6)

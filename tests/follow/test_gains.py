@@ -20,7 +20,7 @@ from cca_core.follow import (
     stability_margins,
 )
 from cca_core.follow.bicycle import SingleTrack
-from cca_core.follow.schedule import SLIP_SHARE
+from cca_core.follow.schedule import SIDESLIP_FRACTION
 from cca_core.vehicle import VehicleParams
 
 PRESETS = {
@@ -42,7 +42,7 @@ def open_loop(car: VehicleParams, gains: PreviewGains, v: float) -> tuple[np.nda
         [np.zeros((1, 4)), np.array([[-1.0 / car.steering_lag]])],
     ])  # fmt: skip
     B = np.array([0.0, 0.0, 0.0, 0.0, 1.0 / car.steering_lag])
-    C = k_p * (np.eye(5)[3] + SLIP_SHARE * l_s * np.eye(5)[0]) + k_d * A[3]
+    C = k_p * (np.eye(5)[3] + SIDESLIP_FRACTION * l_s * np.eye(5)[0]) + k_d * A[3]
     return A, B, C
 
 
@@ -190,8 +190,8 @@ def test_a_larger_box_or_a_stricter_demand_admits_nothing_new(v: float, stricter
 def test_the_choice_is_admissible_and_the_fastest() -> None:
     region = StabilityRegion()
     found = gain_region(BMW, 20.0, 20.0, region)
-    assert found.chosen is not None
-    at = (found.k_p == found.chosen[0]) & (found.k_d == found.chosen[1])
+    assert found.selected is not None
+    at = (found.k_p == found.selected[0]) & (found.k_d == found.selected[1])
     assert found.admissible[at].all()
     assert found.decay[at][0] == found.decay[found.admissible].max()
     assert (found.decay[found.admissible] >= min(region.decay, 0.5 * 20.0 / 20.0)).all()
@@ -233,7 +233,7 @@ def test_bad_regions(changes: dict[str, Any], words: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [({"speeds": [0.0]}, "^speeds must"), ({"preview_time": 0.0}, "^preview_time must"),
-     ({"least_preview": -1.0}, "^least_preview must"), ({"speeds": 20.0}, "^speeds must have shape"),
+     ({"min_preview": -1.0}, "^min_preview must"), ({"speeds": 20.0}, "^speeds must have shape"),
      ({"speeds": []}, "^speeds must not be empty"), ({"speeds": BMW}, "^speeds must")],
 )  # fmt: skip
 def test_bad_design_input(arguments: dict[str, Any], words: str) -> None:

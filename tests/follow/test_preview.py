@@ -17,9 +17,9 @@ from cca_core.follow import (
     steady_sideslip,
     steady_steering,
 )
-from cca_core.follow.schedule import SLIP_SHARE
+from cca_core.follow.schedule import SIDESLIP_FRACTION
 from cca_core.path import Path, fit_path, interpolate_path
-from cca_core.sim import SingleTrackPlant, lane_change, track
+from cca_core.sim import SingleTrackPlant, lane_change_path, track_path
 from cca_core.vehicle import VehicleParams, VehicleState
 
 CAR = VehicleParams.bmw_320i()
@@ -55,7 +55,7 @@ def test_law_on_a_straight_path(d: float, psi: float, v: float, v_y: float, r: f
     """delta = -k_p (d + l_s (sin psi + sin(0.3 beta))) - k_d (v sin psi + v_y cos psi + l_s r), clipped."""
     car = dataclasses.replace(CAR, delta_max=0.3)
     k_p, k_d, l_s = shipped_gains(CAR).at(v)
-    slip = SLIP_SHARE * math.atan2(v_y, v) if v > 3.0 else 0.0
+    slip = SIDESLIP_FRACTION * math.atan2(v_y, v) if v > 3.0 else 0.0
     delta = -k_p * (d + l_s * (math.sin(psi) + math.sin(slip))) - k_d * (
         v * math.sin(psi) + v_y * math.cos(psi) + l_s * r
     )
@@ -297,18 +297,18 @@ def test_lateral_acceleration_limit(v: float) -> None:
 
 def test_a_sudden_swerve_is_not_held_back_by_the_angle_of_the_steady_turn() -> None:
     """At 25 m/s, 2.5 m in 37 m, which takes 6.6 m/s^2: with that limit alone it is 0.47 m off."""
-    path = lane_change(2.5, 37.0)
+    path = lane_change_path(2.5, 37.0)
     plant = SingleTrackPlant(CAR, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=25.0))
-    assert track(plant, PreviewController(CAR).steer, path, 25.0).peak < 0.25
+    assert track_path(plant, PreviewController(CAR).steer, path, 25.0).peak < 0.25
 
 
 def test_the_tangent_is_the_better_reading() -> None:
     """The path itself at the preview point sees a bend too early: an error where curvature changes."""
     peaks = {}
-    path = lane_change(3.5, 60.0)
+    path = lane_change_path(3.5, 60.0)
     for error in ("tangent", "ahead"):
         plant = SingleTrackPlant(CAR, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0))
-        peaks[error] = track(plant, PreviewController(CAR, error=error).steer, path, 20.0).peak  # type: ignore[arg-type]
+        peaks[error] = track_path(plant, PreviewController(CAR, error=error).steer, path, 20.0).peak  # type: ignore[arg-type]
     assert peaks["tangent"] < 0.05
     assert peaks["ahead"] > 3.0 * peaks["tangent"]
 

@@ -101,7 +101,7 @@ def test_required_deceleration_anchors() -> None:
     assert required_deceleration(0.0, g + 1.0, 0.0, S) == 0.0
 
 
-def least_gap(v: float, gap: float, v_lead: float, a_lead: float, b: float) -> float:
+def min_gap(v: float, gap: float, v_lead: float, a_lead: float, b: float) -> float:
     """Least gap until the ego stands, if it brakes at b; both brake to standstill, in closed form."""
     a = max(-a_lead, 0.0)
     t = np.linspace(0.0, v / b, 4001) if b > 0.0 else np.linspace(0.0, 60.0, 4001)
@@ -116,9 +116,9 @@ def test_required_deceleration_keeps_the_standstill_gap(v: float, v_lead: float,
     """Leader at constant speed: that deceleration is enough and nine tenths of it are not."""
     gap = S.standstill_gap + room
     b = required_deceleration(v, gap, v_lead, S)
-    assert least_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-6 * max(room, 1.0)
+    assert min_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-6 * max(room, 1.0)
     if b > 1e-3:
-        assert least_gap(v, gap, v_lead, 0.0, 0.9 * b) < S.standstill_gap
+        assert min_gap(v, gap, v_lead, 0.0, 0.9 * b) < S.standstill_gap
 
 
 @given(st.floats(1.0, 40.0), st.floats(0.0, 40.0), st.floats(0.5, 150.0), st.floats(-9.0, -0.6))
@@ -129,7 +129,7 @@ def test_required_deceleration_behind_a_braking_leader(
     """'Keeps the standstill gap to a leader ... braking is taken to last until standstill.'"""
     gap = S.standstill_gap + room
     b = required_deceleration(v, gap, v_lead, S, a_lead)
-    assert least_gap(v, gap, v_lead, a_lead, b) >= S.standstill_gap - 1e-3 * max(room, 1.0)
+    assert min_gap(v, gap, v_lead, a_lead, b) >= S.standstill_gap - 1e-3 * max(room, 1.0)
 
 
 @given(st.floats(1.0, 30.0), st.floats(-30.0, -0.1), st.floats(10.0, 200.0))
@@ -138,7 +138,7 @@ def test_required_deceleration_toward_an_oncoming_vehicle(v: float, v_lead: floa
     """'Negative if it comes toward the ego': the gap is kept until the ego stands."""
     gap = S.standstill_gap + room
     b = required_deceleration(v, gap, v_lead, S)
-    assert least_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-3 * room
+    assert min_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-3 * room
 
 
 # --- following ----------------------------------------------------------------------------------------

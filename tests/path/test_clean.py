@@ -87,7 +87,7 @@ def test_neighbors_out_of_order_are_sorted(i: int) -> None:
     route = clean_route(xy)
     steps = np.diff(route.parts[0][:, 0])
     assert (steps > 0.0).all()
-    assert len(route.report.resorted) + len(route.report.dropped) == 1
+    assert len(route.report.reordered) + len(route.report.dropped) == 1
     if 0 < i < 18:
         np.testing.assert_array_equal(route.parts[0], STRAIGHT)
 
@@ -181,7 +181,7 @@ def test_recorded_motorway_is_gentle(data_dir: FilePath) -> None:
 
 def test_results_are_read_only_and_readable() -> None:
     route = clean_route(np.vstack((STRAIGHT[:3], STRAIGHT[2:])))
-    assert repr(route) == "CleanRoute(1 parts of 20 points, CleaningReport(duplicates 1 [3]))"
+    assert repr(route) == "CleanedRoute(1 parts of 20 points, CleaningReport(duplicates 1 [3]))"
     assert repr(clean_route(STRAIGHT).report) == "CleaningReport(nothing changed)"
     with pytest.raises(ValueError, match="read-only"):
         route.parts[0][0, 0] = 1.0

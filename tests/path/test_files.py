@@ -83,9 +83,9 @@ def test_waypoints_are_read_only(tmp_path: FilePath) -> None:
         ("a.csv", "lat,lon\n1,2\n3\n", r"line 3 of 'a\.csv' has too few columns"),
         ("a.csv", "lat,lon\n1,2\nx,4\n", r"must be numbers, were 'x', '4' in line 3 of 'a\.csv'"),
         ("a.csv", "lat,lon\n1,2\n3,\n", r"must be numbers, were '3', '' in line 3"),
-        ("a.csv", "lat,lon\n1,2\n91,4\n", r"latitude must be within \+-90 deg, was 91 in point 1 of 'a\.csv'"),  # noqa: E501
+        ("a.csv", "lat,lon\n1,2\n91,4\n", r"latitude must be within \+-90 deg, was 91 in point 1 of 'a\.csv'"),
         ("a.csv", "lat,lon\n1,2\n3,-180.5\n", r"longitude must be within \+-180 deg, was -180\.5 in point 1"),
-        ("a.csv", "lat,lon\n-111.04,41.2\n-111.05,41.3\n", r"latitude must be within .* was -111\.04 in point 0"),  # noqa: E501
+        ("a.csv", "lat,lon\n-111.04,41.2\n-111.05,41.3\n", r"latitude must be within .* was -111\.04 in point 0"),
         ("a.csv", "lat,lon\n1,2\nnan,4\n", r"latitude must be within .* was nan in point 1"),
         ("a.csv", "lat,lon\n1,2\n3,inf\n", r"longitude must be within .* was inf in point 1"),
         ("a.csv", b"lat,lon\n\xff\xfe,2\n3,4\n", r"'a\.csv' is broken"),

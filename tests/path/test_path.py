@@ -30,7 +30,7 @@ def test_round_trip_where_the_offset_is_short_of_the_center(s: float, share: flo
     kappa = float(WINDING.curvature(s))
     d = math.copysign(min(abs(share) / max(abs(kappa), 1e-9), 30.0), share)
     xy = WINDING.to_cartesian(s, d)
-    found_s, found_d = WINDING.project(xy, near=s + 0.5)
+    found_s, found_d = WINDING.project(xy, s_guess=s + 0.5)
     assert float(found_s) == pytest.approx(s, abs=1e-6)
     assert float(found_d) == pytest.approx(d, abs=1e-6)
 
@@ -55,7 +55,7 @@ def test_foot_point_is_project_in_floats(s: float, d: float, off: float) -> None
     kappa = float(WINDING.curvature(s))
     d = max(min(d, 0.8 / max(abs(kappa), 1e-9)), -0.8 / max(abs(kappa), 1e-9))
     x, y = WINDING.to_cartesian(s, d).tolist()
-    many = WINDING.project([x, y], near=s + off)
+    many = WINDING.project([x, y], s_guess=s + off)
     one = WINDING.foot_point(x, y, s + off)
     assert one[0] == pytest.approx(float(many[0]), abs=1e-8)
     assert one[1] == pytest.approx(float(many[1]), abs=1e-8)
@@ -136,8 +136,8 @@ def test_near_picks_the_branch_where_the_road_passes_itself() -> None:
     eight = interpolate_path(np.column_stack((100 * np.sin(phi), 50 * np.sin(2 * phi))))
     crossing = [0.2, 0.1]
     half = 0.5 * eight.length
-    assert abs(float(eight.project(crossing, near=1.0)[0])) < 5.0
-    assert float(eight.project(crossing, near=half + 1.0)[0]) == pytest.approx(half, abs=5.0)
+    assert abs(float(eight.project(crossing, s_guess=1.0)[0])) < 5.0
+    assert float(eight.project(crossing, s_guess=half + 1.0)[0]) == pytest.approx(half, abs=5.0)
 
 
 def test_shapes_broadcast() -> None:
@@ -148,7 +148,7 @@ def test_shapes_broadcast() -> None:
     assert WINDING.to_cartesian(100.0, [1.0, 2.0]).shape == (2, 2)
     found = WINDING.project(WINDING.to_cartesian(s, 1.0))
     assert found[0].shape == found[1].shape == (2, 3)
-    near = WINDING.project(WINDING.to_cartesian(s, 1.0), near=s)
+    near = WINDING.project(WINDING.to_cartesian(s, 1.0), s_guess=s)
     np.testing.assert_allclose(near[0], s, atol=1e-6)
     assert WINDING.project(np.zeros((0, 2)))[0].shape == (0,)
     assert WINDING.project([0.0, 0.0])[0].shape == ()
@@ -213,7 +213,7 @@ def test_bad_points_to_project(xy: object) -> None:
 @pytest.mark.parametrize("near", [math.nan, math.inf, [1.0, 2.0, 3.0], "a"])
 def test_bad_near(near: object) -> None:
     with pytest.raises(InputError, match=r"^near must"):
-        WINDING.project([[0.0, 0.0], [1.0, 0.0]], near=near)  # type: ignore[arg-type]
+        WINDING.project([[0.0, 0.0], [1.0, 0.0]], s_guess=near)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("spacing", [0.0, -1.0, math.nan, None])
@@ -236,7 +236,7 @@ def test_road_edges_and_lanes() -> None:
     left, own, right = Lane(d=3.6, width=3.7, direction=-1), Lane(d=0.0, width=3.5), Lane(d=-3.0, width=2.5)
     here = Road(LINE, lanes=[left, own, right], speed_limit=30.0)
     assert here.lanes == (right, own, left)
-    assert here.own_lane is own
+    assert here.ego_lane is own
     assert here.right_edge == pytest.approx(-4.25)
     assert here.left_edge == pytest.approx(3.6 + 1.85)
     assert here.lane_at(4.0) is left
@@ -248,7 +248,7 @@ def test_road_edges_and_lanes() -> None:
 def test_bare_road_is_one_lane() -> None:
     here = Road(LINE)
     assert (here.right_edge, here.left_edge) == (-1.75, 1.75)
-    assert here.own_lane.direction == 1
+    assert here.ego_lane.direction == 1
 
 
 @pytest.mark.parametrize(

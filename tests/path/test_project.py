@@ -59,7 +59,7 @@ def test_with_last_s_the_branch_is_kept(make: Callable[[], Path]) -> None:
     s = rng.uniform(path.start + 5.0, path.end - 5.0, 150)
     xy = path.to_cartesian(s, rng.uniform(-3.0, 3.0, 150))
     near = s + rng.uniform(-2.0, 2.0, 150)
-    found, d = path.project(xy, near=near)
+    found, d = path.project(xy, s_guess=near)
     for i in range(150):
         at, distance = brute(path, xy[i], s[i] - 4.0, s[i] + 4.0)
         assert abs(abs(d[i]) - distance) <= 1e-6
@@ -96,7 +96,7 @@ def test_far_away_the_nearest_point_is_found_too(make: Callable[[], Path]) -> No
 def test_many_positions_at_once_are_as_each_alone() -> None:
     path = hairpin()
     s = np.random.default_rng(3).uniform(path.start, path.end, 20_000)
-    found, d = path.project(path.to_cartesian(s, 2.0), near=s + 0.3)
+    found, d = path.project(path.to_cartesian(s, 2.0), s_guess=s + 0.3)
     np.testing.assert_allclose(found, s, rtol=0.0, atol=1e-7)
     np.testing.assert_allclose(d, 2.0, rtol=0.0, atol=1e-7)
 
@@ -132,4 +132,4 @@ def test_one_position_gives_numbers() -> None:
     path = interpolate_path([[0.0, 0.0], [10.0, 0.0], [20.0, 1.0]])
     s, d = path.project((5.0, 1.0))
     assert (isinstance(s, float), isinstance(d, float)) == (True, True)
-    assert RemoteVehicle(id="A", x=s, y=d, psi=0.0, v_x=1.0).defect is None
+    assert RemoteVehicle(id="A", x=s, y=d, psi=0.0, v_x=1.0).invalid_reason is None

@@ -6,7 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core.geometry import Boxes, box_gap, boxes
-from cca_core.planner.committed import first_free, forgiven, resampled, settled
+from cca_core.planner.committed import (
+    committed_nodes,
+    first_replannable_node,
+    relax_clearance,
+    resample_displacement,
+)
 
 N = 101
 S = np.linspace(0.0, 100.0, N)
@@ -24,8 +29,8 @@ def beside(d: float) -> Boxes:
 
 @given(d=st.floats(2.15, 6.0))
 def test_relaxation_equals_missing_clearance_and_decays(d: float) -> None:
-    m = settled(T)
-    box = forgiven(beside(d), ego(0.0, m), T, 1.0)
+    m = committed_nodes(T)
+    box = relax_clearance(beside(d), ego(0.0, m), T, 1.0)
     gap = box_gap(ego(0.0, N), box)
     assert gap[:m].min() >= 1.0
     late = T > 2.5
@@ -36,39 +41,39 @@ def test_relaxation_equals_missing_clearance_and_decays(d: float) -> None:
 
 
 def test_relaxation_never_below_minimum_clearance() -> None:
-    box = forgiven(beside(1.3), ego(0.0, 4), T, 1.0)
+    box = relax_clearance(beside(1.3), ego(0.0, 4), T, 1.0)
     assert box.width[0] == pytest.approx(1.8 - 2.0 * 0.75)
     assert box_gap(ego(0.0, N), box)[:4].min() < 1.0
-    narrow = forgiven(beside(1.3), ego(0.0, 4), T, 0.3)
+    narrow = relax_clearance(beside(1.3), ego(0.0, 4), T, 0.3)
     assert box_gap(ego(0.0, N), narrow)[:4].min() >= 0.3
     assert narrow.width[-1] == box.width[-1] == 1.8
 
 
 def test_relaxed_boxes_have_nonnegative_size() -> None:
     thin = boxes(S, np.full(N, 1.0), np.zeros(N), np.full(N, 0.4), np.full(N, 0.2))
-    box = forgiven(thin, ego(0.0, 4), T, 0.3)
+    box = relax_clearance(thin, ego(0.0, 4), T, 0.3)
     assert box.width.min() == box.length.min() == 0.0
 
 
 def test_relaxation_lasts_over_committed_nodes_at_low_speed() -> None:
     slow = S / 2.0
-    box = forgiven(beside(2.4), ego(0.0, 3), slow, 1.0)
+    box = relax_clearance(beside(2.4), ego(0.0, 3), slow, 1.0)
     assert box_gap(ego(0.0, N), box)[:3].min() >= 1.0
 
 
 @pytest.mark.parametrize(("here", "k"), [(-5.0, 1), (0.0, 1), (0.5, 1), (10.2, 11), (11.0, 11), (99.0, 95)])
 def test_replanning_starts_at_first_node_ahead(here: float, k: int) -> None:
-    assert first_free(S, here) == k
+    assert first_replannable_node(S, here) == k
 
 
 def test_committed_nodes_span_half_second_and_at_least_three() -> None:
-    assert settled(T) == 10
-    assert settled(10.0 * S) == 3
+    assert committed_nodes(T) == 10
+    assert committed_nodes(10.0 * S) == 3
 
 
 def test_resampling_at_same_stations_is_identity() -> None:
     u = np.sin(S)
-    assert resampled(S, S, u) is u
+    assert resample_displacement(S, S, u) is u
 
 
 def test_resampling_preserves_curve() -> None:
@@ -77,7 +82,7 @@ def test_resampling_preserves_curve() -> None:
         return 64.0 * 3.5 * share**3 * (1.0 - share) ** 3
 
     longer = np.linspace(0.0, 117.0, 120)
-    told = resampled(longer, S, swerve(S))
+    told = resample_displacement(longer, S, swerve(S))
     np.testing.assert_allclose(told, swerve(longer), atol=1e-4)
     assert (told[longer > 100.0] == 0.0).all()
     h = longer[1]

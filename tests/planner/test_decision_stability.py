@@ -135,7 +135,7 @@ def test_reference_is_continuous_at_ego_on_curve(radius: float, v: float) -> Non
     for k in range(round(150.0 / v / CYCLE)):
         command = p.step(k * CYCLE, plant.state, [parked])
         plant.step(command.delta, command.a_x, CYCLE)
-        if command.decision.action.evades:
+        if command.decision.action.is_evading:
             deltas.append(command.delta)
             statuses.append(command.status)
     assert len(deltas) > 100

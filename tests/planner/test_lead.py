@@ -99,7 +99,7 @@ class TestHiddenStanding:
         run = self.drive(13.9, sign)
         assert run.hit is None
         assert run.v[-1] < 0.1
-        assert not any(c.decision.action.evades for c in run.commands)
+        assert not any(c.decision.action.is_evading for c in run.commands)
         assert run.gaps["R"] == pytest.approx(3.0, abs=1.0)
         assert min(run.a_x) > -3.0
 
@@ -115,7 +115,7 @@ class TestHiddenStanding:
     def test_brakes_at_90_km_h_when_the_lane_beside_is_not_free(self, sign: float) -> None:
         run = self.drive(25.0, sign, Mover("L", -6.0, 3.5 * sign, 25.0))
         assert run.hit is None
-        assert not any(c.decision.action.evades for c in run.commands[: round(4.0 / CYCLE)])
+        assert not any(c.decision.action.is_evading for c in run.commands[: round(4.0 / CYCLE)])
         assert min(run.a_x) < -0.5
 
     def test_brakes_at_90_km_h_when_there_is_no_lane_beside(self, sign: float) -> None:

@@ -8,22 +8,22 @@ import pytest
 
 from cca_core import Lane, Road
 from cca_core.follow import SpeedSettings
-from cca_core.planner.frenet import Ego, Neighbor
-from cca_core.planner.maneuver import Evasion, plan_evasion
+from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
+from cca_core.planner.maneuver import Maneuver, plan_maneuver
 from cca_core.planner.settings import EvasionSettings
 from tests.planner.test_planner import CAR, START, car, straight
 
 ROAD = Road(straight(), (Lane(d=0.0), Lane(d=3.5)))
-SETTINGS = EvasionSettings(braking=0.0, acceleration=0.0, known_range=np.inf)
+SETTINGS = EvasionSettings(assumed_braking=0.0, assumed_acceleration=0.0, awareness_range=np.inf)
 
 
-def at(gap: float, d: float, name: str) -> Neighbor:
-    return Neighbor.seen_from(car(START + gap, d, 0.0, id=name), START + gap, d, 0.0, 0.0)
+def at(gap: float, d: float, name: str) -> FrenetVehicle:
+    return FrenetVehicle.from_remote(car(START + gap, d, 0.0, id=name), START + gap, d, 0.0, 0.0)
 
 
-def obstruction(blocker: Neighbor, *others: Neighbor) -> str:
-    ego = Ego(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
-    return plan_evasion(ego, ROAD, [blocker], others, "left", SETTINGS, at_once=True).candidate.obstruction
+def obstruction(blocker: FrenetVehicle, *others: FrenetVehicle) -> str:
+    ego = FrenetEgo(vehicle=CAR, s=START, v_x=20.0, v_target=20.0, speed=SpeedSettings())
+    return plan_maneuver(ego, ROAD, [blocker], others, "left", SETTINGS, at_once=True).candidate.rejection
 
 
 def test_empty_interval_reports_vehicle_and_station() -> None:
@@ -42,15 +42,15 @@ def test_too_close_names_the_vehicle(gap: float) -> None:
     assert "node" not in said
 
 
-def ego(gone: float) -> Ego:
-    return Ego(vehicle=CAR, s=START + gone, v_x=20.0, v_target=20.0, speed=SpeedSettings())
+def ego(gone: float) -> FrenetEgo:
+    return FrenetEgo(vehicle=CAR, s=START + gone, v_x=20.0, v_target=20.0, speed=SpeedSettings())
 
 
-def bent(gone: float, begun: Evasion | None = None, left: float = 5.25, **kwargs: float) -> Evasion:
+def bent(gone: float, begun: Maneuver | None = None, left: float = 5.25, **kwargs: float) -> Maneuver:
     road = Road(straight(), (Lane(d=0.0), Lane(d=0.5 * (1.75 + left), width=left - 1.75)))
     slow, settings = at(80.0, 0.0, "slow"), replace(SETTINGS, **kwargs)
-    plan = plan_evasion(ego(gone), road, [slow], [], "left", settings, begun, at_once=begun is None)
-    assert isinstance(plan, Evasion)
+    plan = plan_maneuver(ego(gone), road, [slow], [], "left", settings, begun, at_once=begun is None)
+    assert isinstance(plan, Maneuver)
     return plan
 
 
@@ -64,20 +64,20 @@ class TestUnderWay:
         self, narrower: float, said: str
     ) -> None:
         """At the farthest place, up to 5 cm: no steering brings the body back by then."""
-        body = ego(0.0).swept(straight(), self.begun.places, self.begun.displacement)
+        body = ego(0.0).swept_boxes(straight(), self.begun.stations, self.begun.displacement)
         corner = body.y + 0.5 * (CAR.width * np.cos(body.psi) + CAR.length * np.abs(np.sin(body.psi)))
         again = bent(70.0, self.begun, float(corner.max()) - narrower, clearance=0.7)
-        assert again.candidate.obstruction.startswith(said)
-        assert bool(again.candidate.obstruction) is bool(said)
+        assert again.candidate.rejection.startswith(said)
+        assert bool(again.candidate.rejection) is bool(said)
 
     @pytest.mark.parametrize("gone", [8.0, 14.0])
     def test_what_is_bent_already_may_stay_bent(self, gone: float) -> None:
         soon = START + gone + np.linspace(0.0, 5.0, 20)
         assert 400.0 * np.abs(self.begun.reference.curvature(soon)).max() > 1.2
-        assert not bent(gone, self.begun, clearance=0.7, lateral_limit=1.2).candidate.obstruction
+        assert not bent(gone, self.begun, clearance=0.7, lateral_acceleration_limit=1.2).candidate.rejection
 
     def test_but_what_is_not_may_not_be_bent_more(self) -> None:
-        again = bent(60.0, self.begun, clearance=0.7, lateral_limit=1.2)
-        assert not again.candidate.obstruction
+        again = bent(60.0, self.begun, clearance=0.7, lateral_acceleration_limit=1.2)
+        assert not again.candidate.rejection
         ahead = START + np.linspace(62.0, 140.0, 200)
         assert 400.0 * np.abs(again.reference.curvature(ahead)).max() < 1.2 * 1.02

@@ -31,7 +31,7 @@ class Pass:
         self.began, self.room = False, 0.0  # room: between the others when the pass begins [m]
         self.slow = Mover("R", ahead, 0.0, SLOW, a=lambda t: passed * self.has_begun())
         self.other = Mover("O", gap, 3.5, v, psi=np.pi, a=lambda t: oncoming * self.has_begun())
-        self.run = Drive(self.planner, [self.slow, self.other], seconds, done=self.is_over)
+        self.run = Drive(self.planner, [self.slow, self.other], seconds, done=self.is_expired)
         self.ahead = self.run.x[-1] > self.slow.x + 4.5
         self.inside = abs(self.run.y[-1]) + 0.5 * CAR.width < 1.75
 
@@ -40,7 +40,7 @@ class Pass:
             self.began, self.room = True, self.other.x - self.slow.x
         return self.began
 
-    def is_over(self, ego: VehicleState) -> bool:
+    def is_expired(self, ego: VehicleState) -> bool:
         out = self.planner._maneuver is not None
         return not out and abs(ego.y) < 0.2 and (ego.x > self.slow.x + 12.0 or self.slow.v > 22.0)
 
@@ -98,14 +98,16 @@ def is_free(
 ) -> bool:
     """Whether the lane beside is taken to be free by the first decision behind a slow car."""
     lanes = (Lane(d=0.0), Lane(d=3.5 * sign, direction=-1 if other.psi > 1.0 else 1))
-    caution = EvasionSettings(known_range=np.inf, braking=braking, acceleration=acceleration)
+    caution = EvasionSettings(
+        awareness_range=np.inf, assumed_braking=braking, assumed_acceleration=acceleration
+    )
     planner = Planner(CAR, Road(ROAD.path, lanes), cruise_speed=20.0, evasion=caution)
     there = replace(other, x=START + other.x, y=sign * other.y, psi=sign * other.psi)
     decision = planner.step(0.0, state(), [car(START + 60.0, 0.0, SLOW), there]).decision
     wrong = Action.EVADE_RIGHT if sign > 0.0 else Action.EVADE_LEFT
     assert decision.action is not wrong
     free = "is free" in decision.reason
-    assert free or not decision.action.evades
+    assert free or not decision.action.is_evading
     return free
 
 

@@ -31,7 +31,7 @@ from cca_core.sim import SingleTrackPlant
 
 CAR = replace(VehicleParams.bmw_320i(), length=4.5, width=1.8)
 TWO = (Lane(d=0.0), Lane(d=3.5))
-ALL_KNOWN = EvasionSettings(known_range=math.inf)
+ALL_KNOWN = EvasionSettings(awareness_range=math.inf)
 START = 20.0
 CYCLE = 0.02
 
@@ -166,11 +166,11 @@ class TestArguments:
         [
             "lateral_acceleration",
             "clearance",
-            "lead_time",
+            "min_ttc",
             "preparation",
             "x_safety",
-            "known_range",
-            "speed_floor",
+            "awareness_range",
+            "min_speed_advantage",
         ],
     )
     @pytest.mark.parametrize("bad", [-1.0, math.nan, "far"])
@@ -317,7 +317,7 @@ class TestDropping:
     def test_cycle_goes_on_as_without_it(self, broken: RemoteVehicle, named: str) -> None:
         clean, disturbed = self.drive([]), self.drive([broken])
         assert all(map(same, clean, disturbed))
-        assert any(c.decision.action.evades for c in clean)
+        assert any(c.decision.action.is_evading for c in clean)
         for command in disturbed:
             (id_, reason) = command.dropped[0]
             assert id_ == "X"
@@ -463,13 +463,15 @@ class TestLeader:
         assert max(map(abs, run.a_y)) < 2.5
 
     def test_unknown_lane_is_never_free(self) -> None:
-        p = planner(evasion=EvasionSettings(known_range=0.0))
+        p = planner(evasion=EvasionSettings(awareness_range=0.0))
         run = Drive(p, [Mover("R", 70.0, 0.0, 12.0)], 25.0)
         assert run.actions == ["KEEP", "FOLLOW"]
         assert run.hit is None
 
     def test_short_known_range_waits_for_what_might_come(self) -> None:
-        near = Drive(planner(evasion=EvasionSettings(known_range=40.0)), [Mover("R", 70.0, 0.0, 12.0)], 20.0)
+        near = Drive(
+            planner(evasion=EvasionSettings(awareness_range=40.0)), [Mover("R", 70.0, 0.0, 12.0)], 20.0
+        )
         assert near.actions == ["KEEP", "FOLLOW"]
 
     def test_almost_as_fast_is_not_passed(self) -> None:
@@ -482,7 +484,7 @@ class TestLeader:
         run = Drive(p, [Mover("R", 70.0, 0.0, 12.0)], 20.0)
         assert run.commands[-1].reference is p.road.path
         assert run.commands[-1].band is None
-        evading = [c for c in run.commands if c.decision.action.evades]
+        evading = [c for c in run.commands if c.decision.action.is_evading]
         assert all(c.band is not None and c.reference is not p.road.path for c in evading)
 
 
@@ -592,7 +594,7 @@ class TestDanger:
         run = Drive(planner(cruise=27.9), [Mover("R", gap, 0.0, 6.9)], 15.0, v=27.9)
         assert run.hit is None
         assert "EVADE_LEFT" in run.actions
-        limit = EvasionSettings().lateral_limit
+        limit = EvasionSettings().lateral_acceleration_limit
         bands = [(v, c.band.curvature) for v, c in zip(run.v, run.commands, strict=True) if c.band]
         assert max(v * v * kappa for v, kappa in bands) <= limit
         assert 2.0 < max(map(abs, run.a_y)) < driven * limit
@@ -628,7 +630,7 @@ def test_replanning_past_a_parked_car_holds_side_and_shape(v_x: float, d: float)
     x = np.arange(0.0, 801.0, 5.0)
     path = fit_path(np.column_stack((x, np.zeros_like(x))), tolerance=0.05)
     road = Road(path, (Lane(d=0.0), Lane(d=3.5), Lane(d=-3.5)))
-    settings = EvasionSettings(known_range=math.inf)
+    settings = EvasionSettings(awareness_range=math.inf)
     planner = Planner(CAR, road, cruise_speed=v_x, evasion=settings)
     plant = SingleTrackPlant(CAR, VehicleState(x=100.0, y=0.0, psi=0.0, v_x=v_x))
     parked = RemoteVehicle(id="P", x=250.0, y=d, psi=0.0, v_x=0.0)

@@ -5,7 +5,7 @@ import os
 import numpy as np
 import pytest
 
-from tests.support.random_situations import decide, free_at_worst, least_gap, roads, situation
+from tests.support.random_situations import decide, free_at_worst, min_gap, roads, situation
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
 BLOCKS, EACH = (48, 2500) if FULL else (2, 250)
@@ -23,7 +23,7 @@ def test_evade_is_never_followed_by_a_collision(block: int) -> None:
         TALLY["situations"] += 1
         if planner._maneuver is not None:
             TALLY["evade"] += 1
-            gap = least_gap(case, planner, planner._maneuver)
+            gap = min_gap(case, planner, planner._maneuver)
             if gap <= 0.0:
                 hits.append((i, gap, planner._decision.reason))
         alone = decide(case, case.others[:1])  # what it would do without the others

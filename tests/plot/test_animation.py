@@ -42,11 +42,11 @@ def test_positions_are_those_of_the_log_within_a_centimeter(pair: tuple[Log, Log
         own = np.column_stack((ego.x[:, 0], ego.y[:, 0]))[rows]
         shown = np.asarray(data["bodies"])
         np.testing.assert_allclose(0.01 * shown[0, :2].T + data["origin"], own, atol=0.01)
-        for i in range(len(log.scenario.users)):
+        for i in range(len(log.scenario.road_users)):
             np.testing.assert_allclose(
-                0.01 * shown[1 + i, :2].T + data["origin"], log.users[rows, i, :2], atol=0.01
+                0.01 * shown[1 + i, :2].T + data["origin"], log.road_users[rows, i, :2], atol=0.01
             )
-            np.testing.assert_allclose(0.01 * shown[1 + i, 3], log.users[rows, i, 3], atol=0.01)
+            np.testing.assert_allclose(0.01 * shown[1 + i, 3], log.road_users[rows, i, 3], atol=0.01)
 
 
 def test_headings_go_on_where_an_angle_wraps(run: Run) -> None:
@@ -64,7 +64,7 @@ def test_drawn_bodies_stand_where_the_log_begins(pair: tuple[Log, Log]) -> None:
         places = [re.findall(r"-?[\d.]+", car.get("transform")) for car in cars]
         xy = np.array([[float(x), float(y)] for x, y, _ in places])
         np.testing.assert_allclose(xy[0], (0.0, 0.0), atol=0.01)
-        np.testing.assert_allclose(xy[1:], log.users[0, :, :2] - log.ego[0, :2], atol=0.02)
+        np.testing.assert_allclose(xy[1:], log.road_users[0, :, :2] - log.ego[0, :2], atol=0.02)
         sizes = [(float(car[0].get("width")), float(car[0].get("height"))) for car in cars]
         assert sizes == [(4.5, 1.8)] * len(cars)
 
@@ -120,7 +120,7 @@ def test_a_contact_is_marked_and_told(pair: tuple[Log, Log]) -> None:
     crashed, free = ElementTree.fromstring(fragment).iter("svg")
     (mark,) = (group for group in crashed.iter("g") if group.get("class") == "contact")
     x, y = (float(v) for v in re.findall(r"-?[\d.]+", mark.get("transform")))
-    bumper = 0.5 * (log.ego[-1, 0] + log.users[-1, 0, 0]) - log.ego[0, 0]
+    bumper = 0.5 * (log.ego[-1, 0] + log.road_users[-1, 0, 0]) - log.ego[0, 0]
     np.testing.assert_allclose((x, y), (bumper, 0.0), atol=1.0)
     assert not [group for group in free.iter("g") if group.get("class") == "contact"]
 
@@ -157,7 +157,7 @@ def test_a_run_without_others(alone: Log) -> None:
 def test_a_run_of_one_cycle(pair: tuple[Log, Log]) -> None:
     log = pair[0]
     fields = (
-        "t ego a_y command place tracking users user_motion user_places seen heard held fallback cycle_us"
+        "t ego a_y command place tracking users user_motion user_frenet seen heard held fallback cycle_us"
     )
     short = replace(log, **{name: getattr(log, name)[:1] for name in fields.split()})
     (data,) = data_of(animate([short]))
@@ -169,7 +169,7 @@ def test_the_view_stands_where_roads_cross_and_moves_else(run: Run, pair: tuple[
     assert np.ptp(np.asarray(crossing["camera"]), axis=1).max() == 0.0
     for log, data in zip(pair, data_of(animate(pair)), strict=True):
         traveled = np.ptp(np.asarray(data["camera"])[0])
-        assert traveled == pytest.approx(100.0 * np.ptp(log.place[:, 0]), rel=1e-3)
+        assert traveled == pytest.approx(100.0 * np.ptp(log.ego_frenet[:, 0]), rel=1e-3)
 
 
 def test_no_run() -> None:

@@ -8,16 +8,16 @@ import pytest
 
 from cca_core import InputError
 from cca_core.plot import (
-    awaited,
-    contact,
-    lane_change,
-    leader_speed,
-    outcome,
+    describe_outcome,
+    describe_run,
+    first_collision,
+    first_lane_change,
+    key_frames,
+    lead_speed,
     plot_time_series,
     plot_traffic,
     plot_tunings,
-    story,
-    telling_frames,
+    vehicles_waited_for,
 )
 from cca_core.sim import Log
 
@@ -39,7 +39,7 @@ def tunings(run: Callable[..., Log]) -> tuple[Log, Log]:
     return run("maneuver", "1-fast", "v2v"), run("maneuver", "1-smooth", "v2v")
 
 
-def boxes_of(axis: object) -> dict[str, np.ndarray]:
+def predicted_occupancy(axis: object) -> dict[str, np.ndarray]:
     return {patch.get_gid(): patch.get_xy()[:4] for patch in axis.patches if "@" in (patch.get_gid() or "")}
 
 
@@ -50,66 +50,66 @@ def test_each_strip_shows_who_is_near_at_its_place(waiting: Log) -> None:
     for number, (t, strip) in enumerate(zip(times, strips, strict=True), start=1):
         row = int(np.argmin(np.abs(waiting.t - t)))
         low, high = strip.get_xlim()
-        shown = boxes_of(strip)
+        shown = predicted_occupancy(strip)
         assert f"ego@{number}" in shown
         texts = " ".join(text.get_text() for text in strip.texts)
-        for user, (s, d) in zip(waiting.scenario.users, waiting.user_places[row], strict=True):
-            ahead = s - waiting.place[row, 0]
+        for user, (s, d) in zip(waiting.scenario.road_users, waiting.user_frenet[row], strict=True):
+            ahead = s - waiting.ego_frenet[row, 0]
             assert (f"{user.id}@{number}" in shown) == (low < ahead < high)
             assert user.id in texts  # in words at the border if not as a box
             if low < ahead < high:
                 box = shown[f"{user.id}@{number}"]
                 np.testing.assert_allclose(box.mean(axis=0), (ahead, d), atol=0.02)
                 np.testing.assert_allclose(np.ptp(box, axis=0), (user.length, user.width), atol=0.05)
-    assert {f"ego@{number}" for number in (1, 2, 3)} <= boxes_of(overview).keys()
+    assert {f"ego@{number}" for number in (1, 2, 3)} <= predicted_occupancy(overview).keys()
 
 
 def test_the_ego_is_drawn_at_its_body_and_not_at_its_center_of_gravity(waiting: Log) -> None:
     ahead = replace(waiting.scenario.vehicle, box_offset=1.0)
     log = replace(waiting, scenario=replace(waiting.scenario, vehicle=ahead))
     strip = plot_traffic(log, times=[2.0]).axes[1]
-    np.testing.assert_allclose(boxes_of(strip)["ego@1"].mean(axis=0), (1.0, 0.0), atol=0.02)
+    np.testing.assert_allclose(predicted_occupancy(strip)["ego@1"].mean(axis=0), (1.0, 0.0), atol=0.02)
 
 
 def test_frames_tell_the_story(waiting: Log) -> None:
-    frames = telling_frames(waiting)
+    frames = key_frames(waiting)
     assert len(frames) <= 6
     times = [frame.t for frame in frames]
     assert times == sorted(times)
     texts = [frame.text for frame in frames]
     for wanted in ("EVADE_LEFT", "FOLLOW", "beside R1", "beside A", "beside R2"):
         assert any(text.startswith(wanted) for text in texts)
-    assert len(telling_frames(waiting, most=2)) == 2
+    assert len(key_frames(waiting, most=2)) == 2
 
 
 def test_a_collision_is_always_a_frame(stuck: Log) -> None:
-    users = stuck.users.copy()
+    users = stuck.road_users.copy()
     users[-1, 0, :2] = stuck.ego[-1, :2]
-    log = replace(stuck, users=users)
-    assert telling_frames(log)[-1].text == "the run ends in a collision"
-    assert outcome(log) == "collides with R1"
+    log = replace(stuck, road_users=users)
+    assert key_frames(log)[-1].text == "the run ends in a collision"
+    assert describe_outcome(log) == "collides with R1"
 
 
 def test_a_collision_is_a_frame_even_right_after_a_decision(run: Callable[..., Log]) -> None:
     log = run("curbside", "fast", "driver")
-    assert contact(log) is not None
+    assert first_collision(log) is not None
     late = replace(log, decisions=(*log.decisions, (float(log.t[-2]), "BRAKE", "red is in the way")))
-    assert telling_frames(late)[-1].text == "the run ends in a collision"
+    assert key_frames(late)[-1].text == "the run ends in a collision"
 
 
 def test_frames_tell_what_others_begin(run: Callable[..., Log]) -> None:
-    braking = {frame.text: frame.t for frame in telling_frames(run("eebl", "A", "driver"))}
+    braking = {frame.text: frame.t for frame in key_frames(run("eebl", "A", "driver"))}
     assert braking["red brakes"] < braking["yellow brakes"]
-    assert "yellow swerves" in {frame.text for frame in telling_frames(run("curbside", "fast", "v2v"))}
-    assert not any(frame.t == 0.0 for frame in telling_frames(run("curbside", "fast", "v2v")))
+    assert "yellow swerves" in {frame.text for frame in key_frames(run("curbside", "fast", "v2v"))}
+    assert not any(frame.t == 0.0 for frame in key_frames(run("curbside", "fast", "v2v")))
 
 
 def test_narrative_names_awaited_vehicles(waiting: Log, stuck: Log) -> None:
-    assert awaited(waiting, 10.0, 25.0) == ["A"]
-    assert "until A is through" in story(waiting)
-    assert outcome(waiting) == "ends ahead of R1 and R2"
-    assert outcome(stuck) == "ends behind R1 and R2"
-    assert "to the end" in story(stuck)
+    assert vehicles_waited_for(waiting, 10.0, 25.0) == ["A"]
+    assert "until A is through" in describe_run(waiting)
+    assert describe_outcome(waiting) == "ends ahead of R1 and R2"
+    assert describe_outcome(stuck) == "ends behind R1 and R2"
+    assert "to the end" in describe_run(stuck)
 
 
 def test_two_tunings_on_one_axis(tunings: tuple[Log, Log]) -> None:
@@ -117,9 +117,9 @@ def test_two_tunings_on_one_axis(tunings: tuple[Log, Log]) -> None:
     (axis,) = plot_tunings(fast, smooth).axes
     curves = [line for line in axis.lines if len(line.get_xdata()) == len(fast.t)]
     for log, curve in zip(tunings, curves, strict=True):
-        np.testing.assert_array_equal(curve.get_xydata(), log.place)
+        np.testing.assert_array_equal(curve.get_xydata(), log.ego_frenet)
         assert f"{np.abs(log.a_y).max():.2f} m/s" in curve.get_label()
-    lengths = [end - start for start, end in map(lane_change, tunings)]
+    lengths = [end - start for start, end in map(first_lane_change, tunings)]
     assert 30.0 < lengths[0] < lengths[1] < 80.0
 
 
@@ -139,14 +139,14 @@ def test_time_series(waiting: Log) -> None:
 
 
 def test_the_leader_is_the_nearest_in_front_on_the_route(waiting: Log) -> None:
-    speeds = leader_speed(waiting)
+    speeds = lead_speed(waiting)
     assert speeds[0] == 17.0  # R1; A comes from behind
     assert np.isnan(speeds[-1])
 
 
 def test_figures_without_other_vehicles(alone: Log) -> None:
-    assert len(boxes_of(plot_traffic(alone).axes[1])) == 1
-    assert np.isnan(leader_speed(alone)).all()
+    assert len(predicted_occupancy(plot_traffic(alone).axes[1])) == 1
+    assert np.isnan(lead_speed(alone)).all()
     plot_time_series(alone)
 
 

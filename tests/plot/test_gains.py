@@ -19,17 +19,17 @@ def test_region_shows_the_points(v: float) -> None:
     found = gain_region(CAR, v, max(v, 4.0), StabilityRegion())
     (axis,) = plot_gain_region(found, GAINS).axes
     points = {line.get_label(): line.get_xydata() for line in axis.lines}
-    np.testing.assert_allclose(points["chosen"], [found.chosen])
+    np.testing.assert_allclose(points["chosen"], [found.selected])
     np.testing.assert_allclose(points["schedule"], [GAINS.at(v)[:2]])
     low, high = axis.get_xlim()
-    assert low <= found.chosen[0] <= high
+    assert low <= found.selected[0] <= high
     assert "[rad/m]" in axis.get_xlabel()
     assert f"{v:g} m/s" in axis.get_title()
 
 
 def test_region_without_admissible_gains() -> None:
     found = gain_region(CAR, 20.0, 20.0, StabilityRegion(damping=1.0, delay=0.5))
-    assert found.chosen is None
+    assert found.selected is None
     (axis,) = plot_gain_region(found).axes
     assert "chosen" not in {line.get_label() for line in axis.lines}
 

@@ -5,7 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from cca_core.plot import contact, contrast, grouped, headline, line_up, story, verdict, write_report
+from cca_core.plot import (
+    baseline_and_v2v,
+    describe_run,
+    first_collision,
+    group_by_case,
+    headline,
+    one_run_per_ego,
+    summarize_outcome,
+    write_report,
+)
 from cca_core.sim import Log
 from tests.support.browser import SIZES, faults, find_browser, look
 
@@ -95,11 +104,11 @@ def test_tables_and_figures_scroll_by_themselves(file: Path) -> None:
 def test_the_first_screen_says_what_v2v_changed(file: Path, runs: list[Log]) -> None:
     text = file.read_text(encoding="utf-8")
     header = Page(text[text.index("<header") : text.index("</header>") + 9]).text.replace("\u00a0", " ")
-    groups = grouped(runs)
+    groups = group_by_case(runs)
     assert headline(groups) in header
     for group in groups:
-        for log in line_up(group):
-            assert verdict(log) in header
+        for log in one_run_per_ego(group):
+            assert summarize_outcome(log) in header
 
 
 def test_each_run_is_told_with_its_key_figures(file: Path, runs: list[Log]) -> None:
@@ -109,9 +118,9 @@ def test_each_run_is_told_with_its_key_figures(file: Path, runs: list[Log]) -> N
         assert f"{key['max_decel_mps2']:.1f} m/s²" in text
         if key["min_gap_m"] is not None:
             assert f"{max(key['min_gap_m'], 0.0):.2f} m" in text
-    for pair in map(contrast, grouped(runs)):
+    for pair in map(baseline_and_v2v, group_by_case(runs)):
         for log in pair:
-            assert story(log) in text
+            assert describe_run(log) in text
             for _, name, reason in log.decisions:
                 assert f"{name}: {reason}" in text
 
@@ -125,25 +134,25 @@ def test_every_result_of_the_paper_has_its_counterpart(file: Path) -> None:
 
 def test_there_is_an_animation_for_each_scenario(file: Path, runs: list[Log]) -> None:
     text = file.read_text(encoding="utf-8")
-    groups = grouped(runs)
+    groups = group_by_case(runs)
     assert text.count('class="cca"') == len(groups)
-    assert text.count("<svg ") == sum(len(contrast(group)) for group in groups)
+    assert text.count("<svg ") == sum(len(baseline_and_v2v(group)) for group in groups)
     assert Page(text).scripts == len(groups) + 1
 
 
 def test_headline_counts_the_logs(runs: list[Log]) -> None:
-    groups = grouped(runs)
-    pairs = [contrast(group) for group in groups]
-    without = sum(contact(pair[0]) is not None for pair in pairs)
+    groups = group_by_case(runs)
+    pairs = [baseline_and_v2v(group) for group in groups]
+    without = sum(first_collision(pair[0]) is not None for pair in pairs)
     text = headline(groups)
     assert f"Without V2V the ego collides in {without} of {len(pairs)} scenarios" in text
-    with_v2v = sum(contact(pair[1]) is not None for pair in pairs)
+    with_v2v = sum(first_collision(pair[1]) is not None for pair in pairs)
     assert f"with V2V in {with_v2v or 'none'}" in text
     assert "case 2" in text
 
 
 def test_headline_covers_only_simulated_runs(runs: list[Log]) -> None:
-    assert "none of them both with and without" in headline(grouped(runs[:1]))
+    assert "none of them both with and without" in headline(group_by_case(runs[:1]))
 
 
 def test_a_hostile_id_stays_text(hostile: Log, tmp_path: Path) -> None:

@@ -7,18 +7,18 @@ import pytest
 from cca_core import InputError
 from cca_core.geometry import box_gap, boxes
 from cca_core.plot import (
-    contact,
-    contrast,
-    grouped,
-    line_up,
-    outcome,
-    plates,
+    baseline_and_v2v,
+    describe_outcome,
+    first_collision,
+    group_by_case,
+    one_run_per_ego,
     plot_braking,
     plot_crossing,
     plot_layout,
     plot_passing,
-    tunings,
-    verdict,
+    report_figures,
+    summarize_outcome,
+    tuning_figure,
 )
 from cca_core.sim import Log
 
@@ -53,20 +53,20 @@ def test_bands_reach_from_rear_to_front_bumper(braking: tuple[Log, Log]) -> None
         bands = {band.get_label(): band.get_paths()[0].vertices for band in axis.collections}
         assert bands.keys() == {"ego", "yellow", "red"}
         for name, s, length in (
-            ("ego", log.place[:, 0] + log.scenario.vehicle.box_offset, 4.5),
-            ("yellow", log.user_places[:, 0, 0], 4.5), ("red", log.user_places[:, 1, 0], 4.5),
+            ("ego", log.ego_frenet[:, 0] + log.scenario.vehicle.box_offset, 4.5),
+            ("yellow", log.user_frenet[:, 0, 0], 4.5), ("red", log.user_frenet[:, 1, 0], 4.5),
         ):  # fmt: skip
-            rear = s[0] - log.place[0, 0] - 0.5 * length
+            rear = s[0] - log.ego_frenet[0, 0] - 0.5 * length
             at_start = bands[name][bands[name][:, 0] == 0.0, 1]
             assert at_start.min() == pytest.approx(rear)
             assert at_start.max() == pytest.approx(rear + length)
 
 
 def test_bands_meet_only_in_a_collision(braking: tuple[Log, Log]) -> None:
-    hit, free = (log.user_places[:, 0, 0] - log.place[:, 0] - 4.5 for log in braking)
-    assert contact(braking[0]).id == "yellow"
+    hit, free = (log.user_frenet[:, 0, 0] - log.ego_frenet[:, 0] - 4.5 for log in braking)
+    assert first_collision(braking[0]).id == "yellow"
     assert hit.min() < 0.05
-    assert contact(braking[1]) is None
+    assert first_collision(braking[1]) is None
     assert free.min() > 0.5
     first, second = plot_braking(braking).axes[:2]
     assert any("m/s" in text.get_text() for text in first.texts)
@@ -78,7 +78,7 @@ def test_speeds_and_decelerations_are_those_of_the_log(braking: tuple[Log, Log])
     for log, (_, speed, brake) in zip(braking, axes.T, strict=True):
         np.testing.assert_array_equal(speed.lines[0].get_ydata(), log.ego[:, 3])
         np.testing.assert_array_equal(brake.lines[0].get_ydata(), -log.ego[:, 7])
-        np.testing.assert_array_equal(speed.lines[2].get_ydata(), log.users[:, 1, 3])
+        np.testing.assert_array_equal(speed.lines[2].get_ydata(), log.road_users[:, 1, 3])
     assert all("[" in axis.get_ylabel() for axis in axes[:, 0])
 
 
@@ -94,25 +94,25 @@ def test_crossing_shows_bodies_where_they_were(crossing: tuple[Log, Log]) -> Non
 def test_the_way_enters_the_patch_only_in_a_collision(crossing: tuple[Log, Log]) -> None:
     for log, axis in zip(crossing, plot_crossing(crossing).axes[2:], strict=True):
         patch = axis.collections[0].get_paths()
-        way = np.column_stack((log.t, log.place[:, 0]))
+        way = np.column_stack((log.t, log.ego_frenet[:, 0]))
         ego = next(line for line in axis.lines if line.get_label() == "ego")
         np.testing.assert_array_equal(ego.get_xdata(), way[:, 0])
         inside = any(path.contains_points(ego.get_xydata(), radius=1e-3).any() for path in patch)
-        assert inside == (contact(log) is not None)
+        assert inside == (first_collision(log) is not None)
 
 
 def test_passing_shows_the_ways_of_the_log(passing: tuple[Log, Log]) -> None:
     *strips, way, push = plot_passing(passing, "red").axes
     assert len(strips) == 2
     for log in passing:
-        label = {"driver": "driver without V2V", "v2v": "with V2V"}[log.scenario.ego]
+        label = {"driver": "driver without V2V", "v2v": "with V2V"}[log.scenario.ego_type]
         line = next(line for line in way.lines if line.get_label() == label)
         s, d = line.get_xydata().T
-        red = log.user_places[-1, 1, 0]
-        np.testing.assert_allclose(np.interp(s + red, *log.place.T), d, atol=1e-6)
+        red = log.user_frenet[-1, 1, 0]
+        np.testing.assert_allclose(np.interp(s + red, *log.ego_frenet.T), d, atol=1e-6)
         assert f"{label}: {np.abs(log.a_y).max():.1f} m/s²" in {each.get_label() for each in push.lines}
     assert strips[0].get_aspect() == 1.0
-    assert strips[0].get_title(loc="left").endswith(verdict(passing[0]))
+    assert strips[0].get_title(loc="left").endswith(summarize_outcome(passing[0]))
 
 
 def test_layouts_have_everybody_in_place(run: Run) -> None:
@@ -121,7 +121,7 @@ def test_layouts_have_everybody_in_place(run: Run) -> None:
         scenario = run(name, case, ego).scenario
         (axis,) = plot_layout(scenario).axes
         texts = " ".join(text.get_text() for text in axis.texts)
-        assert all(f"{user.id}:" in texts for user in scenario.users)
+        assert all(f"{user.id}:" in texts for user in scenario.road_users)
         assert "ego:" in texts
 
 
@@ -129,12 +129,12 @@ def test_layout_gaps_are_to_scale(run: Run) -> None:
     scenario = run("eebl", "C", "v2v").scenario
     (axis,) = plot_layout(scenario).axes
     bodies = sorted(patch.get_xy()[:4, 0].min() for patch in axis.patches if len(patch.get_xy()) == 5)
-    wanted = [scenario.start, *sorted(user.s for user in scenario.users)]
+    wanted = [scenario.start, *sorted(user.s for user in scenario.road_users)]
     np.testing.assert_allclose(np.diff(bodies)[-2:], np.diff(wanted), atol=1e-6)
 
 
 def test_contact_lies_on_both_outlines(crossing: tuple[Log, Log]) -> None:
-    hit = contact(crossing[0])
+    hit = first_collision(crossing[0])
     ego, others = crossing[0].bodies()
     for body, i in ((ego, 0), (others, 0)):
         x, y, psi = (field[-1, i] for field in (body.x, body.y, body.psi))
@@ -146,14 +146,17 @@ def test_contact_lies_on_both_outlines(crossing: tuple[Log, Log]) -> None:
 def test_verdicts_say_how_runs_ended(
     braking: tuple[Log, Log], passing: tuple[Log, Log], crossing: tuple[Log, Log], run: Run, alone: Log
 ) -> None:
-    assert verdict(braking[0]) == f"hits yellow at {braking[0].closing_speed():.1f} m/s"
+    assert summarize_outcome(braking[0]) == f"hits yellow at {braking[0].closing_speed():.1f} m/s"
     gap = braking[1].gaps()[-1, 0]
-    assert verdict(braking[1]) == f"stops {gap:.1f} m behind yellow"
-    assert verdict(passing[1]) == f"passes red, {passing[1].gaps()[:, 1].min():.1f} m apart"
-    assert f"least gap {crossing[1].gaps().min():.1f} m" in verdict(crossing[1])
+    assert summarize_outcome(braking[1]) == f"stops {gap:.1f} m behind yellow"
+    assert summarize_outcome(passing[1]) == f"passes red, {passing[1].gaps()[:, 1].min():.1f} m apart"
+    assert f"least gap {crossing[1].gaps().min():.1f} m" in summarize_outcome(crossing[1])
     stuck = run("maneuver", "2", "sensor")
-    assert verdict(stuck) == f"ends {stuck.gaps()[-1, 0]:.1f} m behind R1, at {stuck.ego[-1, 3]:.1f} m/s"
-    assert verdict(alone) == outcome(alone)
+    assert (
+        summarize_outcome(stuck)
+        == f"ends {stuck.gaps()[-1, 0]:.1f} m behind R1, at {stuck.ego[-1, 3]:.1f} m/s"
+    )
+    assert summarize_outcome(alone) == describe_outcome(alone)
 
 
 def test_groups_and_their_contrast(run: Run) -> None:
@@ -162,26 +165,29 @@ def test_groups_and_their_contrast(run: Run) -> None:
         run("eebl", "D", "driver"), run("eebl", "A", "driver"), run("curbside", "slow", "v2v"),
         run("curbside", "fast", "v2v"),
     ]  # fmt: skip
-    first, *others = grouped(logs)
-    assert [log.scenario.ego for log in first] == ["driver", "driver", "sensor", "v2v", "v2v"]
-    assert [log.scenario.case for log in line_up(first)] == ["A", "sensor", "C"]
-    assert [log.scenario.case for log in contrast(first)] == ["A", "C"]
-    assert [[log.scenario.case for log in contrast(group)] for group in others] == [["slow"], ["fast"]]
+    first, *others = group_by_case(logs)
+    assert [log.scenario.ego_type for log in first] == ["driver", "driver", "sensor", "v2v", "v2v"]
+    assert [log.scenario.case for log in one_run_per_ego(first)] == ["A", "sensor", "C"]
+    assert [log.scenario.case for log in baseline_and_v2v(first)] == ["A", "C"]
+    assert [[log.scenario.case for log in baseline_and_v2v(group)] for group in others] == [
+        ["slow"],
+        ["fast"],
+    ]
     other_plant = replace(logs[0], plant="multi_body")
-    assert line_up([*first, other_plant])[-1] is logs[0]
+    assert one_run_per_ego([*first, other_plant])[-1] is logs[0]
 
 
 def test_plates_have_names_of_files_and_captions(crossing: tuple[Log, Log], hostile: Log) -> None:
     for group in (list(crossing), [hostile]):
-        names = [plate.name for plate in plates(group)]
+        names = [plate.name for plate in report_figures(group)]
         assert len(set(names)) == len(names)
         assert all(name.isascii() and name.isidentifier() for name in names)
 
 
 def test_tunings_need_both(run: Run) -> None:
     fast, smooth = run("maneuver", "1-fast", "v2v"), run("maneuver", "1-smooth", "v2v")
-    assert tunings([smooth, fast]).name == "fig15_two_tunings"
-    assert tunings([fast]) is None
+    assert tuning_figure([smooth, fast]).name == "fig15_two_tunings"
+    assert tuning_figure([fast]) is None
 
 
 def test_misuse(braking: tuple[Log, Log], alone: Log) -> None:
@@ -197,4 +203,4 @@ def test_misuse(braking: tuple[Log, Log], alone: Log) -> None:
 def test_figures_without_other_vehicles(alone: Log) -> None:
     assert len(plot_layout(alone.scenario).axes) == 1
     plot_braking([alone])
-    assert [plate.figure for plate in plates([alone])]
+    assert [plate.figure for plate in report_figures([alone])]

@@ -11,7 +11,7 @@ import pytest
 from cca_core import LocalFrame, Road
 from cca_core.errors import InputError
 from cca_core.path import interpolate_path
-from cca_core.sim import Scenario, read_frames, simulate
+from cca_core.sim import Scenario, read_bsm_log, simulate
 from cca_core.sim.scenarios.eebl import CAR
 from cca_core.v2x import Bsm, decode_bsm, encode_bsm
 
@@ -30,7 +30,7 @@ def message(mark: float, count: int = 0) -> bytes:
 def test_hexadecimal_lines(tmp_path: Path) -> None:
     file = tmp_path / "log.hex"
     file.write_text("\n".join(message(mark, i).hex() for i, mark in enumerate(MARKS)))
-    frames = read_frames(file, start=2.0, latency=0.1)
+    frames = read_bsm_log(file, start=2.0, latency=0.1)
     assert [t for t, _ in frames] == pytest.approx([2.1, 2.2, 2.4, 4.5, 4.6, 4.7])
     for t, data in frames:
         assert decode_bsm(data).sec_mark == pytest.approx(t - 0.1, abs=1e-3)
@@ -47,7 +47,7 @@ def test_recorded_times(form: str, tmp_path: Path) -> None:
     }[form]  # fmt: skip
     file = tmp_path / "log"
     file.write_text(text)
-    assert [t for t, _ in read_frames(file)] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0, 2.5])
+    assert [t for t, _ in read_bsm_log(file)] == pytest.approx([0.0, 0.5, 1.0, 1.5, 2.0, 2.5])
 
 
 @pytest.mark.parametrize("text", ["", "xyz", "[1, 2]", '{"a": 1}', "[{]", "t,hex\nx,00"])
@@ -55,20 +55,20 @@ def test_bad_files(text: str, tmp_path: Path) -> None:
     file = tmp_path / "log"
     file.write_text(text)
     with pytest.raises(InputError, match="path"):
-        read_frames(file)
+        read_bsm_log(file)
     with pytest.raises(InputError, match="path"):
-        read_frames(tmp_path / "none")
+        read_bsm_log(tmp_path / "none")
 
 
 def test_undecodable_bytes_are_passed_through(tmp_path: Path) -> None:
     file = tmp_path / "log"
     file.write_text(f"{message(1.0).hex()}\nffff\n{message(1.1).hex()}")
-    assert [data for _, data in read_frames(file)][1] == b"\xff\xff"
+    assert [data for _, data in read_bsm_log(file)][1] == b"\xff\xff"
 
 
 def test_recorded_drive_as_traffic(data_dir: Path) -> None:
     """The recorded car drives in front of an ego on its way: it is heard, tracked, and not run into."""
-    frames = read_frames(data_dir / "bsm" / "wyoming_rx_decoded.csv", latency=0.05)
+    frames = read_bsm_log(data_dir / "bsm" / "wyoming_rx_decoded.csv", latency=0.05)
     assert len(frames) == 243
     assert all(a <= b for (a, _), (b, _) in pairwise(frames))
     first = decode_bsm(frames[0][1])
@@ -83,13 +83,13 @@ def test_recorded_drive_as_traffic(data_dir: Path) -> None:
     path = interpolate_path(np.vstack((behind, xy)))
     scenario = Scenario(
         name="recorded", case=None, road=Road(path), vehicle=CAR, start=5.0, v_x=20.0, cruise_speed=25.0,
-        users=(), duration=6.0, origin=(first.latitude_deg, first.longitude_deg),
+        road_users=(), duration=6.0, origin=(first.latitude_deg, first.longitude_deg),
     )  # fmt: skip
-    log = simulate(scenario, frames=frames)
+    log = simulate(scenario, bsm_log=frames)
     due = sum(t <= log.t[-1] + 1e-9 for t, _ in frames)
     assert len(log.received) == due > 20
     assert log.time_of("heard", first.id) < 0.2
-    assert log.command.tobytes() == simulate(scenario, frames=frames).command.tobytes()
-    silent = simulate(replace(scenario, ego="sensor"), frames=frames)
+    assert log.command.tobytes() == simulate(scenario, bsm_log=frames).command.tobytes()
+    silent = simulate(replace(scenario, ego_type="sensor"), bsm_log=frames)
     assert silent.received == ()
     assert not np.array_equal(silent.command[:, 1], log.command[:, 1])  # it minds what it hears

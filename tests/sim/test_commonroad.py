@@ -53,7 +53,7 @@ def test_an_obstacle_between_its_states(tmp_path: Path) -> None:
     step = math.tau - 6.2
     found = (now.x, now.y, now.psi, now.v_x, now.a_x, now.r, now.length, now.width)
     assert found == pytest.approx((0.25, 0.125, 3.1 + 0.25 * step, 10.25, 10.0, 10.0 * step, 4.5, 1.8))
-    assert now.defect is None
+    assert now.invalid_reason is None
 
 
 def test_a_static_obstacle_is_there_always(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 from cca_core import InputError, VehicleParams, VehicleState
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import Path
-from cca_core.sim import DoubleLaneChange, Passage, drive_through, iso3888_1, iso3888_2, plan_through
+from cca_core.sim import DoubleLaneChange, GateRun, drive_through, iso3888_1, iso3888_2, plan_gate_path
 from cca_core.sim.handling.iso3888 import Offset
 
 CAR = VehicleParams.bmw_320i()
@@ -63,7 +63,7 @@ def test_nodes_run_straight_through_the_first_gate() -> None:
 
 def test_blocks_leave_the_lanes_free() -> None:
     course = iso3888_1(CAR.width)
-    for gate, block in zip(np.repeat(course.gates, 2, axis=0), course.blocks(), strict=True):
+    for gate, block in zip(np.repeat(course.gates, 2, axis=0), course.obstacles(), strict=True):
         start, end, right, left = gate
         lane = boxes(0.5 * (start + end), 0.5 * (right + left), 0.0, end - start, left - right)
         assert box_gap(lane, block) == pytest.approx(0.0, abs=1e-9)
@@ -73,7 +73,7 @@ def test_blocks_leave_the_lanes_free() -> None:
 @pytest.mark.requires("qpsolvers", "piqp")
 def test_planned_and_driven(course: DoubleLaneChange, speed: float) -> None:
     """80 km/h and 55 km/h, without touching a gate."""
-    band = plan_through(course, CAR, speed)
+    band = plan_gate_path(course, CAR, speed)
     assert band.ok
     assert band.clearance > 0.05
     path = band.path()
@@ -94,7 +94,7 @@ def test_planned_and_driven(course: DoubleLaneChange, speed: float) -> None:
 
 @pytest.mark.requires("qpsolvers", "piqp")
 def test_too_fast_is_infeasible() -> None:
-    band = plan_through(iso3888_2(CAR.width), CAR, 80.0 / 3.6)
+    band = plan_gate_path(iso3888_2(CAR.width), CAR, 80.0 / 3.6)
     assert not band.ok
 
 
@@ -102,12 +102,12 @@ def test_too_fast_is_infeasible() -> None:
 def test_a_touched_gate_is_seen() -> None:
     """Straight on, the car runs into the ground on the right of the second gate."""
     course, speed = iso3888_2(CAR.width), 15.0
-    band = plan_through(course, CAR, speed)
+    band = plan_gate_path(course, CAR, speed)
 
     def straight_on(state: VehicleState, path: Path) -> float:
         return 0.0
 
-    passage: Passage = drive_through(replace(course, release=math.inf), band, speed, steer=straight_on)
+    passage: GateRun = drive_through(replace(course, release=math.inf), band, speed, steer=straight_on)
     y = passage.poses[0, 1]
     assert not passage.passed
     assert passage.gaps[0, 0] == pytest.approx(y - 0.5 * CAR.width, abs=1e-6)
@@ -124,4 +124,4 @@ def test_bad_input() -> None:
         iso3888_1(1.8, offset="middle")  # type: ignore[arg-type]
     for name in ("speed", "a_y", "jerk"):
         with pytest.raises(InputError, match=rf"^{name} must be greater than 0"):
-            plan_through(iso3888_2(1.8), CAR, **{"speed": 15.0, name: 0.0})
+            plan_gate_path(iso3888_2(1.8), CAR, **{"speed": 15.0, name: 0.0})

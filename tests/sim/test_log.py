@@ -27,15 +27,15 @@ def test_gaps_are_shapelys(run: Run) -> None:
 
     for log in (run("1-fast", "curved", 1), run("3", "straight", 1, leader_only=True)):
         vehicle, gaps = log.scenario.vehicle, log.gaps()
-        assert gaps.shape == (len(log.t), len(log.scenario.users))
+        assert gaps.shape == (len(log.t), len(log.scenario.road_users))
         for k in [*range(0, len(log.t), 17), int(gaps.min(axis=1).argmin())]:
             x, y, psi = log.ego[k, :3]
             ego = rectangle(
                 x + vehicle.box_offset * math.cos(psi), y + vehicle.box_offset * math.sin(psi), psi,
                 vehicle.length, vehicle.width,
             )  # fmt: skip
-            for i, user in enumerate(log.scenario.users):
-                other = rectangle(*log.users[k, i, :3], user.length, user.width)
+            for i, user in enumerate(log.scenario.road_users):
+                other = rectangle(*log.road_users[k, i, :3], user.length, user.width)
                 distance = ego.distance(other)
                 if distance > 0.0:
                     assert gaps[k, i] == pytest.approx(distance, abs=1e-9)
@@ -55,7 +55,7 @@ def test_time_to_collision_of_a_straight_approach(run: Run) -> None:
     log = run("1-smooth", "straight", 1)
     ttc = log.time_to_collision()
     for k in range(0, int(3.5 / 0.02), 10):
-        gap = log.user_places[k, 0, 0] - log.place[k, 0] - 0.5 * (4.5 + log.scenario.vehicle.length)
+        gap = log.user_frenet[k, 0, 0] - log.ego_frenet[k, 0] - 0.5 * (4.5 + log.scenario.vehicle.length)
         assert ttc[k] == pytest.approx(gap / (log.ego[k, 3] - 12.0))
     assert ttc.shape == log.t.shape
 
@@ -65,16 +65,16 @@ def test_time_to_collision_against_plain_loops(run: Run) -> None:
     ttc = log.time_to_collision()
     for k in range(0, len(log.t), 13):
         least = math.inf
-        for i, user in enumerate(log.scenario.users):
-            s, d = log.user_places[k, i]
-            if abs(d - log.place[k, 1]) >= 0.5 * (user.width + log.scenario.vehicle.width):
+        for i, user in enumerate(log.scenario.road_users):
+            s, d = log.user_frenet[k, i]
+            if abs(d - log.ego_frenet[k, 1]) >= 0.5 * (user.width + log.scenario.vehicle.width):
                 continue
             reach = 0.5 * (user.length + log.scenario.vehicle.length)
-            closing = log.ego[k, 3] - user.direction * log.users[k, i, 3]
-            if s > log.place[k, 0] + reach and closing > 0.1:
-                least = min(least, (s - log.place[k, 0] - reach) / closing)
-            if s < log.place[k, 0] - reach and closing < -0.1:
-                least = min(least, (log.place[k, 0] - s - reach) / -closing)
+            closing = log.ego[k, 3] - user.direction * log.road_users[k, i, 3]
+            if s > log.ego_frenet[k, 0] + reach and closing > 0.1:
+                least = min(least, (s - log.ego_frenet[k, 0] - reach) / closing)
+            if s < log.ego_frenet[k, 0] - reach and closing < -0.1:
+                least = min(least, (log.ego_frenet[k, 0] - s - reach) / -closing)
         assert ttc[k] == pytest.approx(least)
 
 
@@ -87,9 +87,9 @@ def test_time_to_collision_runs_out_before_a_contact(run: Run) -> None:
 def test_place_and_tracking_are_lateral_errors(run: Run) -> None:
     log = run("1-fast", "curved", 1)
     _, d = log.scenario.road.path.project(log.ego[:, :2])
-    assert d == pytest.approx(log.place[:, 1], abs=1e-6)
+    assert d == pytest.approx(log.ego_frenet[:, 1], abs=1e-6)
     # off a maneuver the reference is the route
-    assert log.tracking[:100] == pytest.approx(log.place[:100, 1], abs=1e-9)
+    assert log.tracking[:100] == pytest.approx(log.ego_frenet[:100, 1], abs=1e-9)
 
 
 def test_summary_is_what_the_arrays_say(run: Run) -> None:
@@ -101,7 +101,7 @@ def test_summary_is_what_the_arrays_say(run: Run) -> None:
         "max_abs_ay_mps2": np.abs(log.a_y).max(),
         "max_decel_mps2": -log.ego[:, 7].min(),
         "max_tracking_error_m": np.abs(log.tracking).max(),
-        "max_offset_m": np.abs(log.place[:, 1]).max(),
+        "max_offset_m": np.abs(log.ego_frenet[:, 1]).max(),
         "duration_s": 38.0,
     }
     for name, value in expected.items():

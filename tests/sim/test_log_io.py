@@ -8,7 +8,7 @@ import pytest
 
 from cca_core.errors import InputError
 from cca_core.path import interpolate_path
-from cca_core.sim import Log, curbside, eebl, ima, load_log, maneuver, replay, save_log, simulate
+from cca_core.sim import Log, curbside, eebl, ima, load_log, overtaking, replay, save_log, simulate
 
 
 @pytest.fixture(scope="module", params=["eebl-B", "eebl-A", "ima-v2v", "curbside-sensor", "maneuver"])
@@ -16,7 +16,7 @@ def log(request: pytest.FixtureRequest) -> Log:
     kind, _, case = request.param.partition("-")
     if kind == "maneuver":
         path = interpolate_path(np.column_stack((np.arange(0.0, 1501.0, 20.0), np.zeros(76))))
-        return simulate(dataclasses.replace(maneuver("1-fast", path), duration=8.0), seed=3)
+        return simulate(dataclasses.replace(overtaking("1-fast", path), duration=8.0), seed=3)
     scenario = {
         "eebl": lambda: eebl(case), "ima": lambda: ima(ego=case),
         "curbside": lambda: curbside("fast", ego=case),
@@ -46,7 +46,7 @@ def test_round_trip(log: Log, tmp_path: FilePath) -> None:
     s = np.linspace(0.0, 300.0, 50)
     assert (again.scenario.road.path.position(s) == log.scenario.road.path.position(s)).all()
     assert again.scenario.road.lanes == log.scenario.road.lanes
-    assert len(again.scenario.scenery) == len(log.scenario.scenery)
+    assert len(again.scenario.other_roads) == len(log.scenario.other_roads)
 
 
 def test_saved_twice_is_the_same_file(log: Log, tmp_path: FilePath) -> None:

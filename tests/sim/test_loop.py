@@ -12,11 +12,11 @@ import pytest
 from cca_core import InputError, Planner, RemoteVehicle, VehicleState
 from cca_core.path import Path
 from cca_core.planner.planner import Command
-from cca_core.sim import Log, RoadUser, Scenario, make_planner, maneuver, simulate
+from cca_core.sim import Log, RoadUser, Scenario, make_planner, overtaking, simulate
 
 Run = Callable[..., Log]
 ARRAYS = (
-    "t", "ego", "a_y", "command", "place", "tracking", "users", "user_motion", "user_places", "fallback",
+    "t", "ego", "a_y", "command", "place", "tracking", "users", "user_motion", "user_frenet", "fallback",
     "seen", "heard", "held",
 )  # fmt: skip
 EXACT = ("decisions", "events", "received", "messages", "seed", "plant")
@@ -35,7 +35,7 @@ class Recorder(Planner):
         state: VehicleState,
         remotes: Iterable[RemoteVehicle],
         *,
-        known_range: float = math.inf,
+        awareness_range: float = math.inf,
     ) -> Command:
         heard = tuple(remotes)
         self.heard.append((t, heard))
@@ -48,12 +48,12 @@ def recorder(scenario: Scenario) -> Recorder:
 
 
 def short(road: Path, case: str, duration: float, **kwargs: Any) -> Scenario:
-    return dataclasses.replace(maneuver(case, road, **kwargs), duration=duration)
+    return dataclasses.replace(overtaking(case, road, **kwargs), duration=duration)
 
 
 @pytest.mark.parametrize("case", ["1-fast", "3"])
 def test_same_seed_same_log_bit_for_bit(run: Run, road: Callable[[str], Path], case: str) -> None:
-    first, again = run(case, "curved", 2), simulate(maneuver(case, road("curved")), seed=2)
+    first, again = run(case, "curved", 2), simulate(overtaking(case, road("curved")), seed=2)
     for name in ARRAYS:
         assert getattr(first, name).tobytes() == getattr(again, name).tobytes(), name
     for name in EXACT:
@@ -89,16 +89,16 @@ class TestPaced:
     def test_runs_with_the_wall_clock(self, road: Callable[[str], Path]) -> None:
         scenario = short(road("straight"), "2", 0.6)
         begun = time.perf_counter()
-        log = simulate(scenario, pace=True)
+        log = simulate(scenario, real_time=True)
         assert time.perf_counter() - begun >= 0.6
         free = simulate(scenario)
-        assert free.missed == 0
+        assert free.missed_deadlines == 0
         assert log.command.tobytes() == free.command.tobytes()
 
     def test_counts_what_is_late(self, road: Callable[[str], Path]) -> None:
         scenario = short(road("straight"), "2", 0.2)
-        log = simulate(scenario, pace=True, progress=lambda _: time.sleep(0.03))
-        assert log.missed == len(log.t) == 11
+        log = simulate(scenario, real_time=True, progress=lambda _: time.sleep(0.03))
+        assert log.missed_deadlines == len(log.t) == 11
         assert log.summary()["missed_deadlines"] == 11
 
 
@@ -115,12 +115,12 @@ class TestMessages:
         measured: dict[str, set[float]] = {"R1": set(), "R2": set(), "A": set()}
         for k, (t, heard) in enumerate(planner.heard):
             for remote in heard:
-                i = [u.id for u in scenario.users].index(remote.id)
+                i = [u.id for u in scenario.road_users].index(remote.id)
                 measured[remote.id].add(round(t - remote.age, 6))
                 assert scenario.latency - 1e-9 <= remote.age < scenario.latency + 0.1
-                assert (remote.x, remote.y) == pytest.approx(tuple(log.users[k, i, :2]), abs=0.02)
-                assert math.cos(remote.psi - log.users[k, i, 2]) > 1.0 - 1e-6
-                assert remote.v_x == pytest.approx(log.users[k, i, 3], abs=0.011)
+                assert (remote.x, remote.y) == pytest.approx(tuple(log.road_users[k, i, :2]), abs=0.02)
+                assert math.cos(remote.psi - log.road_users[k, i, 2]) > 1.0 - 1e-6
+                assert remote.v_x == pytest.approx(log.road_users[k, i, 3], abs=0.011)
                 assert remote.source == "v2v"
         for moments in measured.values():
             assert np.diff(sorted(moments)) == pytest.approx(0.1)
@@ -145,8 +145,8 @@ class TestMessages:
             if heard:
                 assert heard[0].source == "sensor"
                 assert heard[0].age == 0.0
-                assert heard[0].x == log.users[k, 0, 0]
-        assert planner.evasion.known_range == 0.0
+                assert heard[0].x == log.road_users[k, 0, 0]
+        assert planner.evasion.awareness_range == 0.0
 
     def test_sensor_range(self, road: Callable[[str], Path]) -> None:
         scenario = dataclasses.replace(
@@ -155,7 +155,7 @@ class TestMessages:
         planner = recorder(scenario)
         log = simulate(scenario, planner=planner)
         for k, (_, heard) in enumerate(planner.heard):
-            distance = log.users[k, 0, 0] - log.place[k, 0]
+            distance = log.road_users[k, 0, 0] - log.ego_frenet[k, 0]
             if abs(distance - 50.0) > 1e-6:
                 assert bool(heard) == (distance < 50.0)
         assert any(heard for _, heard in planner.heard)
@@ -165,30 +165,30 @@ class TestMessages:
 class TestTraffic:
     def test_keeps_lane_and_speed(self, run: Run) -> None:
         log = run("3", "curved", 1)
-        for i, user in enumerate(log.scenario.users):
-            s, d = log.scenario.road.path.project(log.users[:, i, :2], log.user_places[:, i, 0])
+        for i, user in enumerate(log.scenario.road_users):
+            s, d = log.scenario.road.path.project(log.road_users[:, i, :2], log.user_frenet[:, i, 0])
             assert d == pytest.approx(np.full(len(d), user.d), abs=1e-6)
             assert s == pytest.approx(user.s + user.direction * user.v_x * log.t, abs=1e-5)
             heading = log.scenario.road.path.heading(s) + (0.0 if user.direction > 0 else np.pi)
-            assert np.cos(log.users[:, i, 2] - heading) == pytest.approx(np.ones(len(s)))
+            assert np.cos(log.road_users[:, i, 2] - heading) == pytest.approx(np.ones(len(s)))
 
     def test_alert_driver_brakes_after_the_reaction_time_and_only_while_needed(
         self, road: Callable[[str], Path]
     ) -> None:
         """A fast driver comes up behind the slow ego."""
         base = short(road("straight"), "2", 9.0)
-        chaser = RoadUser(id="A", s=base.start - 60.0, d=0.0, v_x=20.0, reaction=1.15, deceleration=5.0)
-        log = simulate(dataclasses.replace(base, v_x=10.0, cruise_speed=10.0, users=(chaser,)))
-        rate = np.diff(log.users[:, 0, 3]) / 0.02
+        chaser = RoadUser(id="A", s=base.start - 60.0, d=0.0, v_x=20.0, reaction_time=1.15, deceleration=5.0)
+        log = simulate(dataclasses.replace(base, v_x=10.0, cruise_speed=10.0, road_users=(chaser,)))
+        rate = np.diff(log.road_users[:, 0, 3]) / 0.02
         braking = np.flatnonzero(rate < 0.0)
         # in its way within 6 s of contact: from the first moment on, 55.5 m at 10 m/s
         assert log.t[braking[0]] == pytest.approx(1.15, abs=0.05)
         assert rate[braking] == pytest.approx(np.full(len(braking), -5.0))
         assert log.gaps().min() > 5.0
         # it brakes only while contact is less than 6 s away
-        closing = log.users[:-1, 0, 3] - log.ego[:-1, 3]
+        closing = log.road_users[:-1, 0, 3] - log.ego[:-1, 3]
         assert (log.gaps()[braking, 0] <= 6.0 * closing[braking] + 0.3).all()
-        assert log.users[-1, 0, 3] < 12.5
+        assert log.road_users[-1, 0, 3] < 12.5
 
 
 @pytest.mark.parametrize(
@@ -213,19 +213,19 @@ def test_bad_road_user(kwargs: dict[str, Any], named: str) -> None:
     ],
 )  # fmt: skip
 def test_bad_scenario(road: Callable[[str], Path], kwargs: dict[str, Any], named: str) -> None:
-    good = maneuver("2", road("straight"))
+    good = overtaking("2", road("straight"))
     with pytest.raises(InputError, match=rf"\b{named}\b"):
         dataclasses.replace(good, **kwargs)
 
 
 def test_empty_road_and_contact_at_once(road: Callable[[str], Path]) -> None:
     """A run without others, and one that begins in contact, still give a summary."""
-    alone = dataclasses.replace(short(road("straight"), "2", 2.0), users=())
+    alone = dataclasses.replace(short(road("straight"), "2", 2.0), road_users=())
     summary = simulate(alone).summary()
     assert summary["collided"] is False
     assert summary["min_gap_m"] is None
     assert summary["min_ttc_s"] is None
-    touching = dataclasses.replace(alone, users=(RoadUser(id="R", s=alone.start + 1.0, d=0.0, v_x=5.0),))
+    touching = dataclasses.replace(alone, road_users=(RoadUser(id="R", s=alone.start + 1.0, d=0.0, v_x=5.0),))
     summary = simulate(touching).summary()
     assert summary["collided"] is True
     assert summary["collided_with"] == "R"

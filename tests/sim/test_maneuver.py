@@ -10,17 +10,17 @@ import pytest
 
 from cca_core.errors import InputError
 from cca_core.path import Path
-from cca_core.sim import CASES, Log, make_planner, maneuver, simulate
+from cca_core.sim import OVERTAKING_CASES, Log, make_planner, overtaking, simulate
 
 Run = Callable[..., Log]
 ROADS = ("straight", "curved")
 SEEDS = (1, 2, 3)
-EVERY = list(itertools.product(CASES, ROADS, SEEDS))
+EVERY = list(itertools.product(OVERTAKING_CASES, ROADS, SEEDS))
 WAITING = list(itertools.product(("2", "3"), ROADS, SEEDS))
 
 
 def index(log: Log, name: str) -> int:
-    return [u.id for u in log.scenario.users].index(name)
+    return [u.id for u in log.scenario.road_users].index(name)
 
 
 def begins(log: Log, name: str) -> list[float]:
@@ -28,7 +28,7 @@ def begins(log: Log, name: str) -> list[float]:
 
 
 def front(log: Log) -> Any:
-    return log.place[:, 0] + log.scenario.vehicle.box_offset + 0.5 * log.scenario.vehicle.length
+    return log.ego_frenet[:, 0] + log.scenario.vehicle.box_offset + 0.5 * log.scenario.vehicle.length
 
 
 @pytest.mark.parametrize(("case", "road", "seed"), EVERY)
@@ -52,16 +52,16 @@ class TestEveryRun:
         assert np.abs(run(case, road, seed).tracking).max() <= 0.4
 
     def test_no_fallback(self, run: Run, case: str, road: str, seed: int) -> None:
-        assert not run(case, road, seed).fallback.any()
+        assert not run(case, road, seed).degraded.any()
 
     def test_ends_ahead_of_all_slow_cars_on_the_route_at_cruise_speed(
         self, run: Run, case: str, road: str, seed: int
     ) -> None:
         log = run(case, road, seed)
-        slow = [i for i, u in enumerate(log.scenario.users) if u.id.startswith("R")]
-        rear = log.place[-1, 0] + log.scenario.vehicle.box_offset - 0.5 * log.scenario.vehicle.length
-        assert (rear > log.user_places[-1, slow, 0] + 0.5 * 4.5 + 5.0).all()
-        assert abs(log.place[-1, 1]) < 0.1
+        slow = [i for i, u in enumerate(log.scenario.road_users) if u.id.startswith("R")]
+        rear = log.ego_frenet[-1, 0] + log.scenario.vehicle.box_offset - 0.5 * log.scenario.vehicle.length
+        assert (rear > log.user_frenet[-1, slow, 0] + 0.5 * 4.5 + 5.0).all()
+        assert abs(log.ego_frenet[-1, 1]) < 0.1
         assert abs(log.ego[-1, 3] - log.scenario.cruise_speed) < 0.3
         assert log.decisions[-1][1] == "KEEP"
 
@@ -70,14 +70,14 @@ class TestEveryRun:
         log = run(case, road, seed)
         for name in ("R1", "R3" if case.startswith("1") else "R2"):
             i = index(log, name)
-            abeam = np.abs(log.user_places[:, i, 0] - log.place[:, 0]) < 4.0
+            abeam = np.abs(log.user_frenet[:, i, 0] - log.ego_frenet[:, 0]) < 4.0
             assert abeam.any()
-            assert (log.place[abeam, 1] > 1.8).all()
+            assert (log.ego_frenet[abeam, 1] > 1.8).all()
 
     def test_stays_on_its_road(self, run: Run, case: str, road: str, seed: int) -> None:
         log = run(case, road, seed)
         corners = log.bodies()[0].corners()[:, 0]
-        _, d = log.scenario.road.path.project(corners.reshape(-1, 2), np.repeat(log.place[:, 0], 4))
+        _, d = log.scenario.road.path.project(corners.reshape(-1, 2), np.repeat(log.ego_frenet[:, 0], 4))
         assert d.min() > log.scenario.road.right_edge
         assert d.max() < log.scenario.road.left_edge
 
@@ -96,9 +96,9 @@ class TestCase1:
     def test_second_car_is_left_on_the_left(self, run: Run, road: str, seed: int) -> None:
         for case in ("1-fast", "1-smooth"):
             log = run(case, road, seed)
-            abeam = np.abs(log.user_places[:, index(log, "R2"), 0] - log.place[:, 0]) < 4.0
+            abeam = np.abs(log.user_frenet[:, index(log, "R2"), 0] - log.ego_frenet[:, 0]) < 4.0
             assert abeam.any()
-            assert (np.abs(log.place[abeam, 1]) < 0.8).all()
+            assert (np.abs(log.ego_frenet[abeam, 1]) < 0.8).all()
 
     def test_fast_changes_lane_in_visibly_less_distance_with_more_acceleration(
         self, run: Run, road: str, seed: int
@@ -107,7 +107,7 @@ class TestCase1:
         out, back, a_y = {}, {}, {}
         for case in ("1-fast", "1-smooth"):
             log = run(case, road, seed)
-            s, d = log.place[:, 0], log.place[:, 1]
+            s, d = log.ego_frenet[:, 0], log.ego_frenet[:, 1]
             first = log.t < begins(log, "KEEP")[1] + 2.0
             s, d = s[first], d[first]
             height = d.max()
@@ -136,7 +136,7 @@ class TestCases2And3:
         begin, end = begins(log, "FOLLOW")[0], begins(log, "EVADE_LEFT")[1]
         wait = (log.t >= begin) & (log.t <= end)
         v = log.ego[wait, 3]
-        leader = log.users[wait, index(log, "R2"), 3]
+        leader = log.road_users[wait, index(log, "R2"), 3]
         assert np.diff(v).max() < 1e-3
         assert abs(v[-1] - leader[-1]) < 1.5
         assert v[-1] > leader[-1] - 0.3  # no undershoot
@@ -155,8 +155,8 @@ class TestCases2And3:
         log = run(case, road, seed)
         k = int(np.searchsorted(log.t, begins(log, "EVADE_LEFT")[1] - 1e-9))
         a = index(log, "A")
-        direction = log.scenario.users[a].direction
-        rear = log.user_places[k, a, 0] - direction * 0.5 * 4.5
+        direction = log.scenario.road_users[a].direction
+        rear = log.user_frenet[k, a, 0] - direction * 0.5 * 4.5
         assert direction == (1 if case == "2" else -1)
         assert direction * (rear - front(log)[k]) > 0.0
 
@@ -166,13 +166,13 @@ class TestCases2And3:
         assert "A" in reason.split()
         begin = int(np.searchsorted(log.t, begins(log, "FOLLOW")[0]))
         a = index(log, "A")
-        ahead = log.user_places[begin, a, 0] - log.place[begin, 0]
+        ahead = log.user_frenet[begin, a, 0] - log.ego_frenet[begin, 0]
         assert (ahead < 0.0) if case == "2" else (ahead > 0.0)
 
     def test_other_car_never_has_to_react(self, run: Run, case: str, road: str, seed: int) -> None:
         log = run(case, road, seed)
         a = index(log, "A")
-        assert (log.users[:, a, 3] == log.scenario.users[a].v_x).all()
+        assert (log.road_users[:, a, 3] == log.scenario.road_users[a].v_x).all()
 
 
 @pytest.mark.parametrize(
@@ -183,12 +183,12 @@ class TestWithoutMessages:
         log = run(case, road, v2v=False)
         assert set(log.actions) == {"KEEP", "FOLLOW"}
         assert log.actions[-1] == "FOLLOW"
-        assert np.abs(log.place[:, 1]).max() < 0.1
-        slow = [i for i, u in enumerate(log.scenario.users) if u.d == 0.0]
+        assert np.abs(log.ego_frenet[:, 1]).max() < 0.1
+        slow = [i for i, u in enumerate(log.scenario.road_users) if u.d == 0.0]
         assert log.gaps()[:, slow].min() >= 2.5
         r1 = index(log, "R1")
-        assert (log.place[:, 0] < log.user_places[:, r1, 0]).all()
-        assert log.ego[-1, 3] == pytest.approx(log.users[-1, r1, 3], abs=0.3)
+        assert (log.ego_frenet[:, 0] < log.user_frenet[:, r1, 0]).all()
+        assert log.ego[-1, 3] == pytest.approx(log.road_users[-1, r1, 3], abs=0.3)
         assert (-log.ego[:, 7]).max() <= 3.0
 
 
@@ -204,7 +204,7 @@ def test_without_the_decision_it_collides_with_the_other_car(
     assert log.decisions[-1][1] == "EVADE_LEFT"
     assert "FOLLOW" not in log.actions
     # it is in the other's lane when it happens, not hit on its own
-    assert log.place[-1, 1] > 0.8
+    assert log.ego_frenet[-1, 1] > 0.8
 
 
 def test_the_contrast_is_the_decision_alone(run: Run) -> None:
@@ -220,9 +220,9 @@ def test_the_contrast_is_the_decision_alone(run: Run) -> None:
 def test_contrast_does_not_hang_on_the_exact_start_of_the_other_car(
     road: Callable[[str], Path], case: str, shift: float
 ) -> None:
-    scenario = maneuver(case, road("straight"))
-    users = tuple(replace(u, s=u.s + shift) if u.id == "A" else u for u in scenario.users)
-    scenario = replace(scenario, users=users)
+    scenario = overtaking(case, road("straight"))
+    users = tuple(replace(u, s=u.s + shift) if u.id == "A" else u for u in scenario.road_users)
+    scenario = replace(scenario, road_users=users)
     hit = simulate(scenario, planner=make_planner(scenario, _leader_only=True)).summary()
     assert hit["collided_with"] == "A"
 
@@ -231,8 +231,8 @@ class TestScenario:
     @pytest.mark.parametrize("case", ["", "4", 1, None])
     def test_unknown_case(self, road: Callable[[str], Path], case: Any) -> None:
         with pytest.raises(InputError, match="case"):
-            maneuver(case, road("straight"))
+            overtaking(case, road("straight"))
 
     def test_road_too_short(self, road: Callable[[str], Path]) -> None:
         with pytest.raises(InputError, match="path"):
-            maneuver("2", road("straight"), start=800.0)
+            overtaking("2", road("straight"), start=800.0)

@@ -13,18 +13,18 @@ from cca_core.errors import InputError
 from cca_core.sim import (
     CURBSIDE_CASES,
     EEBL_CASES,
-    REALISTIC,
+    LOSSY_CHANNEL,
     Log,
     Scenario,
     curbside,
     eebl,
     ima,
     make_planner,
-    maneuver,
+    overtaking,
     paper_scenarios,
     simulate,
 )
-from cca_core.sim.study.parameters import Variation, draw_scenario, nominal
+from cca_core.sim.study.parameters import ParameterRanges, nominal_scenario, sample_scenario
 from cca_core.v2x import ChannelSettings
 
 SEEDS = (1, 2, 3, 4, 5)
@@ -45,7 +45,7 @@ WITH = [
 def drive(name: str, case: str, ego: str = "v2v", seed: int = 1, plant: str = "single_track") -> Log:
     maker = MAKERS[name]
     scenario = maker(case) if name == "eebl" else maker(case, ego=ego)
-    assert scenario.ego == ego
+    assert scenario.ego_type == ego
     return simulate(scenario, seed=seed, plant=plant)
 
 
@@ -68,14 +68,14 @@ class BrakesFully:
 
 def gap(log: Log, ahead: int, behind: int | None) -> Any:
     """Bumper gap along the road between two road users, None being the ego [m]."""
-    rear = log.user_places[:, ahead, 0] - 2.25
-    return rear - (log.place[:, 0] if behind is None else log.user_places[:, behind, 0]) - 2.25
+    rear = log.user_frenet[:, ahead, 0] - 2.25
+    return rear - (log.ego_frenet[:, 0] if behind is None else log.user_frenet[:, behind, 0]) - 2.25
 
 
 def test_lossy_channel_parameters() -> None:
-    assert REALISTIC.latency == 0.1
-    assert REALISTIC.loss == 0.3
-    assert REALISTIC.burst > 1.0 / (1.0 - REALISTIC.loss)
+    assert LOSSY_CHANNEL.latency == 0.1
+    assert LOSSY_CHANNEL.loss_probability == 0.3
+    assert LOSSY_CHANNEL.mean_burst_length > 1.0 / (1.0 - LOSSY_CHANNEL.loss_probability)
 
 
 @pytest.mark.parametrize("plant", ["single_track", MB])
@@ -85,7 +85,7 @@ def test_the_driver_collides(name: str, case: str, hit: str, plant: str) -> None
     summary = log.summary()
     assert summary["collided_with"] == hit
     assert (summary["ego"], summary["v2v"], summary["plant"]) == ("driver", False, plant)
-    assert not log.heard.any()
+    assert not log.tracked.any()
     assert log.received == ()
 
 
@@ -96,7 +96,7 @@ def test_no_collision_with_v2v(name: str, case: str, seed: int) -> None:
     assert log.gaps().min() >= 1.0
     assert log.t[-1] == pytest.approx(log.scenario.duration)
     assert not any("internal error" in reason for _, _, reason in log.decisions)
-    assert log.scenario.channel is REALISTIC
+    assert log.scenario.channel is LOSSY_CHANNEL
     lost = 1.0 - log.messages["delivered"] / log.messages["sent"]
     assert 0.1 < lost < 0.5
     assert log.messages["ego_sent"] == pytest.approx(10.0 * log.scenario.duration, abs=1.0)
@@ -131,17 +131,17 @@ class TestEebl:
         log = drive("eebl", "C", seed=seed)
         assert gap(log, 0, None).min() > 2.0
         assert gap(log, 1, 0).min() > 2.0
-        assert (log.users[-1, :, 3] == 0.0).all()
+        assert (log.road_users[-1, :, 3] == 0.0).all()
 
     @pytest.mark.parametrize("case", EEBL_CASES)
     def test_gap_is_the_same_in_all_runs_until_the_event_is_known(self, case: str) -> None:
         log = simulate(eebl(case))
-        known = int(np.argmin(log.held))
+        known = int(np.argmin(log.gap_held))
         assert log.t[known] > 2.0
         before = log.t < 2.0
         assert gap(log, 0, None)[before] / log.ego[before, 3] == pytest.approx(0.5, abs=0.005)
-        assert log.held[:known].all()
-        assert not log.held[known:].any()
+        assert log.gap_held[:known].all()
+        assert not log.gap_held[known:].any()
 
     def test_order_of_events(self) -> None:
         log = drive("eebl", "C")
@@ -166,8 +166,8 @@ class TestEebl:
         log = simulate(eebl("B"))
         assert gap(log, 0, None).min() >= 2.0
         assert -log.ego[:, 7].min() <= 5.0
-        assert not log.heard[:, 0].any()
-        assert log.heard[:, 1].any()
+        assert not log.tracked[:, 0].any()
+        assert log.tracked[:, 1].any()
         assert log.time_of("brakes") < log.time_of("brakes", "yellow")
 
     @pytest.mark.parametrize(
@@ -193,12 +193,12 @@ class TestIma:
     @pytest.mark.parametrize("seed", SEEDS)
     def test_turns_only_after_the_other_has_passed(self, seed: int) -> None:
         log = drive("ima", "left-turn", seed=seed)
-        passed = log.users[:, 0, 0] + 2.25 < 0.0  # its rear has left the ego's way
+        passed = log.road_users[:, 0, 0] + 2.25 < 0.0  # its rear has left the ego's way
         in_its_lane = log.bodies()[0].corners()[:, 0, :, 1].max(axis=1) > 3.5
         assert not (in_its_lane & ~passed).any()
         assert log.ego[:, 3].min() < 1.0  # it really waits
         assert in_its_lane.any()
-        assert log.place[-1, 0] > 90.0
+        assert log.ego_frenet[-1, 0] > 90.0
         assert np.abs(log.a_y).max() <= 3.1
 
     @pytest.mark.parametrize("seed", SEEDS)
@@ -206,14 +206,16 @@ class TestIma:
         log = drive("ima", "left-turn", seed=seed)
         line = log.scenario.stop_line
         assert line is not None
-        passed = log.users[:, 0, 0] + 2.25 < 0.0
-        assert (log.place[~passed, 0] + 2.25).max() <= line + 0.2
+        passed = log.road_users[:, 0, 0] + 2.25 < 0.0
+        assert (log.ego_frenet[~passed, 0] + 2.25).max() <= line + 0.2
 
     def test_is_hidden_from_the_driver_until_late(self) -> None:
         """He sees it 1.08 s before both would be at the conflict point, less than his reaction time."""
         log = drive("ima", "left-turn", "driver")
         sees = int(np.searchsorted(log.t, log.time_of("seen", "red") - 1e-9))
-        assert (log.users[sees, 0, 0] - 1.29) / log.users[sees, 0, 3] == pytest.approx(1.08, abs=0.15)
+        assert (log.road_users[sees, 0, 0] - 1.29) / log.road_users[sees, 0, 3] == pytest.approx(
+            1.08, abs=0.15
+        )
         log = drive("ima", "crossing", "driver")
         assert log.t[-1] - log.time_of("seen", "red") < 1.25
 
@@ -230,14 +232,14 @@ class TestIma:
 @pytest.mark.parametrize("index", [328, 553])
 def test_lead_braking_harder_than_downstream_vehicle(index: int) -> None:
     """Draws in which red brakes with 4 to 5 m/s^2, and yellow, late, with 7."""
-    scenario, _ = draw_scenario(Variation(scenario="eebl"), 2, index)
+    scenario, _ = sample_scenario(ParameterRanges(scenario="eebl"), 2, index)
     assert simulate(scenario).gaps().min() > 0.0
 
 
 @pytest.mark.parametrize("index", [347, 1594])
 def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
     """Draws in which the first message leaves just the room for full braking."""
-    scenario, _ = draw_scenario(Variation(scenario="ima"), 2, index)
+    scenario, _ = sample_scenario(ParameterRanges(scenario="ima"), 2, index)
     log = simulate(scenario)
     assert log.gaps().min() > 0.0
     assert "BRAKE" in log.actions
@@ -269,10 +271,10 @@ def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
     ],
 )  # fmt: skip
 def test_collision_regressions(name: str, seed: int, index: int) -> None:
-    scenario, _ = draw_scenario(Variation(scenario=name), seed, index)
-    log = simulate(scenario, planner=make_planner(nominal(scenario)))
+    scenario, _ = sample_scenario(ParameterRanges(scenario=name), seed, index)
+    log = simulate(scenario, planner=make_planner(nominal_scenario(scenario)))
     assert log.gaps().min() > 0.0
-    assert np.abs(log.place[:, 1]).max() < 5.25
+    assert np.abs(log.ego_frenet[:, 1]).max() < 5.25
 
 
 class TestCurbside:
@@ -283,7 +285,7 @@ class TestCurbside:
         assert log.actions[-1] == "KEEP"
         assert log.ego[:, 3].min() > 20.0
         assert np.abs(log.a_y).max() <= 2.5
-        assert abs(log.place[-1, 1]) < 0.1
+        assert abs(log.ego_frenet[-1, 1]) < 0.1
 
     @pytest.mark.parametrize("seed", SEEDS)
     def test_slow_brakes(self, seed: int) -> None:
@@ -308,9 +310,9 @@ class TestCurbside:
     def test_yellow_passes_it(self) -> None:
         for case in CURBSIDE_CASES:
             log = drive("curbside", case)
-            apart = np.hypot(*(log.users[:, 0, :2] - log.users[:, 1, :2]).T)
-            abeam = np.abs(log.user_places[:, 0, 0] - log.user_places[:, 1, 0]) < 4.5
-            assert (log.user_places[abeam, 0, 1] - log.user_places[abeam, 1, 1]).min() > 1.8
+            apart = np.hypot(*(log.road_users[:, 0, :2] - log.road_users[:, 1, :2]).T)
+            abeam = np.abs(log.user_frenet[:, 0, 0] - log.user_frenet[:, 1, 0]) < 4.5
+            assert (log.user_frenet[abeam, 0, 1] - log.user_frenet[abeam, 1, 1]).min() > 1.8
             assert apart.min() > 1.8
 
     def test_parked_car_says_so(self) -> None:
@@ -336,15 +338,15 @@ class TestSensor:
 
 def test_low_visibility_limits_sensor_range() -> None:
     clear, fog = simulate(ima(ego="driver")), simulate(ima(ego="driver", visibility=8.0))
-    assert clear.seen[:, 1].sum() > fog.seen[:, 1].sum()
+    assert clear.visible[:, 1].sum() > fog.visible[:, 1].sum()
 
 
 def test_all_runs_of_the_demo() -> None:
     scenarios = paper_scenarios()
-    names = [(s.name, s.case, s.ego) for s in scenarios]
+    names = [(s.name, s.case, s.ego_type) for s in scenarios]
     assert len(set(names)) == len(names) == 19
     assert {name for name, _, _ in names} == {"eebl", "ima", "curbside", "maneuver"}
-    assert all(s.figures for s in scenarios)
+    assert all(s.paper_figures for s in scenarios)
     again = simulate(scenarios[0])
     assert again.seed == scenarios[0].seed
 
@@ -361,8 +363,8 @@ def test_unknown_case(make: Callable[..., Scenario]) -> None:
         (lambda: eebl(v_x=-1.0), "v_x"), (lambda: eebl(time_gap=0.0), "time_gap"),
         (lambda: ima(ego="cat"), "ego"), (lambda: ima(v_red=0.0), "v_red"),
         (lambda: ima(offset=9.0), "offset"),
-        (lambda: curbside(intrudes=5.0), "intrudes"), (lambda: curbside(radius=10.0), "radius"),
-        (lambda: maneuver("5", None), "case"),
+        (lambda: curbside(lane_intrusion=5.0), "intrudes"), (lambda: curbside(radius=10.0), "radius"),
+        (lambda: overtaking("5", None), "case"),
     ],
 )  # fmt: skip
 def test_bad_arguments(make: Callable[[], Scenario], named: str) -> None:

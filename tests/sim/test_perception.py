@@ -11,12 +11,12 @@ from cca_core.sim import RoadUser, Scenario
 from cca_core.sim.scenarios.eebl import CAR
 from cca_core.sim.world.perception import Perception
 from cca_core.sim.world.radio import sender_id
-from cca_core.v2x import Accuracy, Bsm, encode_bsm
+from cca_core.v2x import Bsm, PositionalAccuracy, encode_bsm
 
 PATH = interpolate_path([[0.0, 0.0], [400.0, 0.0]])
 SCENARIO = Scenario(
     name="test", case=None, road=Road(PATH, [Lane(d=0.0)]), vehicle=CAR, start=0.0, v_x=10.0,
-    cruise_speed=10.0, users=(RoadUser(id="red", s=40.0, d=0.0, v_x=10.0),),
+    cruise_speed=10.0, road_users=(RoadUser(id="red", s=40.0, d=0.0, v_x=10.0),),
 )  # fmt: skip
 EGO = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=10.0)
 BRAKES = frozenset({"hard_braking"})
@@ -28,14 +28,14 @@ def heard(t: float, x: float, y: float = 0.0, accuracy: float | None = None) -> 
         Bsm(
             msg_count=round(10.0 * t) % 128, id=sender_id(0), sec_mark=t % 60.0, latitude_deg=float(lat),
             longitude_deg=float(lon), speed=10.0, psi=0.0, a_x=0.0, r=0.0, width=1.8, length=4.5,
-            events=BRAKES, accuracy=Accuracy(semi_major=accuracy, semi_minor=accuracy),
+            events=BRAKES, accuracy=PositionalAccuracy(semi_major=accuracy, semi_minor=accuracy),
         )
     )  # fmt: skip
 
 
 def known(seen: bool, until: float, *, ego: str = "v2v") -> list[tuple[float, str, float, bool]]:
     """Age, source, place and whether its event is known, in each cycle of 3 s; red is heard up to a time."""
-    perception = Perception(replace(SCENARIO, ego=ego))
+    perception = Perception(replace(SCENARIO, ego_type=ego))
     found = []
     for k in range(150):
         t = 0.02 * k

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from cca_core import Lane, Road, VehicleState
 from cca_core.path import interpolate_path
-from cca_core.sim import RoadUser, Scenario, Sensor, visible_share
+from cca_core.sim import RoadUser, Scenario, Sensor, visible_fraction
 from cca_core.sim.scenarios.eebl import CAR
 
 PI = math.pi
@@ -22,7 +22,7 @@ def scenario(*users: RoadUser, **kwargs: Any) -> Scenario:
     settings: dict[str, Any] = {"ego": "sensor", "sensor_delay": 0.4} | kwargs
     return Scenario(
         name="test", case=None, road=Road(path, [Lane(d=0.0), Lane(d=3.5)]), vehicle=CAR, start=50.0,
-        v_x=10.0, cruise_speed=10.0, users=users, **settings,
+        v_x=10.0, cruise_speed=10.0, road_users=users, **settings,
     )  # fmt: skip
 
 
@@ -36,33 +36,33 @@ A, B = (RoadUser(id=name, s=0.0, d=0.0, v_x=0.0) for name in "AB")
 
 class TestShare:
     def test_free_sight(self) -> None:
-        assert visible_share(0j, 0.0, PI / 3.0, (30.0, 0.0, 0.0, 4.5, 1.8), []) == pytest.approx(1.0)
+        assert visible_fraction(0j, 0.0, PI / 3.0, (30.0, 0.0, 0.0, 4.5, 1.8), []) == pytest.approx(1.0)
 
     def test_hidden_behind_the_same_body(self) -> None:
         body, front = (30.0, 0.0, 0.0, 4.5, 1.8), (15.0, 0.0, 0.0, 4.5, 1.8)
-        assert visible_share(0j, 0.0, PI / 3.0, body, [front]) == pytest.approx(0.0)
+        assert visible_fraction(0j, 0.0, PI / 3.0, body, [front]) == pytest.approx(0.0)
         # and the front one is not hidden by what is behind it
-        assert visible_share(0j, 0.0, PI / 3.0, front, [body]) == pytest.approx(1.0)
+        assert visible_fraction(0j, 0.0, PI / 3.0, front, [body]) == pytest.approx(1.0)
 
     def test_half_hidden(self) -> None:
         """A wall from the line of sight to the right hides the right half."""
         body, wall = (40.0, 0.0, 0.5 * PI, 4.0, 0.01), (20.0, -5.0, 0.5 * PI, 10.0, 0.01)
-        assert visible_share(0j, 0.0, PI / 3.0, body, [wall]) == pytest.approx(0.5, abs=0.01)
+        assert visible_fraction(0j, 0.0, PI / 3.0, body, [wall]) == pytest.approx(0.5, abs=0.01)
 
     def test_field_of_view(self) -> None:
         body = (0.0, 40.0, 0.0, 4.0, 0.01)  # at 90 degrees
-        assert visible_share(0j, 0.0, PI / 3.0, body, []) == pytest.approx(0.0)
-        assert visible_share(0j, 0.5 * PI, PI / 3.0, body, []) == pytest.approx(1.0)
-        assert visible_share(0j, 0.0, 0.5 * PI, body, []) == pytest.approx(0.5, abs=1e-9)
+        assert visible_fraction(0j, 0.0, PI / 3.0, body, []) == pytest.approx(0.0)
+        assert visible_fraction(0j, 0.5 * PI, PI / 3.0, body, []) == pytest.approx(1.0)
+        assert visible_fraction(0j, 0.0, 0.5 * PI, body, []) == pytest.approx(0.5, abs=1e-9)
 
     def test_behind_is_no_cover(self) -> None:
         body, behind = (30.0, 0.0, 0.0, 4.5, 1.8), (-15.0, 0.0, 0.0, 4.5, 1.8)
-        assert visible_share(0j, 0.0, PI, body, [behind]) == pytest.approx(1.0)
+        assert visible_fraction(0j, 0.0, PI, body, [behind]) == pytest.approx(1.0)
 
     def test_two_covers_count_once_where_they_overlap(self) -> None:
         body = (40.0, 0.0, 0.5 * PI, 4.0, 0.01)
         wall, nearer = (20.0, -5.0, 0.5 * PI, 10.0, 0.01), (10.0, -2.5, 0.5 * PI, 5.0, 0.01)
-        assert visible_share(0j, 0.0, PI, body, [wall, nearer]) == pytest.approx(0.5, abs=0.01)
+        assert visible_fraction(0j, 0.0, PI, body, [wall, nearer]) == pytest.approx(0.5, abs=0.01)
 
     @given(st.integers(0, 2**32 - 1))
     def test_against_rays_through_shapely(self, seed: int) -> None:
@@ -96,33 +96,33 @@ class TestShare:
             hit = [math.inf if math.isnan(d) else d for d in distance]
             in_view = abs(math.remainder(angle - psi, math.tau)) <= half
             free += in_view and hit[0] <= min(hit[1:])
-        assert visible_share(0j, psi, half, bodies[0], bodies[1:]) == pytest.approx(free / 201, abs=0.02)
+        assert visible_fraction(0j, psi, half, bodies[0], bodies[1:]) == pytest.approx(free / 201, abs=0.02)
 
 
 class TestSensor:
     def test_range_weather_and_field_of_view(self) -> None:
         sensor = Sensor(scenario(A, B))
-        assert sensor.look(rows((99.0, 0.0), (101.0, 20.0)), EGO) == [True, False]
-        assert sensor.look(rows((-20.0, 0.0), (20.0, 50.0)), EGO) == [False, False]
+        assert sensor.visible(rows((99.0, 0.0), (101.0, 20.0)), EGO) == [True, False]
+        assert sensor.visible(rows((-20.0, 0.0), (20.0, 50.0)), EGO) == [False, False]
         fog = Sensor(scenario(A, B, visibility=50.0))
-        assert fog.look(rows((49.0, 0.0), (51.0, 20.0)), EGO) == [True, False]
+        assert fog.visible(rows((49.0, 0.0), (51.0, 20.0)), EGO) == [True, False]
 
     def test_a_leader_hides_the_one_before_it(self) -> None:
         sensor = Sensor(scenario(A, B))
-        assert sensor.look(rows((20.0, 0.0), (50.0, 0.0)), EGO) == [True, False]
-        assert sensor.look(rows((20.0, 3.0), (50.0, 0.0)), EGO) == [True, True]
+        assert sensor.visible(rows((20.0, 0.0), (50.0, 0.0)), EGO) == [True, False]
+        assert sensor.visible(rows((20.0, 3.0), (50.0, 0.0)), EGO) == [True, True]
 
     def test_occluder(self) -> None:
         sensor = Sensor(scenario(A, occluders=((15.0, 0.0, 0.0, 4.0, 4.0),)))
-        assert sensor.look(rows((30.0, 0.0)), EGO) == [False]
-        assert sensor.look(rows((10.0, 0.0)), EGO) == [True]
+        assert sensor.visible(rows((30.0, 0.0)), EGO) == [False]
+        assert sensor.visible(rows((10.0, 0.0)), EGO) == [True]
 
     def test_reports_late_and_dead_reckoned(self) -> None:
         sensor = Sensor(scenario(A))
         for k in range(40):
             t = 0.02 * k
             now = [(30.0 + 20.0 * t - 2.0 * t * t, 0.0, 0.0, 20.0 - 4.0 * t, -4.0, 0.0)]
-            found = sensor.report(t, now, [True])
+            found = sensor.detections(t, now, [True])
             assert bool(found) == (t >= 0.4 - 1e-9)
             for remote in found:
                 assert remote.source == "sensor"
@@ -135,12 +135,12 @@ class TestSensor:
         known = []
         for k in range(100):
             a_x = -7.0 if k >= 50 else 0.0
-            found = sensor.report(0.02 * k, [(30.0, 0.0, 0.0, 20.0, a_x, 0.0)], [k < 80])
+            found = sensor.detections(0.02 * k, [(30.0, 0.0, 0.0, 20.0, a_x, 0.0)], [k < 80])
             known.append(found[0].a_x if found else None)
         assert known[20:70] == [0.0] * 50
         assert known[70] == -7.0
         assert known[99] == -7.0
 
     def test_the_driver_sees_at_once(self) -> None:
-        sensor = Sensor(replace(scenario(A), ego="driver"))
-        assert sensor.report(0.0, rows((30.0, 0.0)), [True])[0].age == 0.0
+        sensor = Sensor(replace(scenario(A), ego_type="driver"))
+        assert sensor.detections(0.0, rows((30.0, 0.0)), [True])[0].age == 0.0

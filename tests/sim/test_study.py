@@ -19,24 +19,34 @@ import numpy as np
 import pytest
 
 from cca_core.errors import InputError
-from cca_core.sim import Brakes, Follows, Log, Scenario, curbside, eebl, ima, make_planner, simulate
+from cca_core.sim import (
+    BrakeAction,
+    Log,
+    ReactToLeadAction,
+    Scenario,
+    curbside,
+    eebl,
+    ima,
+    make_planner,
+    simulate,
+)
 from cca_core.sim import study as study_module
-from cca_core.sim.scenarios.scenario import EGOS
-from cca_core.sim.study.counterfactual import avoided_by, first_hazard
-from cca_core.sim.study.parameters import Variation, draw_scenario, nominal, without_messages
-from cca_core.sim.study.run import drive_run
-from cca_core.sim.study.sampling import STUDIED
-from cca_core.sim.study.statistics import StudyTable, rate_of
+from cca_core.sim.scenarios.scenario import EGO_TYPES
+from cca_core.sim.study.counterfactual import avoiding_action, first_hazard_cycle
+from cca_core.sim.study.parameters import ParameterRanges, nominal_scenario, sample_scenario, without_v2v
+from cca_core.sim.study.run import simulate_run
+from cca_core.sim.study.sampling import STUDY_SCENARIOS
+from cca_core.sim.study.statistics import StudyTable, estimate_rate
 from cca_core.sim.study.store import StudyFile
 from cca_core.sim.study.study import Study, run_study
 from cca_core.v2x import ChannelSettings
 
-SHORT = Variation(scenario="eebl", loss=(0.0, 0.3))
+SHORT = ParameterRanges(scenario="eebl", loss=(0.0, 0.3))
 SMALL = {"eebl": 8, "ima": 5, "curbside": 5, "maneuver": 1}
 
 
 def draw(name: str, index: int = 0, seed: int = 1) -> tuple[Scenario, dict[str, Any]]:
-    return draw_scenario(Variation(scenario=name), seed, index)
+    return sample_scenario(ParameterRanges(scenario=name), seed, index)
 
 
 class TestRates:
@@ -44,106 +54,112 @@ class TestRates:
     @pytest.mark.parametrize("confidence", [0.9, 0.95])
     def test_interval_has_the_tails_it_is_named_for(self, hits: int, n: int, confidence: float) -> None:
         """The bounds of Clopper and Pearson by their definition, as sums of binomial probabilities."""
-        rate, rest = rate_of(hits, n, confidence=confidence), 1.0 - confidence
+        rate, rest = estimate_rate(hits, n, confidence=confidence), 1.0 - confidence
 
         def at_most(k: int, p: float) -> float:
             return sum(math.comb(n, i) * p**i * (1.0 - p) ** (n - i) for i in range(k + 1))
 
         if hits < n:
-            assert at_most(hits, rate.high) == pytest.approx(0.5 * rest, rel=1e-6)
-            assert at_most(hits, rate.bound) == pytest.approx(rest, rel=1e-6)
+            assert at_most(hits, rate.ci_high) == pytest.approx(0.5 * rest, rel=1e-6)
+            assert at_most(hits, rate.upper_bound) == pytest.approx(rest, rel=1e-6)
         else:
-            assert rate.high == rate.bound == 1.0
+            assert rate.ci_high == rate.upper_bound == 1.0
         if hits:
-            assert 1.0 - at_most(hits - 1, rate.low) == pytest.approx(0.5 * rest, rel=1e-6)
+            assert 1.0 - at_most(hits - 1, rate.ci_low) == pytest.approx(0.5 * rest, rel=1e-6)
         else:
-            assert rate.low == 0.0
-        assert rate.low <= rate.value <= rate.bound <= rate.high
+            assert rate.ci_low == 0.0
+        assert rate.ci_low <= rate.value <= rate.upper_bound <= rate.ci_high
 
     def test_nothing_in_two_thousand(self) -> None:
-        assert rate_of(0, 2000).bound == pytest.approx(1.0 - 0.05 ** (1 / 2000))
-        assert rate_of(0, 2000).bound < 0.002 < rate_of(1, 2000).bound
+        assert estimate_rate(0, 2000).upper_bound == pytest.approx(1.0 - 0.05 ** (1 / 2000))
+        assert estimate_rate(0, 2000).upper_bound < 0.002 < estimate_rate(1, 2000).upper_bound
 
     def test_no_runs_say_nothing(self) -> None:
-        rate = rate_of(0, 0)
-        assert (rate.value, rate.low, rate.high) == (0.0, 0.0, 1.0)
+        rate = estimate_rate(0, 0)
+        assert (rate.value, rate.ci_low, rate.ci_high) == (0.0, 0.0, 1.0)
 
     @pytest.mark.parametrize(("hits", "n", "c"), [(-1, 5, 0.9), (6, 5, 0.9), (1, 5, 1.0), (1, 5, 0.0)])
     def test_bad_arguments(self, hits: int, n: int, c: float) -> None:
         with pytest.raises(InputError, match=r"hits|confidence"):
-            rate_of(hits, n, confidence=c)
+            estimate_rate(hits, n, confidence=c)
 
 
 class TestVariation:
-    @pytest.mark.parametrize("name", STUDIED)
+    @pytest.mark.parametrize("name", STUDY_SCENARIOS)
     def test_a_run_depends_on_its_number_alone(self, name: str) -> None:
         (first, drawn), (again, same) = draw(name, 7), draw(name, 7)
         assert drawn == same
-        assert [(u.id, u.s, u.v_x) for u in first.users] == [(u.id, u.s, u.v_x) for u in again.users]
+        assert [(u.id, u.s, u.v_x) for u in first.road_users] == [
+            (u.id, u.s, u.v_x) for u in again.road_users
+        ]
         assert draw(name, 8)[1] != drawn
         assert draw(name, 7, seed=2)[1] != drawn
 
-    @pytest.mark.parametrize("name", STUDIED)
+    @pytest.mark.parametrize("name", STUDY_SCENARIOS)
     def test_draws_fill_their_ranges(self, name: str) -> None:
         runs = [draw(name, i) for i in range(60)]
-        variation = Variation(scenario=name)
+        variation = ParameterRanges(scenario=name)
         for field in fields(variation)[1:]:
-            low, high = variation.within if field.name == "reach" else getattr(variation, field.name)
+            low, high = (
+                variation.radio_range_bounds
+                if field.name == "radio_range"
+                else getattr(variation, field.name)
+            )
             values = np.array([drawn[field.name] for _, drawn in runs])
             assert low <= values.min() < low + 0.15 * (high - low)
             assert high - 0.15 * (high - low) < values.max() <= high
         for scenario, drawn in runs:
             channel, most = scenario.channel, drawn["friction"] * 9.81
             assert channel is not None
-            assert (channel.latency, channel.loss, channel.range) == (
-                drawn["latency"], drawn["loss"], drawn["reach"],
+            assert (channel.latency, channel.loss_probability, channel.range) == (
+                drawn["latency"], drawn["loss"], drawn["radio_range"],
             )  # fmt: skip
             assert scenario.vehicle.mu == drawn["friction"]
             assert scenario.vehicle.m == pytest.approx(1093.3 * drawn["mass"])
-            assert scenario.reaction == drawn["own_reaction"]
-            for user in scenario.users:
+            assert scenario.reaction_time == drawn["own_reaction"]
+            for user in scenario.road_users:
                 assert user.deceleration <= most
-                acts = [act for act in user.acts if isinstance(act, Brakes | Follows)]
+                acts = [act for act in user.actions if isinstance(act, BrakeAction | ReactToLeadAction)]
                 assert all(act.deceleration <= most for act in acts)
         assert len({scenario.case for scenario, _ in runs}) == {"curbside": 1, "maneuver": 4}.get(name, 2)
 
     def test_reach_is_that_of_the_scenario(self) -> None:
-        assert Variation(scenario="ima").within == (50.0, 400.0)
-        assert Variation(scenario="maneuver").within == (300.0, 1000.0)
-        assert Variation(scenario="maneuver", reach=(9.0, 10.0)).within == (9.0, 10.0)
+        assert ParameterRanges(scenario="ima").radio_range_bounds == (50.0, 400.0)
+        assert ParameterRanges(scenario="maneuver").radio_range_bounds == (300.0, 1000.0)
+        assert ParameterRanges(scenario="maneuver", radio_range=(9.0, 10.0)).radio_range_bounds == (9.0, 10.0)
 
-    @pytest.mark.parametrize("name", STUDIED)
+    @pytest.mark.parametrize("name", STUDY_SCENARIOS)
     def test_equal_bounds_hold_a_value(self, name: str) -> None:
-        held = Variation(scenario=name, latency=(0.2, 0.2), loss=(0.0, 0.0))
-        assert {draw_scenario(held, 1, i)[1]["latency"] for i in range(5)} == {0.2}
+        held = ParameterRanges(scenario=name, latency=(0.2, 0.2), loss=(0.0, 0.0))
+        assert {sample_scenario(held, 1, i)[1]["latency"] for i in range(5)} == {0.2}
 
     def test_planner_knows_the_friction_but_not_the_load(self) -> None:
         scenario, _ = draw("curbside")
-        car = nominal(scenario).vehicle
+        car = nominal_scenario(scenario).vehicle
         assert car.m == 1093.3
         assert car.mu == scenario.vehicle.mu
         assert replace(car, m=scenario.vehicle.m, I_z=scenario.vehicle.I_z) == scenario.vehicle
 
     def test_without_messages_nobody_is_warned(self) -> None:
         scenario = next(s for s, _ in (draw("eebl", i) for i in range(9)) if s.case == "C")
-        silent = without_messages(scenario, "driver")
-        follows = next(act for act in silent.users[0].acts if isinstance(act, Follows))
-        assert math.isinf(follows.warned_after)
+        silent = without_v2v(scenario, "driver")
+        follows = next(act for act in silent.road_users[0].actions if isinstance(act, ReactToLeadAction))
+        assert math.isinf(follows.warning_delay)
         assert not silent.v2v
         log = simulate(silent)
         assert log.received == ()
-        assert log.time_of("brakes", "yellow") - log.time_of("brakes", "red") >= follows.reaction - 0.1
+        assert log.time_of("brakes", "yellow") - log.time_of("brakes", "red") >= follows.reaction_time - 0.1
 
     @pytest.mark.parametrize(
         "change",
         [
             {"scenario": "zebra"}, {"loss": (0.5, 0.2)}, {"loss": (0.0, 0.95)}, {"latency": (-0.1, 0.0)},
-            {"mass": (math.nan, 1.0)}, {"reach": (5.0,)},
+            {"mass": (math.nan, 1.0)}, {"radio_range": (5.0,)},
         ],
     )  # fmt: skip
     def test_bad_arguments(self, change: dict[str, Any]) -> None:
         with pytest.raises(InputError, match=rf"\b{next(iter(change))}\b"):
-            Variation(**{"scenario": "eebl", **change})
+            ParameterRanges(**{"scenario": "eebl", **change})
 
     def test_bad_numbers(self) -> None:
         with pytest.raises(InputError, match="index"):
@@ -162,41 +178,41 @@ class TestAvoidable:
 
     @pytest.mark.parametrize("make", [eebl, ima, curbside])
     def test_of_the_papers_scenarios_all_are(self, make: Any) -> None:
-        assert avoided_by(simulate(make())) == "brake"
+        assert avoiding_action(simulate(make())) == "brake"
 
     def test_braking_needs_its_distance(self) -> None:
         """25^2 / 14 = 44.6 m, and (0.55 / 2 + 0.1) s, half of the ramp and the lag, at 25 m/s: 54 m."""
         room = 4.5  # from middle to middle of two bodies that touch
-        assert avoided_by(curb(room + 63.0)) == "brake"
-        assert avoided_by(curb(room + 51.0)) == "swerve"
+        assert avoiding_action(curb(room + 63.0)) == "brake"
+        assert avoiding_action(curb(room + 51.0)) == "swerve"
 
     def test_a_swerve_needs_its_distance_too(self) -> None:
         """0.95 m in 1 s take 5.8 x 0.95 = 5.5 m/s^2, which mu = 0.9 gives; in half a second 22 m/s^2."""
-        assert avoided_by(curb(4.5 + 27.5)) == "swerve"
-        assert avoided_by(curb(4.5 + 14.0)) == ""
+        assert avoiding_action(curb(4.5 + 27.5)) == "swerve"
+        assert avoiding_action(curb(4.5 + 14.0)) == ""
 
     def test_there_is_no_swerve_without_a_lane_beside(self) -> None:
         log = curb(4.5 + 40.0)
-        assert avoided_by(log) == "swerve"
+        assert avoiding_action(log) == "swerve"
         narrow = curbside("fast", channel=ChannelSettings(range=44.5))
         road = type(narrow.road)(narrow.road.path, speed_limit=narrow.road.speed_limit)
-        assert avoided_by(simulate(replace(narrow, road=road))) == ""
+        assert avoiding_action(simulate(replace(narrow, road=road))) == ""
 
     def test_a_swerve_into_somebody_does_not_count(self) -> None:
         scenario = curbside("fast", channel=ChannelSettings(range=44.5))
-        red = scenario.users[1]
+        red = scenario.road_users[1]
         beside = replace(red, id="beside", d=2.6, connected=False)
-        assert avoided_by(simulate(replace(scenario, users=(*scenario.users, beside)))) == ""
+        assert avoiding_action(simulate(replace(scenario, road_users=(*scenario.road_users, beside)))) == ""
 
     def test_who_was_never_told_could_not_know(self) -> None:
         log = curb(1.0)
-        assert first_hazard(log) is None
-        assert avoided_by(log) == ""
+        assert first_hazard_cycle(log) is None
+        assert avoiding_action(log) == ""
 
     def test_first_hazard_is_the_first_delivered_message(self) -> None:
         late = ChannelSettings(latency=0.3)
         log = simulate(eebl(channel=late))
-        hazard = first_hazard(log)
+        hazard = first_hazard_cycle(log)
         assert hazard is not None
         # red brakes at 2 s and has 0.4 g at 2.31 s; then up to 0.1 s until it sends
         assert 2.31 + 0.3 - 0.02 <= log.t[hazard] <= 2.31 + 0.1 + 0.3 + 0.04
@@ -208,11 +224,11 @@ class TestAvoidable:
         log, again = simulate(eebl()), []
         drive = module.simulate
         monkeypatch.setattr(module, "simulate", lambda *a, **k: again.append(drive(*a, **k)) or again[-1])
-        assert avoided_by(log) == "brake"
-        hazard = first_hazard(log)
+        assert avoiding_action(log) == "brake"
+        hazard = first_hazard_cycle(log)
         assert hazard is not None
         np.testing.assert_array_equal(again[0].ego[: hazard + 1], log.ego[: hazard + 1])
-        np.testing.assert_array_equal(again[0].users[: hazard + 1], log.users[: hazard + 1])
+        np.testing.assert_array_equal(again[0].road_users[: hazard + 1], log.road_users[: hazard + 1])
         assert again[0].received[: len(log.received) // 4] == log.received[: len(log.received) // 4]
         assert again[0].ego[:, 7].min() == pytest.approx(-7.0, abs=0.05)
 
@@ -224,11 +240,11 @@ class TestAvoidable:
         deaf.step = lambda t, state, remotes, **k: step(t, state, [], **k)  # type: ignore[method-assign]
         log = simulate(scenario, planner=deaf)
         assert log.summary()["collided"]
-        assert avoided_by(log) == "brake"
+        assert avoiding_action(log) == "brake"
 
     def test_wants_messages(self) -> None:
         with pytest.raises(InputError, match="messages"):
-            avoided_by(simulate(eebl("A")))
+            avoiding_action(simulate(eebl("A")))
 
 
 class TestStudy:
@@ -244,16 +260,16 @@ class TestStudy:
     def test_fingerprint_tells_studies_apart_but_not_their_size(self) -> None:
         study = Study(variation=SHORT, runs=3)
         assert study.fingerprint == replace(study, runs=None, avoidable=9).fingerprint
-        others = [replace(study, seed=2), replace(study, variation=Variation(scenario="eebl"))]
+        others = [replace(study, seed=2), replace(study, variation=ParameterRanges(scenario="eebl"))]
         assert len({study.fingerprint, *(other.fingerprint for other in others)}) == 3
 
 
-def pretend(variation: Variation, seed: int, index: int, plant: str) -> dict[str, Any]:
+def pretend(variation: ParameterRanges, seed: int, index: int, plant: str) -> dict[str, Any]:
     """Stand in for a run: takes a little time, a third of them cannot be avoided."""
     time.sleep(0.001 * (7 * index % 5))
     means = "" if index % 3 == 1 else "brake"
-    egos = {f"{ego}_hit": "red" if index % (3 + k) == 1 else "" for k, ego in enumerate(EGOS)}
-    return {"index": index, "avoided_by": means, "value": 0.1 * index, **egos}
+    egos = {f"{ego}_hit": "red" if index % (3 + k) == 1 else "" for k, ego in enumerate(EGO_TYPES)}
+    return {"index": index, "avoiding_action": means, "value": 0.1 * index, **egos}
 
 
 class Counting(ThreadPoolExecutor):
@@ -278,7 +294,7 @@ class Counting(ThreadPoolExecutor):
 
 @pytest.fixture
 def pretended(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(study_module, "drive_run", pretend)
+    monkeypatch.setattr(study_module, "simulate_run", pretend)
 
 
 @pytest.mark.usefixtures("pretended")
@@ -296,7 +312,7 @@ class TestRunStudy:
             study = Study(variation=SHORT, avoidable=20)
             table = run_study(study, tmp_path / "a.jsonl", executor=threads, in_flight=5)
         assert table.avoidable.sum() == 20
-        assert table.rows[-1]["avoided_by"] == "brake"
+        assert table.rows[-1]["avoiding_action"] == "brake"
         assert len(table) == 30
 
     def test_an_interrupted_study_repeats_nothing(self, tmp_path: Path) -> None:
@@ -335,12 +351,12 @@ class TestRunStudy:
     def test_an_error_in_a_run_is_not_hidden(
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:  # fmt: skip
-        def fails(variation: Variation, seed: int, index: int, plant: str) -> dict[str, Any]:
+        def fails(variation: ParameterRanges, seed: int, index: int, plant: str) -> dict[str, Any]:
             if index == 3:
                 raise ZeroDivisionError
             return pretend(variation, seed, index, plant)
 
-        monkeypatch.setattr(study_module, "drive_run", fails)
+        monkeypatch.setattr(study_module, "simulate_run", fails)
         with pytest.raises(ZeroDivisionError), Counting() as threads:
             run_study(Study(variation=SHORT, runs=9), tmp_path / "a", executor=threads, in_flight=1)
         assert len((tmp_path / "a").read_text().splitlines()) == 1 + 3
@@ -352,11 +368,11 @@ class TestRunStudy:
     def test_table(self, tmp_path: Path) -> None:
         with Counting() as threads:
             table = run_study(Study(variation=SHORT, runs=24), tmp_path / "a", executor=threads)
-        among = [row for row in table.rows if row["avoided_by"]]
+        among = [row for row in table.rows if row["avoiding_action"]]
         rate = table.rate("driver")
-        assert (rate.hits, rate.n) == (sum(row["driver_hit"] != "" for row in among), len(among))
-        assert table.rate("v2v").hits == 0
-        assert table.rate("v2v", np.ones(24, dtype=bool)).hits == 8
+        assert (rate.n_events, rate.n) == (sum(row["driver_hit"] != "" for row in among), len(among))
+        assert table.rate("v2v").n_events == 0
+        assert table.rate("v2v", np.ones(24, dtype=bool)).n_events == 8
         table.write_csv(tmp_path / "t.csv")
         with (tmp_path / "t.csv").open(newline="") as file:
             rows = list(csv.DictReader(file))
@@ -364,7 +380,7 @@ class TestRunStudy:
         with pytest.raises(InputError, match="name"):
             table.column("no such")
         with pytest.raises(InputError, match="ego"):
-            table.hit("cat")
+            table.collided("cat")
 
 
 class TestStudyFile:
@@ -505,15 +521,15 @@ def members(session: int) -> Iterator[int]:
 class TestSmallStudy:
     """With messages nothing happens that could have been avoided; a driver is not so lucky."""
 
-    @pytest.mark.parametrize("name", STUDIED)
+    @pytest.mark.parametrize("name", STUDY_SCENARIOS)
     def test_of_each_scenario(self, name: str) -> None:
-        rows = (drive_run(Variation(scenario=name), 1, i) for i in range(SMALL[name]))
+        rows = (simulate_run(ParameterRanges(scenario=name), 1, i) for i in range(SMALL[name]))
         table = StudyTable(scenario=name, rows=tuple(rows))
         assert table.rate("v2v").n >= 1
-        assert [row for row in table.rows if row["avoided_by"] and row["v2v_hit"]] == []
+        assert [row for row in table.rows if row["avoiding_action"] and row["v2v_hit"]] == []
         assert not any("internal error" in row["v2v_last"] for row in table.rows)
         if name == "eebl":
-            assert table.rate("driver").hits >= 4
+            assert table.rate("driver").n_events >= 4
 
 
 @pytest.mark.requires("matplotlib")
@@ -525,7 +541,7 @@ class TestFigure:
             latency, loss = rng.uniform(0.0, 0.5), rng.uniform(0.0, 0.8)
             hits = {"v2v": loss > 0.7, "driver": i % 2 == 0, "sensor": False}
             told = {f"{ego}_hit": "red" if hit else "" for ego, hit in hits.items()}
-            rows.append({"index": i, "latency": latency, "loss": loss, "avoided_by": "", **told})
+            rows.append({"index": i, "latency": latency, "loss": loss, "avoiding_action": "", **told})
         return StudyTable(scenario="ima", rows=tuple(rows))
 
     def test_lines_are_the_rates_of_their_classes(self) -> None:

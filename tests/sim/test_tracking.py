@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cca_core import InputError, Path, PreviewController, VehicleParams, VehicleState
-from cca_core.sim import SingleTrackPlant, lane_change, track
+from cca_core.sim import SingleTrackPlant, lane_change_path, track_path
 
 CAR = VehicleParams.bmw_320i()
 LINE = Path([0.0, 400.0], [[[0, 0, 400, 0], [0, 0, 0, 0]]])
@@ -22,7 +22,7 @@ def straight_on(state: VehicleState, path: Path) -> float:
 
 @pytest.mark.parametrize(("width", "length"), [(3.5, 44.0), (3.5, 60.0), (-3.0, 50.0)])
 def test_lane_change_is_the_quintic(width: float, length: float) -> None:
-    path = lane_change(width, length)
+    path = lane_change_path(width, length)
     s = np.arange(path.start, path.end, 0.1)
     xy = path.position(s)
     share = np.clip((xy[:, 0] - 80.0) / length, 0.0, 1.0)
@@ -42,11 +42,11 @@ def test_lane_change_is_the_quintic(width: float, length: float) -> None:
 def test_bad_lane_change(arguments: tuple[float, float, float, float], name: str) -> None:
     width, length, before, after = arguments
     with pytest.raises(InputError, match=f"^{name} must"):
-        lane_change(width, length, before=before, after=after)
+        lane_change_path(width, length, before=before, after=after)
 
 
 def test_the_error_is_the_lateral_coordinate() -> None:
-    run = track(plant(y=0.7), straight_on, LINE, 20.0)
+    run = track_path(plant(y=0.7), straight_on, LINE, 20.0)
     assert run.finished
     np.testing.assert_allclose(run.d, 0.7, atol=1e-9)
     assert run.peak == pytest.approx(0.7)
@@ -56,8 +56,8 @@ def test_the_error_is_the_lateral_coordinate() -> None:
 
 
 def test_leaving_the_path_is_not_finishing() -> None:
-    bend = lane_change(30.0, 80.0)
-    run = track(plant(), straight_on, bend, 20.0)
+    bend = lane_change_path(30.0, 80.0)
+    run = track_path(plant(), straight_on, bend, 20.0)
     assert not run.finished
     assert run.peak == run.rms == math.inf
     assert np.abs(run.d).max() < 6.0
@@ -70,7 +70,7 @@ def test_delay_is_dead_time() -> None:
         return 0.01
 
     begins = [
-        int(np.argmax(track(plant(), turn, LINE, 20.0, delay=delay, margin=350.0).delta > 0.0))
+        int(np.argmax(track_path(plant(), turn, LINE, 20.0, delay=delay, margin=350.0).delta > 0.0))
         for delay in (0.0, 0.1, 0.2)
     ]
     assert begins == [1, 6, 11]
@@ -83,15 +83,15 @@ def test_noise_affects_controller_not_metrics() -> None:
         told.append(state.y)
         return 0.0
 
-    run = track(plant(), steer, LINE, 20.0, fix_sigma=0.2)
+    run = track_path(plant(), steer, LINE, 20.0, fix_sigma=0.2)
     assert run.peak < 1e-9
     assert 0.01 < np.std(told) < 0.2
     told_before = list(told)
     told.clear()
-    track(plant(), steer, LINE, 20.0, fix_sigma=0.2)
+    track_path(plant(), steer, LINE, 20.0, fix_sigma=0.2)
     assert told == told_before  # the same seed
     told.clear()
-    track(plant(), steer, LINE, 20.0, fix_sigma=0.2, seed=2)
+    track_path(plant(), steer, LINE, 20.0, fix_sigma=0.2, seed=2)
     assert told != told_before
 
 
@@ -100,13 +100,15 @@ def test_speed_profile_is_followed() -> None:
     s = np.array([0.0, 100.0, 250.0, 500.0])
     squared = np.array([400.0, 400.0, 100.0, 100.0])
     car = plant()
-    run = track(car, PreviewController(CAR).steer, LINE, (s, squared))
+    run = track_path(car, PreviewController(CAR).steer, LINE, (s, squared))
     assert run.finished
     assert car.state.v_x == pytest.approx(10.0, abs=0.3)
 
 
 def test_a_run_is_repeatable() -> None:
-    one, two = (track(plant(), PreviewController(CAR).steer, lane_change(3.5, 60.0), 20.0) for _ in range(2))
+    one, two = (
+        track_path(plant(), PreviewController(CAR).steer, lane_change_path(3.5, 60.0), 20.0) for _ in range(2)
+    )
     np.testing.assert_array_equal(one.d, two.d)
     np.testing.assert_array_equal(one.delta, two.delta)
 
@@ -114,4 +116,4 @@ def test_a_run_is_repeatable() -> None:
 @pytest.mark.parametrize("name", ["delay", "fix_sigma", "margin"])
 def test_bad_input(name: str) -> None:
     with pytest.raises(InputError, match=f"^{name} must be at least 0"):
-        track(plant(), straight_on, LINE, 20.0, **{name: -1.0})
+        track_path(plant(), straight_on, LINE, 20.0, **{name: -1.0})

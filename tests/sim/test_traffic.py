@@ -11,7 +11,16 @@ import pytest
 from cca_core import Lane, Road
 from cca_core.errors import InputError
 from cca_core.path import Path, interpolate_path
-from cca_core.sim import Brakes, Follows, Log, PinnedGap, RoadUser, Scenario, Swerves, simulate
+from cca_core.sim import (
+    BrakeAction,
+    FixedTimeGap,
+    LateralShiftAction,
+    Log,
+    ReactToLeadAction,
+    RoadUser,
+    Scenario,
+    simulate,
+)
 from cca_core.sim.scenarios.eebl import CAR
 
 
@@ -23,7 +32,7 @@ def run(*users: RoadUser, duration: float = 8.0, **kwargs: Any) -> Log:
     return simulate(
         Scenario(
             name="test", case=None, road=Road(straight(), [Lane(d=0.0), Lane(d=3.5)]), vehicle=CAR,
-            start=20.0, v_x=5.0, cruise_speed=5.0, users=users, duration=duration, ego="driver", **kwargs,
+            start=20.0, v_x=5.0, cruise_speed=5.0, road_users=users, duration=duration, ego_type="driver", **kwargs,
         )
     )  # fmt: skip
 
@@ -33,47 +42,50 @@ def car(name: str = "R", **kwargs: Any) -> RoadUser:
 
 
 def test_brakes() -> None:
-    log = run(car(acts=(Brakes(t=2.0, deceleration=7.0),)))
-    v, a = log.users[:, 0, 3], log.user_motion[:, 0, 0]
+    log = run(car(acts=(BrakeAction(t=2.0, deceleration=7.0),)))
+    v, a = log.road_users[:, 0, 3], log.user_motion[:, 0, 0]
     assert (v[log.t <= 2.0] == 20.0).all()
     assert a.min() == -7.0
     assert np.abs(np.diff(a)[:200]).max() <= 12.65 * 0.02 + 1e-9
     # ramp of 0.553 s, then 7 m/s^2
     assert log.time_of("stands", "R") == pytest.approx(2.0 + 20.0 / 7.0 + 0.5 * 7.0 / 12.65, abs=0.04)
-    way = log.user_places[-1, 0, 0] - 200.0 - 40.0
+    way = log.user_frenet[-1, 0, 0] - 200.0 - 40.0
     assert way == pytest.approx(400.0 / 14.0 + 20.0 * 0.5 * 7.0 / 12.65, abs=0.6)
     assert v[-1] == 0.0
-    assert (np.diff(log.user_places[:, 0, 0]) >= 0.0).all()
+    assert (np.diff(log.user_frenet[:, 0, 0]) >= 0.0).all()
 
 
 def test_swerves_along_a_quintic() -> None:
-    log = run(car(acts=(Swerves(at=240.0, width=3.0, duration=2.0),)))
-    s, d = log.user_places[:, 0].T
+    log = run(car(acts=(LateralShiftAction(s_start=240.0, offset=3.0, duration=2.0),)))
+    s, d = log.user_frenet[:, 0].T
     t = log.t - log.t[np.argmax(s >= 240.0)]
     z = np.clip(t / 2.0, 0.0, 1.0)
     assert d == pytest.approx(3.0 * z**3 * (10.0 - 15.0 * z + 6.0 * z * z), abs=0.05)
     heading = np.arctan2(np.gradient(d, log.t), np.gradient(s, log.t))
-    assert log.users[2:-2, 0, 2] == pytest.approx(heading[2:-2], abs=0.01)
+    assert log.road_users[2:-2, 0, 2] == pytest.approx(heading[2:-2], abs=0.01)
     assert d[-1] == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize(("gap", "reaction"), [(8.0, 0.3), (15.0, 0.3), (15.0, 0.7), (40.0, 0.7)])
 @pytest.mark.parametrize("deceleration", [4.0, 7.0])
 def test_a_follower_does_not_hit_its_leader(gap: float, reaction: float, deceleration: float) -> None:
-    leader = car("L", s=300.0, acts=(Brakes(t=1.0),))
+    leader = car("L", s=300.0, acts=(BrakeAction(t=1.0),))
     follower = car(
-        "F", s=300.0 - gap - 4.5, acts=(Follows(leader="L", reaction=reaction, deceleration=deceleration),)
+        "F",
+        s=300.0 - gap - 4.5,
+        acts=(ReactToLeadAction(lead_id="L", reaction_time=reaction, deceleration=deceleration),),
     )
     log = run(leader, follower)
-    assert (log.user_places[:, 0, 0] - log.user_places[:, 1, 0] - 4.5).min() > 0.2
+    assert (log.user_frenet[:, 0, 0] - log.user_frenet[:, 1, 0] - 4.5).min() > 0.2
     assert log.user_motion[:, 1, 0].min() >= -7.0
     assert log.time_of("brakes", "F") - log.time_of("brakes", "L") == pytest.approx(reaction, abs=0.12)
 
 
 def test_a_warned_follower_brakes_on_the_message() -> None:
-    leader = car("L", s=300.0, acts=(Brakes(t=1.0),))
+    leader = car("L", s=300.0, acts=(BrakeAction(t=1.0),))
     late, warned = (
-        car("F", s=260.0, acts=(Follows(leader="L", warned_after=after),)) for after in (math.inf, 0.12)
+        car("F", s=260.0, acts=(ReactToLeadAction(lead_id="L", warning_delay=after),))
+        for after in (math.inf, 0.12)
     )
     slow, fast = run(leader, late), run(leader, warned)
     assert slow.time_of("brakes", "F") == pytest.approx(1.0 + 1.25 + 0.1, abs=0.1)
@@ -85,11 +97,11 @@ def test_own_route_and_places() -> None:
     """A car that crosses at a right angle: its places are its foot points on the ego's route."""
     way = interpolate_path([[100.0, -80.0], [100.0, 200.0]])
     log = run(RoadUser(id="X", s=0.0, d=0.0, v_x=10.0, route=way))
-    assert log.users[:, 0, 0] == pytest.approx(np.full(len(log.t), 100.0))
-    assert log.users[:, 0, 1] == pytest.approx(-80.0 + 10.0 * log.t)
-    assert log.user_places[:, 0, 0] == pytest.approx(np.full(len(log.t), 100.0))
-    assert log.user_places[:, 0, 1] == pytest.approx(-80.0 + 10.0 * log.t)
-    assert np.cos(log.users[:, 0, 2] - 0.5 * np.pi) == pytest.approx(np.ones(len(log.t)))
+    assert log.road_users[:, 0, 0] == pytest.approx(np.full(len(log.t), 100.0))
+    assert log.road_users[:, 0, 1] == pytest.approx(-80.0 + 10.0 * log.t)
+    assert log.user_frenet[:, 0, 0] == pytest.approx(np.full(len(log.t), 100.0))
+    assert log.user_frenet[:, 0, 1] == pytest.approx(-80.0 + 10.0 * log.t)
+    assert np.cos(log.road_users[:, 0, 2] - 0.5 * np.pi) == pytest.approx(np.ones(len(log.t)))
 
 
 def test_yaw_rate_on_a_bend() -> None:
@@ -102,19 +114,19 @@ def test_yaw_rate_on_a_bend() -> None:
 @pytest.mark.parametrize(
     ("make", "named"),
     [
-        (lambda: Brakes(t=-1.0), "t"), (lambda: Brakes(t=1.0, deceleration=-1.0), "deceleration"),
-        (lambda: Follows(leader="L", reaction=-1.0), "reaction"),
-        (lambda: Swerves(at=np.nan, width=1.0), "at"),
-        (lambda: Swerves(at=0.0, width=1.0, duration=0.0), "duration"),
+        (lambda: BrakeAction(t=-1.0), "t"), (lambda: BrakeAction(t=1.0, deceleration=-1.0), "deceleration"),
+        (lambda: ReactToLeadAction(lead_id="L", reaction_time=-1.0), "reaction"),
+        (lambda: LateralShiftAction(s_start=np.nan, offset=1.0), "at"),
+        (lambda: LateralShiftAction(s_start=0.0, offset=1.0, duration=0.0), "duration"),
         (lambda: car(jerk=0.0), "jerk"), (lambda: car(acts=(1,)), "acts"), (lambda: car(route=1), "route"),
-        (lambda: PinnedGap(leader="R", time_gap=0.0), "time_gap"),
-        (lambda: run(car(), car()), "users"), (lambda: run(car(acts=(Follows(leader="?"),))), "leader"),
-        (lambda: run(pinned=PinnedGap(leader="?", time_gap=1.0)), "leader"),
+        (lambda: FixedTimeGap(leader="R", time_gap=0.0), "time_gap"),
+        (lambda: run(car(), car()), "users"), (lambda: run(car(acts=(ReactToLeadAction(lead_id="?"),))), "leader"),
+        (lambda: run(pinned=FixedTimeGap(leader="?", time_gap=1.0)), "leader"),
         (lambda: run(visibility=-1.0), "visibility"), (lambda: run(field_of_view=7.0), "field_of_view"),
         (lambda: run(sensor_delay=-1.0), "sensor_delay"), (lambda: run(reaction=-1.0), "reaction"),
         (lambda: run(origin=(100.0, 0.0)), "origin"), (lambda: run(stop_line=np.nan), "stop_line"),
         (lambda: run(occluders=((1.0, 2.0),)), "occluders"),
-        (lambda: replace(run().scenario, ego="cat"), "ego"),
+        (lambda: replace(run().scenario, ego_type="cat"), "ego"),
     ],
 )  # fmt: skip
 def test_bad_arguments(make: Callable[[], object], named: str) -> None:

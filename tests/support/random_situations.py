@@ -11,14 +11,14 @@ from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleParams, VehicleS
 from cca_core.follow import arrival_times
 from cca_core.geometry import Boxes, box_gap
 from cca_core.path import fit_path
-from cca_core.planner.maneuver import Evasion, EvasionSettings
-from cca_core.predict import reach
+from cca_core.planner.maneuver import EvasionSettings, Maneuver
+from cca_core.predict import reachable_interval
 
 CAR = replace(VehicleParams.bmw_320i(), length=4.5, width=1.8)
 LANE = 3.5
 START = 400.0  # of the ego on its road [m]
 STEP = 0.02  # of the simulation [s]
-SETTINGS = EvasionSettings(known_range=math.inf)
+SETTINGS = EvasionSettings(awareness_range=math.inf)
 
 
 @dataclass(frozen=True)
@@ -123,20 +123,23 @@ def decide(case: Situation, others: tuple[Other, ...]) -> Planner:
     if id(case.road) not in _PLANNERS:
         _PLANNERS[id(case.road)] = Planner(CAR, case.road, cruise_speed=40.0, evasion=SETTINGS)
     planner = copy.copy(_PLANNERS[id(case.road)])
-    planner._places = {}
+    planner._last_s = {}
     planner.cruise_speed = case.cruise
-    planner._cap = (planner._cap[0], np.minimum(planner._cap[1], case.cruise**2))
+    planner._speed_profile = (
+        planner._speed_profile[0],
+        np.minimum(planner._speed_profile[1], case.cruise**2),
+    )
     x, y = case.road.path.position(START).tolist()
     state = VehicleState(x=x, y=y, psi=float(case.road.path.heading(START)), v_x=case.v_x)
     planner.step(0.0, state, [o.remote for o in others])
     return planner
 
 
-def drive(case: Situation, planner: Planner, maneuver: Evasion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def drive(case: Situation, planner: Planner, maneuver: Maneuver) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times, route coordinates and poses (n, 3) of the ego that drives a band as it was planned."""
     path = case.road.path
     s = np.arange(START, maneuver.end + 1.0, 0.05)
-    v_target = math.sqrt(float(np.interp(START, *planner._cap)))
+    v_target = math.sqrt(float(np.interp(START, *planner._speed_profile)))
     t = arrival_times(case.v_x, v_target, s - START, planner.speed)
     grid = np.arange(0.0, t[-1], STEP)
     at = np.interp(grid, t, s)
@@ -150,7 +153,7 @@ def drive(case: Situation, planner: Planner, maneuver: Evasion) -> tuple[np.ndar
     return grid, at, np.column_stack((position, psi))
 
 
-def least_gap(case: Situation, planner: Planner, maneuver: Evasion) -> float:
+def min_gap(case: Situation, planner: Planner, maneuver: Maneuver) -> float:
     """Least gap to any other while the band is driven, whatever the others truly do [m]."""
     t, _, pose = drive(case, planner, maneuver)
     psi = pose[:, 2]
@@ -169,7 +172,7 @@ def least_gap(case: Situation, planner: Planner, maneuver: Evasion) -> float:
     return least
 
 
-def free_at_worst(case: Situation, planner: Planner, maneuver: Evasion) -> bool:
+def free_at_worst(case: Situation, planner: Planner, maneuver: Maneuver) -> bool:
     """Whether no other but the leader can reach the ego's body at any instant of a swerve."""
     t, at, _ = drive(case, planner, maneuver)
     u = np.interp(at, np.linspace(maneuver.start, maneuver.end, len(maneuver.band.nodes)),
@@ -179,7 +182,7 @@ def free_at_worst(case: Situation, planner: Planner, maneuver: Evasion) -> bool:
         r = o.remote
         s, d = (float(x) for x in case.road.path.project((r.x, r.y)))
         beside = np.abs(u - d) < 0.5 * (CAR.width + r.width) + 2.0 * r.sigma_across
-        low, high = reach(o.v, t, braking=8.0, acceleration=3.0, age=r.age)
+        low, high = reachable_interval(o.v, t, braking=8.0, acceleration=3.0, age=r.age)
         half = 0.5 * r.length + 2.0 * r.sigma_along
         if ((s + low - half < front) & (s + high + half > rear) & beside).any():
             return False

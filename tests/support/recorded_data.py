@@ -24,7 +24,7 @@ from cca_core import (
     relax_band,
 )  # fmt: skip
 from cca_core.band import BandStiffness
-from cca_core.decide import RSS_EGO, Candidate, Conflict, CrossingSettings, Leader
+from cca_core.decide import RSS_EGO, Candidate, Conflict, CrossingSettings, LeadVehicle
 from cca_core.follow import (
     Margins,
     SpeedSettings,
@@ -35,19 +35,19 @@ from cca_core.follow import (
 )  # fmt: skip
 from cca_core.geometry import boxes
 from cca_core.path import Waypoints, clean_route
-from cca_core.planner.frenet import Ego, Neighbor
-from cca_core.planner.maneuver import Evasion
-from cca_core.planner.replan import Renewal
+from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
+from cca_core.planner.maneuver import Maneuver
+from cca_core.planner.replan import ReplanResult
 from cca_core.planner.settings import EvasionSettings
 from cca_core.v2x import (
-    Accuracy,
-    Brakes,
+    BrakeStatus,
     Bsm,
     ChannelSettings,
-    Outcome,
     PlausibilitySettings,
+    PositionalAccuracy,
     SenderSettings,
     TrackerSettings,
+    UpdateResult,
 )  # fmt: skip
 from cca_core.warnings import Alert, AlertSettings, Application, EgoView, Level, Sighting
 
@@ -87,11 +87,17 @@ def examples() -> dict[str, Any]:
     assert command.band is not None
     view = EgoView(path=ROUTE, s=3.0, d=0.0, v=20.0, half_length=2.3, half_width=0.9, intent="left")
     conflict = Conflict(
-        remote="a", s_in=20.0, s_out=30.0, distance=17.0, ego=(1.0, 1.5), other=(0.5, math.inf),
-        expected=(0.5, 2.0), margin=1.0,
+        vehicle_id="a", s_enter=20.0, s_exit=30.0, distance=17.0, t_ego=(1.0, 1.5), t_other=(0.5, math.inf),
+        t_other_nominal=(0.5, 2.0), min_pet=1.0,
     )  # fmt: skip
-    candidate = Candidate(side="left", lead_in=40.0, needed=35.0, duration=4.0, zone=(-10.0, 60.0))
-    leader = Leader(id="a", gap=30.0, v_x=10.0, required_deceleration=2.0, follow_acceleration=-1.0)
+    candidate = Candidate(
+        side="left",
+        available_distance=40.0,
+        required_distance=35.0,
+        t_maneuver=4.0,
+        danger_zone=(-10.0, 60.0),
+    )
+    leader = LeadVehicle(id="a", gap=30.0, v_x=10.0, required_deceleration=2.0, follow_acceleration=-1.0)
     values = [
         ROUTE, ROAD, ROAD.lanes[1], LocalFrame(41.3, -105.6),
         clean_route(ROUTE.sample(10.0)), clean_route(ROUTE.sample(10.0)).report,
@@ -104,22 +110,22 @@ def examples() -> dict[str, Any]:
         choose_action(leader, [candidate]), leader, candidate, CrossingSettings(), conflict, RSS_EGO,
         AlertSettings(), view,
         Alert(
-            application=Application.FCW, level=Level.WARN, remote="a", time_to_conflict=math.inf, reason="",
+            application=Application.FCW, level=Level.WARN, vehicle_id="a", time_to_conflict=math.inf, reason="",
         ),
         Sighting(
-            remote=OTHERS[0], gap=5.0, beside=0.0, v=0.0, angle=0.0, half_length=2.0, half_width=1.0,
+            remote=OTHERS[0], gap=5.0, lateral_offset=0.0, v=0.0, angle=0.0, half_length=2.0, half_width=1.0,
             conflict=conflict,
         ),
-        EvasionSettings(known_range=math.inf),
-        Renewal(maneuver=None, reason="swerve given up"),
-        Evasion(
+        EvasionSettings(awareness_range=math.inf),
+        ReplanResult(maneuver=None, reason="swerve given up"),
+        Maneuver(
             side="left", start=1.0, end=99.0, band=relax_band(ROUTE.sample(5.0), vehicle=CAR),
             displacement=np.zeros(20), reference=ROUTE, candidate=candidate,
         ),
-        Ego(vehicle=CAR, s=1.0, v_x=20.0, v_target=20.0, speed=SpeedSettings()),
-        Neighbor.seen_from(OTHERS[0], 120.0, 0.0, 0.0, 0.0),
-        Accuracy(), Brakes(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
-        ChannelSettings(), Outcome(accepted=True, what="new", id="a", t=3.0), PlausibilitySettings(),
+        FrenetEgo(vehicle=CAR, s=1.0, v_x=20.0, v_target=20.0, speed=SpeedSettings()),
+        FrenetVehicle.from_remote(OTHERS[0], 120.0, 0.0, 0.0, 0.0),
+        PositionalAccuracy(), BrakeStatus(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
+        ChannelSettings(), UpdateResult(accepted=True, kind="new", id="a", t=3.0), PlausibilitySettings(),
         SenderSettings(), TrackerSettings(),
     ]  # fmt: skip
     return {type(value).__name__: value for value in values}

@@ -219,7 +219,7 @@ class Episode:
         FAMILIES[name](self, rng)
         self._background(rng)
         road = Road(path, self.lanes, speed_limit=self.limit)
-        self.planner = Planner(self.car, road, cruise_speed=cruise, evasion=EvasionSettings(known_range=self.range))
+        self.planner = Planner(self.car, road, cruise_speed=cruise, evasion=EvasionSettings(awareness_range=self.range))
         self.duration, self.told, self.bias = rng.uniform(20.0, 26.0), {}, {}
 
     def add(self, name: str, ahead: float, d: float, v: float, **more) -> Car:

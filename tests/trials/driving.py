@@ -158,14 +158,14 @@ def drive(
     for k in range(round(duration / CYCLE)):
         t, state = k * CYCLE, plant.state
         true = list(world(t, state))
-        known_range = math.inf
+        awareness_range = math.inf
         if radio is None:
             known = told(t, true)
         else:
             known = radio.known(t, state, true)
             if radio.is_blind(t):
-                run.blind, known_range = True, 0.0
-        command = planner.step(clock(t), sensed(t, state), known, known_range=known_range)
+                run.blind, awareness_range = True, 0.0
+        command = planner.step(clock(t), sensed(t, state), known, awareness_range=awareness_range)
         s, d, _, _ = path.foot_point(state.x, state.y, s)
         distance, decision = gap(state, true, car), command.decision
         run.rows.append((

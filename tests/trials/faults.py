@@ -32,7 +32,7 @@ from cca_core import (
     fit_path,
 )
 from cca_core.path import clean_route, read_waypoints
-from cca_core.sim import drive_commonroad, ima, load_log, read_commonroad, read_frames, simulate
+from cca_core.sim import drive_commonroad, ima, load_log, read_bsm_log, read_commonroad, simulate
 from cca_core.sim.study.store import StudyFile
 from cca_core.v2x import Bsm, Tracker, TrackerSettings, decode_bsm, encode_bsm
 from tests.trials.driving import (
@@ -54,7 +54,7 @@ from tests.trials.table import Table, cpu, raised
 
 TABLE = Table()
 case = TABLE.case
-FAR = EvasionSettings(known_range=math.inf)
+FAR = EvasionSettings(awareness_range=math.inf)
 TWO, ONCOMING = (Lane(d=0.0), Lane(d=3.5)), (Lane(d=0.0), Lane(d=3.5, direction=-1))
 ICE = replace(CAR, mu=0.2)
 FOLDER = tempfile.TemporaryDirectory()
@@ -258,7 +258,7 @@ def _():
             radio.tracker.update(radio.message(vehicle, t, vehicle.id, n, t), t + 0.02)
     command = cruise(road, 25.0, FAR).step(10.0, along(25.0), radio.tracker.vehicles(10.0, along(25.0)))
     least, s = math.inf, 100.0
-    while command.decision.action.evades and s < command.reference.end:  # as planned, the truck at its bounds
+    while command.decision.action.is_evading and s < command.reference.end:  # as planned, the truck at its bounds
         (x, y), t = command.reference.position(s), (s - 100.0) / 25.0
         ego = corners(float(x), float(y), float(command.reference.heading(s)), CAR.length, CAR.width)
         truck = 472.0 - 9.0 * (t + age) - 1.5 * (t + age) ** 2
@@ -326,7 +326,7 @@ def stop_and_go(t_free: float, t_go: float = 99.0, a_go: float = 0.0, most: floa
     return [*keeps_off(run, 0.9), ("largest a_y", run.largest("a_y"), "<=", most)]
 
 
-case("maneuvers", "swerve-at-low-speed", "a leader has stopped, left becomes free: lateral_limit is kept at 6-9 m/s",
+case("maneuvers", "swerve-at-low-speed", "a leader has stopped, left becomes free: lateral_acceleration_limit is kept at 6-9 m/s",
      lambda: stop_and_go(3.5))
 case("maneuvers", "passed-drives-off", "the vehicle that is being passed drives off, and says so",
      lambda: stop_and_go(3.8, 4.2, 2.6, 4.2))
@@ -555,8 +555,8 @@ def _():
     return only_input_error(*(lambda n=n: load_log(n) for n in names))
 
 
-case("files", "frames-bad-files", "read_frames: commas alone, huge numbers, deep nesting, a long field",
-     lambda: only_input_error(*(lambda n=n, t=t: read_frames(file(n, t)) for n, t in (
+case("files", "frames-bad-files", "read_bsm_log: commas alone, huge numbers, deep nesting, a long field",
+     lambda: only_input_error(*(lambda n=n, t=t: read_bsm_log(file(n, t)) for n, t in (
          ("a.txt", ",\n"), ("b.txt", "00\n,,,\n"), ("c.json", '[{"hex":"00","t":' + "1" * 400 + "}]"),
          ("d.json", '[{"hex":"00","t":' + "1" * 5000 + "}]"), ("e.json", "[" * 100_000),
          ("f.csv", "t,hex\n1," + "0" * 200_000 + "\n"),
@@ -575,7 +575,7 @@ def _():
 case("files", "numbers-too-large", "10**400 in settings and states raises InputError", lambda: only_input_error(
     lambda: replace(CAR, m=10**400), lambda: VehicleState(x=10**400, y=0.0, psi=0.0, v_x=0.0), lambda: Lane(d=10**400),
     lambda: LocalFrame(10**400, 0.0), lambda: EvasionSettings(clearance=10**400),
-    lambda: TrackerSettings(outlook=10**400), lambda: Planner(CAR, straight(), cruise_speed=10**400),
+    lambda: TrackerSettings(approach_horizon=10**400), lambda: Planner(CAR, straight(), cruise_speed=10**400),
 ))
 
 # messages in wrappers

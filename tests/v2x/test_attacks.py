@@ -168,9 +168,9 @@ def drive(
         for arrival in channel.receive(t, (state.x, state.y)):
             tracker.update(arrival.data, t)
         remotes = tracker.vehicles(t, state)
-        known_range = 0.0 if tracker.is_saturated(t) else math.inf
+        awareness_range = 0.0 if tracker.is_saturated(t) else math.inf
         begun = time.thread_time()
-        command = planner.step(t, state, remotes, known_range=known_range)
+        command = planner.step(t, state, remotes, awareness_range=awareness_range)
         cycles.append(time.thread_time() - begun)
         rows.append((since, state.x, state.y, state.psi, state.v_x))
         commands.append((command.delta, command.a_x))
@@ -339,7 +339,7 @@ def test_frozen_sender(reals: tuple[Real, ...], which: int, place_only: bool) ->
     run = drive(reals, sent=repeats(which, place_only))
     check(run, reals)
     assert not run.leaves_lane.any()
-    names = ("frozen",) if place_only else ("duplicate", "out_of_order", "replayed")
+    names = ("frozen",) if place_only else ("duplicate", "out_of_order", "replay")
     assert sum(run.tracker.counts[name] for name in names) > 30
 
 

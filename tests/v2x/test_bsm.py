@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core.errors import InputError
-from cca_core.v2x import Accuracy, Brakes, Bsm, decode_bsm, encode_bsm
+from cca_core.v2x import BrakeStatus, Bsm, PositionalAccuracy, decode_bsm, encode_bsm
 from cca_core.v2x.events import EVENTS
 from tests.support import asn1_peer as peer
 from tests.support.asn1_peer import assert_means, flat
@@ -80,14 +80,14 @@ MESSAGES = st.builds(
     id=st.binary(min_size=4, max_size=4).map(bytes.hex),
     psi=ANGLES,
     accuracy=st.builds(
-        Accuracy,
+        PositionalAccuracy,
         semi_major=st.none() | st.floats(0.0, 12.7),
         semi_minor=st.none() | st.floats(0.0, 12.7),
         orientation=ANGLES,
     ),
     transmission=st.sampled_from([None, "neutral", "park", "forward", "reverse"]),
     brakes=st.builds(
-        Brakes,
+        BrakeStatus,
         wheels=st.none() | st.tuples(*[st.booleans()] * 4),
         traction=SYSTEMS, abs=SYSTEMS, scs=SYSTEMS, boost=BOOSTS, aux=BOOSTS,
     ),
@@ -161,9 +161,9 @@ def test_heading_is_wrapped() -> None:
         ("speed", "12"), ("speed", math.nan), ("speed", math.inf), ("speed", [1.0]), ("speed", np.ones(2)),
         ("speed", 1j), ("psi", math.nan), ("psi", math.inf), ("psi", "north"), ("psi", 1j), ("r", 1e300),
         ("transmission", "drive"), ("transmission", ["park"]), ("brakes", None), ("accuracy", 1.0),
-        ("brakes", Brakes(wheels=(True, False))), ("brakes", Brakes(wheels=[True])),
-        ("brakes", Brakes(traction="yes")), ("brakes", Brakes(boost="engaged")),
-        ("accuracy", Accuracy(semi_major=12.73)), ("accuracy", Accuracy(orientation="x")),
+        ("brakes", BrakeStatus(wheels=(True, False))), ("brakes", BrakeStatus(wheels=[True])),
+        ("brakes", BrakeStatus(traction="yes")), ("brakes", BrakeStatus(boost="engaged")),
+        ("accuracy", PositionalAccuracy(semi_major=12.73)), ("accuracy", PositionalAccuracy(orientation="x")),
         ("events", ["hard_braking"]), ("events", "hard_braking"), ("events", {"braking"}), ("events", {1}),
         ("events", None),
     ],

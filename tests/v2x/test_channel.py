@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from cca_core import InputError, LocalFrame, RemoteVehicle
 from cca_core.v2x import (
-    Arrival,
     Channel,
     ChannelSettings,
+    ReceivedMessage,
     Sender,
     SenderSettings,
     Tracker,
@@ -29,7 +29,9 @@ def number(k: int) -> bytes:
     return k.to_bytes(4, "big")
 
 
-def arrived(settings: ChannelSettings, n: int, *, seed: int = 1, distance: float = 0.0) -> list[Arrival]:
+def arrived(
+    settings: ChannelSettings, n: int, *, seed: int = 1, distance: float = 0.0
+) -> list[ReceivedMessage]:
     """Send `n` numbered messages at 10 Hz from a distance and take what arrives."""
     channel, found = Channel(settings, np.random.default_rng(seed)), []
     for k in range(n):
@@ -38,7 +40,7 @@ def arrived(settings: ChannelSettings, n: int, *, seed: int = 1, distance: float
     return found + list(channel.receive(1e9, HERE))
 
 
-def numbers(arrivals: list[Arrival]) -> list[int]:
+def numbers(arrivals: list[ReceivedMessage]) -> list[int]:
     return [int.from_bytes(a.data, "big") for a in arrivals]
 
 
@@ -51,14 +53,14 @@ def test_a_perfect_channel_changes_nothing() -> None:
 
 @pytest.mark.parametrize(("loss", "burst"), [(0.1, 1.5), (0.28, 3.0), (0.5, 2.0), (0.8, 6.0)])
 def test_loss_and_bursts(loss: float, burst: float) -> None:
-    kept = np.array(numbers(arrived(ChannelSettings(loss=loss, burst=burst), 20_000)))
+    kept = np.array(numbers(arrived(ChannelSettings(loss_probability=loss, mean_burst_length=burst), 20_000)))
     runs = np.diff(kept) - 1
     assert 1.0 - len(kept) / 20_000 == pytest.approx(loss, abs=0.03)
     assert runs[runs > 0].mean() == pytest.approx(burst, rel=0.1)
 
 
 def test_bursts_are_each_senders_own() -> None:
-    channel = Channel(ChannelSettings(loss=0.5, burst=5.0), np.random.default_rng(2))
+    channel = Channel(ChannelSettings(loss_probability=0.5, mean_burst_length=5.0), np.random.default_rng(2))
     heard = {"a": set(), "b": set()}
     for k in range(4000):
         for sender in heard:
@@ -85,12 +87,12 @@ def test_nothing_arrives_before_its_time() -> None:
 
 @pytest.mark.parametrize(("distance", "share"), [(0.0, 1.0), (150.0, 0.9625), (299.0, 0.41), (301.0, 0.0)])
 def test_distance(distance: float, share: float) -> None:
-    found = arrived(ChannelSettings(range=300.0, edge_loss=0.6), 5000, distance=distance)
+    found = arrived(ChannelSettings(range=300.0, loss_at_range=0.6), 5000, distance=distance)
     assert len(found) / 5000 == pytest.approx(share, abs=0.03)
 
 
 def test_reordering_and_duplicates() -> None:
-    found = numbers(arrived(ChannelSettings(reordered=0.2, duplicated=0.1), 5000))
+    found = numbers(arrived(ChannelSettings(reorder_probability=0.2, duplicate_probability=0.1), 5000))
     assert set(found) == set(range(5000))
     assert len(found) / 5000 == pytest.approx(1.1, abs=0.02)
     assert sum(b < a for a, b in itertools.pairwise(found)) > 500
@@ -99,8 +101,8 @@ def test_reordering_and_duplicates() -> None:
 @given(st.integers(0, 2**32), st.lists(st.floats(0.0, 0.3), min_size=1, max_size=30))
 def test_randomness_independent_of_polling(seed: int, pauses: list[float]) -> None:
     settings = ChannelSettings(
-        latency=0.02, jitter=0.05, loss=0.3, burst=2.0, range=400.0, edge_loss=0.5, reordered=0.2,
-        duplicated=0.2,
+        latency=0.02, jitter=0.05, loss_probability=0.3, mean_burst_length=2.0, range=400.0, loss_at_range=0.5, reorder_probability=0.2,
+        duplicate_probability=0.2,
     )  # fmt: skip
     once, often = (Channel(settings, np.random.default_rng(seed)) for _ in range(2))
     looked, t = [], 0.0
@@ -161,28 +163,45 @@ def test_wyoming() -> None:
     assert np.mean(runs[runs > 0] <= 3) > 0.6
 
 
-@pytest.mark.parametrize("noise_time", [0.0, 5.0])
-def test_position_noise(noise_time: float) -> None:
-    found = sent(SenderSettings(position_noise=1.5, noise_time=noise_time), 400.0, step=0.1)
+@pytest.mark.parametrize("noise_time_constant", [0.0, 5.0])
+def test_position_noise(noise_time_constant: float) -> None:
+    found = sent(SenderSettings(position_noise=1.5, noise_time_constant=noise_time_constant), 400.0, step=0.1)
     messages = [decode_bsm(data) for _, data in found]
     xy = FRAME.to_local([m.latitude_deg for m in messages], [m.longitude_deg for m in messages])
     across = xy[:, 1]
     assert across.std() == pytest.approx(1.5, rel=0.3)
     kept = np.corrcoef(across[1:], across[:-1])[0, 1]
-    assert kept == pytest.approx(math.exp(-0.1 / noise_time) if noise_time else 0.0, abs=0.1)
+    assert kept == pytest.approx(
+        math.exp(-0.1 / noise_time_constant) if noise_time_constant else 0.0, abs=0.1
+    )
 
 
 def test_same_seed_same_bytes() -> None:
-    settings = SenderSettings(interval_spread=0.005, position_noise=1.0, frozen=0.1, frozen_length=3.0)
+    settings = SenderSettings(
+        interval_spread=0.005, position_noise=1.0, freeze_probability=0.1, mean_freeze_length=3.0
+    )
     runs = [sent(settings, 5.0, seed=seed) for seed in (4, 4, 5)]
     assert runs[0] == runs[1] != runs[2]
-    lossy = ChannelSettings(loss=0.3, burst=2.0, jitter=0.02, reordered=0.1, duplicated=0.1)
+    lossy = ChannelSettings(
+        loss_probability=0.3,
+        mean_burst_length=2.0,
+        jitter=0.02,
+        reorder_probability=0.1,
+        duplicate_probability=0.1,
+    )
     assert arrived(lossy, 300) == arrived(lossy, 300)
 
 
 def test_from_sender_to_track_through_a_bad_channel() -> None:
     """Half of all lost, late, doubled and out of order: the car is still where its bounds say."""
-    settings = ChannelSettings(latency=0.1, jitter=0.05, loss=0.5, burst=2.0, reordered=0.1, duplicated=0.1)
+    settings = ChannelSettings(
+        latency=0.1,
+        jitter=0.05,
+        loss_probability=0.5,
+        mean_burst_length=2.0,
+        reorder_probability=0.1,
+        duplicate_probability=0.1,
+    )
     channel, tracker = Channel(settings, np.random.default_rng(6)), Tracker(FRAME)
     sender = Sender("0000cafe", FRAME, SenderSettings.wyoming(), np.random.default_rng(7))
     inside = []

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from cca_core.path import Path, fit_path
-from cca_core.sim import Log, maneuver, simulate
+from cca_core.sim import Log, overtaking, simulate
 from cca_core.v2x import ChannelSettings
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
@@ -48,8 +48,8 @@ def straight() -> Path:
 
 def drive(case: str, loss: float, latency: float, seed: int = 1) -> tuple[Log, Cell]:
     """One run through a lossy and slow channel."""
-    channel = ChannelSettings(latency=latency, loss=loss, burst=BURST)
-    log = simulate(replace(maneuver(case, straight()), channel=channel), seed=seed)
+    channel = ChannelSettings(latency=latency, loss_probability=loss, mean_burst_length=BURST)
+    log = simulate(replace(overtaking(case, straight()), channel=channel), seed=seed)
     ends = [t for t, _, _ in log.decisions[1:]] + [float(log.t[-1])]
     waits = [end - t for (t, name, _), end in zip(log.decisions, ends, strict=True) if name in _WAITS]
     t, name, _ = log.decisions[-1]

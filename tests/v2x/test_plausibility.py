@@ -23,7 +23,7 @@ def heard(checks: PlausibilitySettings | None = None) -> Tracker:
 
 NEXT = T0 + 1.1
 LIES: dict[str, tuple[Bsm, float]] = {
-    "replayed": (bsm(NEXT, 22.0), NEXT + 1.5),
+    "replay": (bsm(NEXT, 22.0), NEXT + 1.5),
     "future": (bsm(NEXT + 0.4, 28.0), NEXT),
     "size": (bsm(NEXT, 22.0, length=39.0), NEXT),
     "frozen": (bsm(NEXT, 20.0), NEXT),
@@ -31,7 +31,7 @@ LIES: dict[str, tuple[Bsm, float]] = {
     "displacement": (bsm(NEXT, 22.0, 15.0), NEXT),
     "acceleration": (bsm(NEXT, 22.0, speed=30.0), NEXT),
     "yaw": (bsm(NEXT, 22.0, psi=0.8), NEXT),
-    "inside": (bsm(NEXT, 23.0, id="00000bad"), NEXT),
+    "overlap": (bsm(NEXT, 23.0, id="00000bad"), NEXT),
 }
 
 
@@ -41,7 +41,7 @@ def test_each_check_finds_its_lie(check: str) -> None:
     tracker = heard()
     before = tracker.vehicles(t)
     outcome = tracker.update(lie, t)
-    assert (outcome.accepted, outcome.what, outcome.t) == (False, check, t)
+    assert (outcome.accepted, outcome.kind, outcome.t) == (False, check, t)
     assert tracker.counts[check] == 1
     assert tracker.dropped == (outcome,)
     moved = [(v.x, v.y, v.psi, v.v_x, v.age, v.sigma_along, v.sigma_across) for v in tracker.vehicles(t)]
@@ -58,7 +58,7 @@ def test_each_check_can_be_switched_off(check: str) -> None:
 
 @pytest.mark.parametrize("values", [{"a_x": 15.0}, {"a_x": -15.0}, {"r": 1.0}, {"r": -1.0}])
 def test_impossible_values(values: dict[str, float]) -> None:
-    assert heard().update(bsm(NEXT, 22.0, **values), NEXT).what in ("acceleration", "yaw")
+    assert heard().update(bsm(NEXT, 22.0, **values), NEXT).kind in ("acceleration", "yaw")
 
 
 @pytest.mark.parametrize("values", [{"frozen": 1}, {"room": 0.0}, {"strongest": math.nan}])
@@ -96,7 +96,7 @@ def test_frozen_sender_grows_stale_but_its_warning_counts() -> None:
     for k in range(1, 31):
         t = T0 + 1.0 + 0.1 * k
         outcome = tracker.update(bsm(t, 20.0, events=frozenset({"hard_braking"})), t + 0.02)
-        assert outcome.what in ("frozen", "teleport", "displacement")
+        assert outcome.kind in ("frozen", "teleport", "displacement")
     (vehicle,) = tracker.vehicles(t)
     assert vehicle.age == pytest.approx(3.0)
     assert vehicle.sigma_along > 5.0
@@ -144,8 +144,8 @@ def test_ghost_inside_a_body_does_not_hide_it() -> None:
     tracker = heard()
     for k in range(1, 31):
         t = T0 + 1.0 + 0.1 * k
-        assert tracker.update(bsm(t, 21.0 + 2.0 * k, id="00000bad"), t).what == "inside"
-        assert tracker.update(bsm(t, 20.0 + 2.0 * k), t + 0.02).what == "updated"
+        assert tracker.update(bsm(t, 21.0 + 2.0 * k, id="00000bad"), t).kind == "overlap"
+        assert tracker.update(bsm(t, 20.0 + 2.0 * k), t + 0.02).kind == "updated"
     assert [v.id for v in tracker.vehicles(t)] == ["00000001"]
 
 

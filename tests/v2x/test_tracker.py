@@ -13,17 +13,17 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from cca_core import InputError, LocalFrame, RemoteVehicle, VehicleState
-from cca_core.predict import predict_free
+from cca_core.predict import predict_ctra
 from cca_core.v2x import (
-    Accuracy,
     Bsm,
     Fix,
     PlausibilitySettings,
+    PositionalAccuracy,
     Tracker,
     TrackerSettings,
+    dead_reckon,
     decode_bsm,
     encode_bsm,
-    move_on,
     position_bounds,
 )
 
@@ -57,13 +57,13 @@ def test_bytes_become_a_vehicle() -> None:
     tracker = Tracker(FRAME)
     sent = bsm(T0, 30.0, 4.0, v=12.0, psi=0.4, a_x=-2.0, r=0.1, events=frozenset({"hard_braking"}))
     outcome = tracker.update(encode_bsm(sent), T0 + 0.05)
-    assert (outcome.accepted, outcome.what, outcome.id) == (True, "new", "00000001")
+    assert (outcome.accepted, outcome.kind, outcome.id) == (True, "new", "00000001")
     (vehicle,) = tracker.vehicles(T0 + 0.3)
-    assert vehicle.defect is None
+    assert vehicle.invalid_reason is None
     assert vehicle.events == {"hard_braking"}
     assert vehicle.age == pytest.approx(0.3)
     measured = RemoteVehicle(id="", x=30.0, y=4.0, psi=0.4, v_x=12.0, a_x=-2.0, r=0.1)
-    x, y, psi = predict_free(measured, 0.3)
+    x, y, psi = predict_ctra(measured, 0.3)
     assert (vehicle.x, vehicle.y, vehicle.psi) == pytest.approx((x, y, psi), abs=0.02)
     assert vehicle.v_x == pytest.approx(12.0 - 0.6)
     assert vehicle.source == "v2v"
@@ -72,12 +72,12 @@ def test_bytes_become_a_vehicle() -> None:
 @pytest.mark.parametrize(
     ("told", "most", "counts"), [(0.4, 1.5, 0.4), (4.75, 1.5, 1.5), (None, 1.5, 0.0), (0.4, 0.0, 0.0)]
 )
-def test_reported_accuracy_is_capped(
-    told: float | None, most: float, counts: float
-) -> None:
-    without, with_it = Tracker(FRAME), Tracker(FRAME, TrackerSettings(most_accuracy=most))
+def test_reported_accuracy_is_capped(told: float | None, most: float, counts: float) -> None:
+    without, with_it = Tracker(FRAME), Tracker(FRAME, TrackerSettings(max_reported_accuracy=most))
     for tracker in (without, with_it):
-        tracker.update(encode_bsm(bsm(T0, accuracy=Accuracy(semi_major=told, semi_minor=told))), T0 + 0.02)
+        tracker.update(
+            encode_bsm(bsm(T0, accuracy=PositionalAccuracy(semi_major=told, semi_minor=told))), T0 + 0.02
+        )
     (bare,), (grown,) = without.vehicles(T0 + 0.2), with_it.vehicles(T0 + 0.2)
     assert grown.sigma_along == pytest.approx(math.hypot(bare.sigma_along, counts))
     assert grown.sigma_across == pytest.approx(math.hypot(bare.sigma_across, counts))
@@ -85,10 +85,10 @@ def test_reported_accuracy_is_capped(
 
 @pytest.mark.parametrize("told", [math.nan, math.inf, -1.0, "0.4"])
 def test_an_accuracy_that_is_none_does_no_harm(told: object) -> None:
-    tracker = Tracker(FRAME, TrackerSettings(most_accuracy=1.5))
-    tracker.update(bsm(T0, accuracy=Accuracy(semi_major=told)), T0 + 0.02)  # type: ignore[arg-type]
+    tracker = Tracker(FRAME, TrackerSettings(max_reported_accuracy=1.5))
+    tracker.update(bsm(T0, accuracy=PositionalAccuracy(semi_major=told)), T0 + 0.02)  # type: ignore[arg-type]
     tracker.update(bsm(T0 + 0.1, accuracy=None), T0 + 0.12)
-    assert all(vehicle.defect is None for vehicle in tracker.vehicles(T0 + 0.2))
+    assert all(vehicle.invalid_reason is None for vehicle in tracker.vehicles(T0 + 0.2))
 
 
 @given(
@@ -96,9 +96,9 @@ def test_an_accuracy_that_is_none_does_no_harm(told: object) -> None:
     st.floats(0.0, 1.0),
 )  # fmt: skip
 def test_dead_reckoning_is_predict_free(v: float, a: float, r: float, psi: float, age: float) -> None:
-    fix = move_on(Fix(5.0, 1.0, 2.0, psi, v, a, r), 5.0 + age)
+    fix = dead_reckon(Fix(5.0, 1.0, 2.0, psi, v, a, r), 5.0 + age)
     remote = RemoteVehicle(id="", x=1.0, y=2.0, psi=psi, v_x=v, a_x=a, r=r)
-    assert fix[1:4] == pytest.approx([float(c) for c in predict_free(remote, age)], abs=1e-8)
+    assert fix[1:4] == pytest.approx([float(c) for c in predict_ctra(remote, age)], abs=1e-8)
 
 
 @given(st.floats(-20.0, 100.0), st.floats(0.0, 3000.0), st.floats(0.0, 100.0))
@@ -124,10 +124,10 @@ def test_duplicates_and_late_messages_change_nothing() -> None:
     before = tracker.vehicles(t + 0.1)
     for data, what in ((bsm(t, 20.0), "duplicate"), (bsm(t - 0.3, 14.0), "out_of_order")):
         outcome = tracker.update(data, t + 0.05)
-        assert (outcome.accepted, outcome.what) == (False, what)
+        assert (outcome.accepted, outcome.kind) == (False, what)
     assert tracker.vehicles(t + 0.1) == before
     assert tracker.counts["duplicate"] == tracker.counts["out_of_order"] == 1
-    assert [o.what for o in tracker.dropped] == ["duplicate", "out_of_order"]
+    assert [o.kind for o in tracker.dropped] == ["duplicate", "out_of_order"]
 
 
 @given(st.lists(st.integers(0, 3), min_size=20, max_size=60), st.randoms(use_true_random=False))
@@ -168,9 +168,9 @@ def test_without_time_the_count_orders(mark: float | None) -> None:
     for k in range(1, 8):
         at = t + 0.1 * k
         message = bsm(at, 20.0 + 2.0 * k, sec_mark=mark)
-        assert tracker.update(message, at + 0.02).what == "updated"
-        assert tracker.update(message, at + 0.03).what == "duplicate"
-        assert tracker.update(bsm(at - 0.2, 16.0 + 2.0 * k, sec_mark=mark), at + 0.04).what == "out_of_order"
+        assert tracker.update(message, at + 0.02).kind == "updated"
+        assert tracker.update(message, at + 0.03).kind == "duplicate"
+        assert tracker.update(bsm(at - 0.2, 16.0 + 2.0 * k, sec_mark=mark), at + 0.04).kind == "out_of_order"
     after = t + 1.0
     assert tracker.update(bsm(after, 40.0), after + 0.02).accepted
 
@@ -179,7 +179,7 @@ def test_a_new_id_takes_over_a_lost_track() -> None:
     tracker = Tracker(FRAME)
     t = driven(tracker, 2.0)
     told = [tracker.update(bsm(t + 0.1 * k, 40.0 + 2.0 * k, id="0000beef"), t + 0.1 * k) for k in range(1, 6)]
-    assert [o.what for o in told] == ["inside", "inside", "took_over", "updated", "updated"]
+    assert [o.kind for o in told] == ["overlap", "overlap", "took_over", "updated", "updated"]
     (vehicle,) = tracker.vehicles(t + 0.5)
     assert vehicle.id == "0000beef"
     assert vehicle.x == pytest.approx(50.0, abs=0.1)
@@ -199,7 +199,7 @@ def test_a_jump_is_believed_after_a_second_of_agreement() -> None:
     told = []
     for k in range(1, 15):
         at = t + 0.1 * k
-        told.append(tracker.update(bsm(at, 320.0 + 2.0 * k), at).what)
+        told.append(tracker.update(bsm(at, 320.0 + 2.0 * k), at).kind)
     assert told[:10] == ["teleport"] * 10
     assert set(told[11:]) == {"updated"}
     assert tracker.counts["returned"] == 1
@@ -275,12 +275,12 @@ def test_a_stale_track_blocks_until_it_is_out_of_reach() -> None:
 
 
 def test_nearby_stale_track_is_kept() -> None:
-    tracker = Tracker(FRAME, TrackerSettings(forget_after=12.0))
+    tracker = Tracker(FRAME, TrackerSettings(delete_after=12.0))
     t = driven(tracker, 1.0)
     for k in range(1, 120):
         ego = VehicleState(x=20.0 + 2.0 * k, y=3.5, psi=0.0, v_x=20.0)
         (vehicle,) = tracker.vehicles(t + 0.1 * k, ego)
-        assert vehicle.defect is None
+        assert vehicle.invalid_reason is None
     assert tracker.vehicles(t + 12.1, ego) == ()
 
 
@@ -294,7 +294,7 @@ def test_approaching_stale_track_is_kept(psi: float, kept: bool) -> None:
 
 def test_capacity_limit_under_sender_flood() -> None:
     """At most 200 are kept, the nearest of them; the one that matters is among them."""
-    tracker = Tracker(FRAME, TrackerSettings(keep_within=1000.0))
+    tracker = Tracker(FRAME, TrackerSettings(retention_range=1000.0))
     ego = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0)
     tracker.vehicles(T0, ego)
     places = np.random.default_rng(3).permutation(1000)
@@ -312,7 +312,7 @@ def test_capacity_limit_under_sender_flood() -> None:
 
 def crowded(seconds: float, place: float, most: int = 20) -> tuple[Tracker, float]:
     """Tracker that hears a car at a place ahead of the ego for some time, then many between them."""
-    tracker = Tracker(FRAME, TrackerSettings(most_senders=most))
+    tracker = Tracker(FRAME, TrackerSettings(max_tracks=most))
     ego = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0)
     tracker.vehicles(T0, ego)
     t = T0
@@ -339,14 +339,14 @@ def test_flood_evicts_distant_tracks() -> None:
 
 
 def test_far_senders_that_are_turned_away_are_not_missed() -> None:
-    tracker = Tracker(FRAME, TrackerSettings(most_senders=3))
+    tracker = Tracker(FRAME, TrackerSettings(max_tracks=3))
     tracker.vehicles(T0, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0))
-    told = [tracker.update(bsm(T0, 200.0 * i, id=f"{i:08x}"), T0).what for i in range(5)]
+    told = [tracker.update(bsm(T0, 200.0 * i, id=f"{i:08x}"), T0).kind for i in range(5)]
     assert told == ["new"] * 3 + ["full"] * 2
     assert not tracker.is_saturated(T0)
-    assert tracker.update(bsm(T0, 100.0, id="0000beef"), T0).what == "new"  # in place of the one at 400 m
+    assert tracker.update(bsm(T0, 100.0, id="0000beef"), T0).kind == "new"  # in place of the one at 400 m
     assert not tracker.is_saturated(T0)
-    assert tracker.update(bsm(T0, 150.0, id="0000cafe"), T0).what == "new"  # of the one at 200 m
+    assert tracker.update(bsm(T0, 150.0, id="0000cafe"), T0).kind == "new"  # of the one at 200 m
     assert tracker.is_saturated(T0)
 
 
@@ -357,20 +357,20 @@ def test_overlapping_positions_are_rejected() -> None:
     for i in range(200):
         x, y = rng.uniform(0.0, 5.0, 2)
         tracker.update(bsm(T0, x, y, v=0.0, id=f"{i:08x}", length=0.3, width=0.3), T0)
-    assert tracker.counts["inside"] > 150
+    assert tracker.counts["overlap"] > 150
     assert len(tracker) < 5.0 * 5.0 / (1.5 * 0.8) * 2.0
 
 
 def test_without_ego_newcomers_are_turned_away() -> None:
-    tracker = Tracker(FRAME, TrackerSettings(most_senders=3))
-    told = [tracker.update(bsm(T0, 30.0 * i, id=f"{i:08x}"), T0).what for i in range(4)]
+    tracker = Tracker(FRAME, TrackerSettings(max_tracks=3))
+    told = [tracker.update(bsm(T0, 30.0 * i, id=f"{i:08x}"), T0).kind for i in range(4)]
     assert told == ["new"] * 3 + ["full"]
 
 
 def test_unknown_size_and_heading() -> None:
     tracker = Tracker(FRAME)
-    assert tracker.update(bsm(T0, v=10.0, psi=None), T0).what == "unusable"
-    assert tracker.update(bsm(T0, v=0.0, psi=None, length=None, width=None), T0).what == "new"
+    assert tracker.update(bsm(T0, v=10.0, psi=None), T0).kind == "unusable"
+    assert tracker.update(bsm(T0, v=0.0, psi=None, length=None, width=None), T0).kind == "new"
     (vehicle,) = tracker.vehicles(T0)
     assert (vehicle.length, vehicle.width) == (5.0, 5.0)  # it may point anywhere
     assert tracker.update(bsm(T0 + 0.1, v=0.0, psi=0.3), T0 + 0.1).accepted
@@ -400,8 +400,8 @@ _ANY = st.one_of(st.none(), st.floats(), st.floats(-100.0, 100.0), st.text(max_s
 )
 def test_update_never_raises(messages: list[dict[str, Any]]) -> None:
     off = PlausibilitySettings(
-        replayed=False, future=False, size=False, frozen=False, teleport=False, displacement=False,
-        acceleration=False, yaw=False, inside=False,
+        replay=False, future=False, size=False, frozen=False, teleport=False, displacement=False,
+        acceleration=False, yaw=False, overlap=False,
     )  # fmt: skip
     for settings in (PlausibilitySettings(), off):
         tracker = Tracker(FRAME, TrackerSettings(plausibility=settings))
@@ -429,7 +429,7 @@ def test_times_are_checked(t: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    "values", [{"most_senders": 0}, {"most_senders": 2.5}, {"braking": 0.0}, {"plausibility": None}]
+    "values", [{"max_tracks": 0}, {"max_tracks": 2.5}, {"braking": 0.0}, {"plausibility": None}]
 )
 def test_settings_are_checked(values: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(values))):
@@ -469,7 +469,7 @@ def predictions(data_dir: FilePath) -> list[Prediction]:
         tracker = Tracker(frame)
         for i in range(end - begin):
             outcome = tracker.update(messages[begin + i], float(t[i]) + 0.05)
-            assert outcome.accepted or outcome.what == "frozen"
+            assert outcome.accepted or outcome.kind == "frozen"
             for horizon in (0.1, 0.5, 1.0):
                 j = int(np.searchsorted(t, t[i] + horizon - 0.005))
                 if j == len(t) or t[j] > t[i] + horizon + 0.5:

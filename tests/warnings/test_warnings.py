@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from cca_core import InputError, Lane, Path, RemoteVehicle, Road, VehicleParams, VehicleState
 from cca_core.path import interpolate_path
-from cca_core.warnings import AlertSettings, Application, Level, sight, warn
+from cca_core.warnings import AlertSettings, Application, Level, warn, warning_view
 from tests.decide.test_crossing import turn
 
 CAR = VehicleParams(m=1500.0, I_z=2500.0, l_f=1.2, l_r=1.4, C_f=1e5, C_r=1e5, length=4.5, width=1.8)
@@ -255,7 +255,7 @@ def test_hidden_standing_vehicle(d: float, hidden: bool) -> None:
     red = other(STRAIGHT, 90.0, -1.05, 0.0, id="red")
     yellow = other(STRAIGHT, 30.0, d, 25.0, id="yellow")
     (alert,) = warn(ego(STRAIGHT, 0.0, 25.0), CAR, STRAIGHT, [red, yellow])
-    assert (alert.application, alert.remote) == (CURB_SIDE, "red")
+    assert (alert.application, alert.vehicle_id) == (CURB_SIDE, "red")
     assert ("hidden by yellow" in alert.reason) == hidden
     assert alert.time_to_conflict == pytest.approx(85.5 / 25.0)
 
@@ -267,7 +267,7 @@ def test_levels_and_order() -> None:
         other(STRAIGHT, 70.0, 0.0, 25.0, id="far", **HARD),
     ]
     alerts = warn(ego(STRAIGHT, 0.0, 25.0), CAR, STRAIGHT, remotes)
-    assert [(a.remote, a.application, a.level) for a in alerts] == [
+    assert [(a.vehicle_id, a.application, a.level) for a in alerts] == [
         ("close", FCW, Level.ACT), ("far", EEBL, Level.WARN), ("beside", EEBL, Level.INFORM),
     ]  # fmt: skip
     assert alerts[0].time_to_conflict == pytest.approx(14.5 / 15.0)
@@ -282,7 +282,7 @@ def test_act_where_only_hard_braking_helps() -> None:
 @given(st.floats(1.0, 80.0), st.floats(0.0, 35.0), st.floats(0.1, 30.0), st.floats(-8.0, 0.0))
 def test_time_to_collision_against_small_steps(gap: float, v: float, v_lead: float, a: float) -> None:
     a = 0.0 if a > -1.0 else a
-    settings = AlertSettings(fcw_decelerating=60.0, fcw_slower=60.0, fcw_stopped=60.0, standing=0.0)
+    settings = AlertSettings(fcw_decelerating=60.0, fcw_slower=60.0, fcw_stopped=60.0, standstill_speed=0.0)
     remote = other(STRAIGHT, gap + LENGTH, 0.0, v_lead, a_x=a)
     alerts = warn(ego(STRAIGHT, 0.0, v), CAR, STRAIGHT, [remote], settings=settings)
     t = np.arange(0.0, 60.0, 0.005)
@@ -326,11 +326,12 @@ def test_turned_shifted_mirrored(seed: int, angle: float, shift: float, mirrored
     side = SIDES[intent] if mirrored else intent
     again = warn(moved(state), CAR, path, [moved(r) for r in remotes], intent=side)
     key = [
-        (a.application, a.remote, a.level) for a in sorted(base, key=lambda a: (a.application.name, a.remote))
+        (a.application, a.vehicle_id, a.level)
+        for a in sorted(base, key=lambda a: (a.application.name, a.vehicle_id))
     ]
     same = [
-        (a.application, a.remote, a.level)
-        for a in sorted(again, key=lambda a: (a.application.name, a.remote))
+        (a.application, a.vehicle_id, a.level)
+        for a in sorted(again, key=lambda a: (a.application.name, a.vehicle_id))
     ]
     assert same == key
 
@@ -372,9 +373,9 @@ def test_no_warning_without_vehicles() -> None:
 
 def test_view_positions_along_road() -> None:
     path = ROADS["left bend"]
-    view, (seen,) = sight(ego(path, 10.0, 20.0, 0.5), CAR, path, [other(path, 110.0, 3.5, 15.0)])
+    view, (seen,) = warning_view(ego(path, 10.0, 20.0, 0.5), CAR, path, [other(path, 110.0, 3.5, 15.0)])
     assert (view.s, view.d, view.v) == pytest.approx((10.0, 0.5, 20.0), abs=1e-6)
-    assert (seen.gap, seen.beside) == pytest.approx((95.5, 3.0), abs=1e-6)
+    assert (seen.gap, seen.lateral_offset) == pytest.approx((95.5, 3.0), abs=1e-6)
     assert seen.v == pytest.approx(15.0 / (1.0 - 3.5 / 600.0), rel=1e-3)
     assert seen.angle == pytest.approx(0.0, abs=1e-6)
 

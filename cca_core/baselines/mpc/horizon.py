@@ -10,8 +10,8 @@ from cca_core._checks import Array, check_real
 from cca_core.baselines.problem import Problem
 from cca_core.errors import InputError
 from cca_core.path import Road
-from cca_core.planner.frenet import Neighbor, locate
-from cca_core.predict import travel
+from cca_core.planner.frenet import FrenetVehicle, to_frenet
+from cca_core.predict import predict_distance
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["FrenetState", "Horizon", "MpcSettings"]
@@ -73,9 +73,9 @@ class MpcSettings:
             if not isinstance(value, int) or not least <= value <= 1000:
                 raise InputError(f"{name} must be a whole number from {least} to 1000, was {value!r}")
         for name in ("horizon", "a_y_max", "weight_d", "weight_a", "weight_jerk", "cpu_time"):
-            check_real(name, getattr(self, name), above=0.0)
+            check_real(name, getattr(self, name), gt=0.0)
         for name in ("clearance", "weight_v", "weight_a_x"):
-            check_real(name, getattr(self, name), least=0.0)
+            check_real(name, getattr(self, name), ge=0.0)
         if self.solver not in ("ipopt", "fatrop"):
             raise InputError(f"solver must be 'ipopt' or 'fatrop', was {self.solver!r}")
 
@@ -111,7 +111,7 @@ class Horizon:
     road: Road
     vehicle: VehicleParams
     t: Array
-    others: Sequence[Neighbor]
+    others: Sequence[FrenetVehicle]
     v_wanted: float
     clearance: float
     a_y_max: float
@@ -135,7 +135,7 @@ class Horizon:
         horizon : Horizon
             It ends on the route, at the goal or beyond it.
         """
-        others, _ = locate(problem.others, problem.road.path, {})
+        others, _ = to_frenet(problem.others, problem.road.path, {})
         return cls(
             road=problem.road, vehicle=problem.vehicle, t=np.linspace(0.0, problem.duration, intervals + 1),
             others=others, v_wanted=problem.v_x, clearance=problem.clearance, a_y_max=problem.a_y_max,
@@ -163,7 +163,9 @@ class Horizon:
         """
         s = np.empty((len(self.others), len(self.t)))
         for row, other in zip(s, self.others, strict=True):
-            row[:] = other.s + np.copysign(1.0, other.v_s) * travel(abs(other.v_s), other.remote.a_x, self.t)
+            row[:] = other.s + np.copysign(1.0, other.v_s) * predict_distance(
+                abs(other.v_s), other.remote.a_x, self.t
+            )
         return s
 
     def swept(self) -> Array:

@@ -27,7 +27,7 @@ def exponentials(c: Array, h: Array | float) -> tuple[Array, Array, Array, Array
     )
 
 
-class LateralProgram:
+class LateralQp:
     """The quadratic program in d, w, a (n + 1 each), j and the elastic way out of the corridor (n each)."""
 
     def __init__(self, settings: MpcSettings) -> None:

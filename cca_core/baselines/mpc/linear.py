@@ -6,9 +6,9 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
-from cca_core.baselines.mpc.lateral_qp import LateralProgram, exponentials
-from cca_core.baselines.mpc.side_choice import Passage, passages
-from cca_core.baselines.mpc.trajectory import Trajectory, shortfall
+from cca_core.baselines.mpc.lateral_qp import LateralQp, exponentials
+from cca_core.baselines.mpc.side_choice import SideChoice, side_choices
+from cca_core.baselines.mpc.trajectory import Trajectory, violated_limit
 from cca_core.baselines.problem import Plan, Problem
 from cca_core.errors import Status
 from cca_core.follow import steady_steering
@@ -50,7 +50,7 @@ class LinearMpc:
 
     def __init__(self, settings: MpcSettings | None = None) -> None:
         self.settings = settings or MpcSettings()
-        self._program = LateralProgram(self.settings)
+        self._program = LateralQp(self.settings)
 
     def plan(self, problem: Problem) -> Plan:
         """Plan once, at constant speed along the route.
@@ -91,7 +91,7 @@ class LinearMpc:
             The first one that keeps all limits, else the cheapest; five times as fine as the intervals.
         """
         found = []
-        for passage in passages(horizon, s, v, start.d)[:_TRIED]:
+        for passage in side_choices(horizon, s, v, start.d)[:_TRIED]:
             for room in _ROOMS:
                 found.append(self._through(horizon, start, s, v, passage, room))
                 if found[-1].status is Status.OK:
@@ -99,7 +99,7 @@ class LinearMpc:
         return min(found, key=lambda f: (f.status is Status.NOT_CONVERGED, f.cost))
 
     def _through(
-        self, horizon: Horizon, start: FrenetState, s: Array, v: Array, passage: Passage, room: float
+        self, horizon: Horizon, start: FrenetState, s: Array, v: Array, passage: SideChoice, room: float
     ) -> Trajectory:
         """Lateral motion through one corridor."""
         vehicle, slow = horizon.vehicle, np.maximum(v, _SLOWEST)
@@ -133,7 +133,7 @@ class LinearMpc:
         trajectory = _trajectory(horizon, t, sampled, float(cost), np.diff(v) / horizon.step)
         if status is not Status.OK:
             return replace(trajectory, status=status, message="the quadratic program was not solved")
-        missed = shortfall(trajectory, horizon)
+        missed = violated_limit(trajectory, horizon)
         return trajectory if not missed else replace(trajectory, status=Status.INFEASIBLE, message=missed)
 
 

@@ -8,8 +8,8 @@ from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
 from cca_core.baselines.mpc.linear import LinearMpc
-from cca_core.baselines.mpc.nonlinear_program import FINE, NU, NX, NonlinearProgram, program
-from cca_core.baselines.mpc.trajectory import Trajectory, shortfall
+from cca_core.baselines.mpc.nonlinear_program import FINE, NU, NX, NonlinearProgram, cached_program
+from cca_core.baselines.mpc.trajectory import Trajectory, violated_limit
 from cca_core.baselines.problem import Plan, Problem
 from cca_core.errors import Status
 
@@ -90,7 +90,7 @@ class NonlinearMpc:
 
     def _built(self, others: int) -> NonlinearProgram:
         slots, own = next((m for m in _SLOTS if m >= others), _SLOTS[-1]), self.settings
-        return program(own.intervals, slots, own.solver, own.iterations, own.cpu_time)
+        return cached_program(own.intervals, slots, own.solver, own.iterations, own.cpu_time)
 
     def solve(self, horizon: Horizon, start: FrenetState, s: Array, d: Array, v: Array) -> Trajectory:
         """Trajectory near a guess.
@@ -140,7 +140,7 @@ class NonlinearMpc:
         )  # fmt: skip
         if failure:
             return replace(trajectory, status=Status.NOT_CONVERGED, message=f"the solver gave up: {failure}")
-        missed = shortfall(trajectory, horizon)
+        missed = violated_limit(trajectory, horizon)
         return trajectory if not missed else replace(trajectory, status=Status.INFEASIBLE, message=missed)
 
 

@@ -16,7 +16,7 @@ _ELASTIC = 1e3  # weight of what a limit to others is left by, in half widths [-
 
 
 @lru_cache(maxsize=16)
-def program(n: int, slots: int, solver: str, iterations: int, cpu_time: float) -> "NonlinearProgram":
+def cached_program(n: int, slots: int, solver: str, iterations: int, cpu_time: float) -> "NonlinearProgram":
     """Program that is built once for the same numbers."""
     return NonlinearProgram(n, slots, solver, iterations, cpu_time)
 

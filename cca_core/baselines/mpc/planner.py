@@ -16,7 +16,7 @@ from cca_core.errors import InputError, Status
 from cca_core.follow import SpeedSettings, cruise_acceleration, follow_acceleration, jerk_limited
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.command import Command
-from cca_core.planner.frenet import Neighbor, locate, unusable
+from cca_core.planner.frenet import FrenetVehicle, invalid_input_reason, to_frenet
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["MpcPlanner"]
@@ -87,7 +87,7 @@ class MpcPlanner:
             raise InputError(f"method must be 'nonlinear' or 'linear', was {method!r}")
         self.vehicle = vehicle
         self.road = road if isinstance(road, Road) else Road(road)
-        self.cruise_speed = check_real("cruise_speed", cruise_speed, above=0.0)
+        self.cruise_speed = check_real("cruise_speed", cruise_speed, gt=0.0)
         self.settings, self.speed = settings or MpcSettings(), speed or SpeedSettings()
         self._linear = LinearMpc(self.settings)
         self._nonlinear = NonlinearMpc(self.settings) if method == "nonlinear" else None
@@ -115,7 +115,7 @@ class MpcPlanner:
         state: VehicleState,
         remotes: Iterable[RemoteVehicle],
         *,
-        known_range: float = math.inf,
+        awareness_range: float = math.inf,
     ) -> Command:
         """Compute steering and acceleration for this cycle.
 
@@ -127,7 +127,7 @@ class MpcPlanner:
             The ego's motion now.
         remotes : iterable of RemoteVehicle
             What is known of other vehicles, dead-reckoned to `t`.
-        known_range : float
+        awareness_range : float
             Distance up to which they are all that there are [m]; it plans with those it is told of.
 
         Returns
@@ -137,7 +137,7 @@ class MpcPlanner:
             braking with `Status.INVALID_INPUT`, a missing solution to the last one and then to braking with
             `Status.FALLBACK`.
         """
-        defect = unusable(t, self._t, state)
+        defect = invalid_input_reason(t, self._t, state)
         if defect:
             return self._brake(defect, Status.INVALID_INPUT)
         moment = float(t)
@@ -158,7 +158,7 @@ class MpcPlanner:
             return self._brake(reason, Status.INVALID_INPUT)
         self._s = s
         if t - self._solved >= _PERIOD - 1e-6:
-            neighbors, self._dropped = locate(remotes, path, self._places)
+            neighbors, self._dropped = to_frenet(remotes, path, self._places)
             v = max(state.v_x, 0.0)
             slip = math.atan2(state.v_y, v) if v > 1.0 else 0.0
             gain = self.vehicle.wheelbase + self.vehicle.understeer_gradient * v * v
@@ -168,7 +168,7 @@ class MpcPlanner:
             )  # fmt: skip
             self._renew(t, start, neighbors)
         if self._way is None or t - self._found > _HELD:
-            return self._brake("no solution", Status.FALLBACK)
+            return self._brake("no solution", Status.DEGRADED)
         since = t - self._found
         lag = self.vehicle.steering_lag + _YAW_LAG
         delta = float(np.interp(since + lag, self._way.t, self._way.delta))
@@ -182,11 +182,11 @@ class MpcPlanner:
             status=self._status, dropped=self._dropped,
         )  # fmt: skip
 
-    def _renew(self, t: float, start: FrenetState, neighbors: list[Neighbor]) -> None:
+    def _renew(self, t: float, start: FrenetState, neighbors: list[FrenetVehicle]) -> None:
         """Solve again, or keep the last solution."""
         self._solved = t
         rear = start.s + self.vehicle.box_offset - 0.5 * self.vehicle.length
-        own, half = self.road.own_lane, 0.5 * self.vehicle.width
+        own, half = self.road.ego_lane, 0.5 * self.vehicle.width
         others = [
             n for n in neighbors
             if abs(n.s - start.s) < _SEEN
@@ -215,7 +215,7 @@ class MpcPlanner:
                 break
         good = [f for f in found if f[1].status is Status.OK]
         usable = good or [f for f in reversed(found) if f[1].status is Status.INFEASIBLE]
-        self._status = Status.OK if good else Status.FALLBACK
+        self._status = Status.OK if good else Status.DEGRADED
         if not usable:
             self._decision = Decision(action=Action.BRAKE, reason=found[-1][1].message)
             return
@@ -252,7 +252,7 @@ class MpcPlanner:
         else:
             self._decision = Decision(action=Action.KEEP, reason="the lane is free")
 
-    def _leader(self, others: list[Neighbor], start: FrenetState) -> Neighbor | None:
+    def _leader(self, others: list[FrenetVehicle], start: FrenetState) -> FrenetVehicle | None:
         """Nearest vehicle ahead of the ego, on the route or in its way."""
         half, front = 0.5 * self.vehicle.width + _IN_THE_WAY, start.s + self.vehicle.box_offset
         ahead = [
@@ -261,7 +261,7 @@ class MpcPlanner:
         ]  # fmt: skip
         return min(ahead, key=lambda n: n.s - n.half_length, default=None)
 
-    def _profile(self, start: FrenetState, leader: Neighbor | None, t: Array) -> tuple[Array, Array]:
+    def _profile(self, start: FrenetState, leader: FrenetVehicle | None, t: Array) -> tuple[Array, Array]:
         """Path coordinates and speeds at times, freely or behind a leader."""
         s, v = np.empty_like(t), np.empty_like(t)
         s[0], v[0], h, last = start.s, max(start.v, 0.0), float(t[1] - t[0]), start.a_x
@@ -269,7 +269,7 @@ class MpcPlanner:
         for k in range(len(t) - 1):
             a = cruise_acceleration(v[k], float(np.interp(s[k], self._s_cap, self._v_cap)), self.speed)
             if leader is not None:
-                rear = leader.span(t[k : k + 1], braking=0.0, acceleration=0.0)[0][0]
+                rear = leader.occupied_interval(t[k : k + 1], braking=0.0, acceleration=0.0)[0][0]
                 a = min(a, follow_acceleration(v[k], rear - s[k] - own, leader.v_s, self.speed))
             last = jerk_limited(a, last, h, self.speed, emergency=a < -2.0 * self.speed.b_comfort)
             v[k + 1] = max(v[k] + h * last, 0.0)

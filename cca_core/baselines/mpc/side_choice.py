@@ -8,13 +8,13 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.baselines.mpc.horizon import Horizon
 
-__all__ = ["Passage", "passages"]
+__all__ = ["SideChoice", "side_choices"]
 
 _MOST = 5  # others whose sides are all tried; farther ones are passed on the side of the route
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Passage:
+class SideChoice:
     """A corridor for one choice of sides.
 
     Parameters
@@ -30,7 +30,7 @@ class Passage:
     overlap: float
 
 
-def passages(horizon: Horizon, s: Array, v: Array, d: float) -> list[Passage]:
+def side_choices(horizon: Horizon, s: Array, v: Array, d: float) -> list[SideChoice]:
     """Corridors past all others, one for each choice of sides.
 
     Parameters
@@ -87,7 +87,12 @@ def passages(horizon: Horizon, s: Array, v: Array, d: float) -> list[Passage]:
         way = _nearest(low, high)
         effort = float(np.sum(np.diff(way, prepend=d) ** 2)) + 0.02 * float(np.sum(way**2))
         found.append(
-            (overlap > 1e-9, overlap, effort + 10.0 * both, Passage(lower=low, upper=high, overlap=overlap))
+            (
+                overlap > 1e-9,
+                overlap,
+                effort + 10.0 * both,
+                SideChoice(lower=low, upper=high, overlap=overlap),
+            )
         )
     found.sort(key=lambda f: f[:3])
     free = [f[3] for f in found if not f[0]]

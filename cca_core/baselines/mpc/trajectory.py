@@ -13,7 +13,7 @@ from cca_core.geometry import Boxes, box_gap
 from cca_core.path import Path
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["Trajectory", "shortfall"]
+__all__ = ["Trajectory", "violated_limit"]
 
 _MISSED = 0.01  # by so much a trajectory may miss a distance and still count as keeping it [m]
 _EXCEEDED = 1.01  # share of the lateral acceleration likewise [-]
@@ -131,7 +131,7 @@ class Trajectory:
         )  # fmt: skip
 
 
-def shortfall(trajectory: Trajectory, horizon: Horizon) -> str:
+def violated_limit(trajectory: Trajectory, horizon: Horizon) -> str:
     """Name the limit that a trajectory misses, judged by its boxes and not by what the solver was told.
 
     Parameters

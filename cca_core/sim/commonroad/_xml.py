@@ -9,7 +9,7 @@ import numpy as np
 
 from cca_core._checks import Array, read_real
 from cca_core.errors import InputError
-from cca_core.vehicle import FARTHEST
+from cca_core.vehicle import MAX_COORDINATE
 
 _LARGEST = 50_000_000  # size of a file [bytes]
 
@@ -57,7 +57,7 @@ def whole(name: str, text: str | None) -> int:
 
 
 def number(
-    element: Element, tag: str, name: str, *, least: float = -FARTHEST, most: float = FARTHEST
+    element: Element, tag: str, name: str, *, least: float = -MAX_COORDINATE, most: float = MAX_COORDINATE
 ) -> float:
     """Return the number in a child."""
     text = (child(element, tag, name).text or "").strip()

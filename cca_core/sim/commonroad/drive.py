@@ -12,7 +12,7 @@ from cca_core.follow import SpeedSettings, steady_steering
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import Road
 from cca_core.planner.planner import Planner
-from cca_core.sim.commonroad.goal_route import cruise_speed, road_to_goal
+from cca_core.sim.commonroad.goal_route import cruise_speed, goal_road
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, PlanningProblem
 from cca_core.sim.plants.multi_body import MultiBodyPlant
 from cca_core.sim.plants.single_track import SingleTrackPlant
@@ -48,7 +48,7 @@ class CommonRoadRun:
         x [m], y [m], psi [rad], v_x [m/s], v_y [m/s], r [rad/s], delta [rad], a_x [m/s^2].
     a_y : ndarray, shape (n,)
         Lateral acceleration of the center of gravity [m/s^2], left positive.
-    place : ndarray, shape (n, 2)
+    ego_frenet : ndarray, shape (n, 2)
         Ego in path coordinates s, d [m].
     gaps : ndarray, shape (n, n_obstacles)
         Signed distance between the ego's box and each other's [m]; infinite while the other is not there.
@@ -69,7 +69,7 @@ class CommonRoadRun:
     t: Array
     ego: Array
     a_y: Array
-    place: Array
+    ego_frenet: Array
     gaps: Array
     decisions: tuple[tuple[float, str, str], ...]
     dropped: tuple[str, ...]
@@ -98,7 +98,7 @@ class CommonRoadRun:
             "final_speed_mps": round(float(self.ego[-1, 3]), 3),
             "max_abs_ay_mps2": round(float(np.abs(self.a_y).max()), 3),
             "max_decel_mps2": round(max(0.0, -float(self.ego[:, 7].min())), 3),
-            "max_offset_m": round(float(np.abs(self.place[:, 1]).max()), 3),
+            "max_offset_m": round(float(np.abs(self.ego_frenet[:, 1]).max()), 3),
             "actions": [[round(t, 2), name] for t, name, _ in self.decisions],
             "dropped": list(self.dropped),
         }
@@ -166,7 +166,7 @@ def drive_commonroad(
         raise InputError("vehicle must be the BMW 320i for the multi-body plant")
     if toward is not None and toward not in scenario.lanelets:
         raise InputError(f"toward must be the id of a lanelet, was {toward!r}")
-    road, goal, s_goal = road_to_goal(scenario, task, speed, toward)
+    road, goal, s_goal = goal_road(scenario, task, speed, toward)
     cruise = cruise_speed(road.path, task, goal, s_goal, speed)
     planner = Planner(vehicle, road, cruise_speed=cruise, speed=speed)
     start = _at_center_of_gravity(task.state, vehicle)
@@ -204,7 +204,7 @@ def drive_commonroad(
     rows = rows[:n]
     return CommonRoadRun(
         scenario=scenario, problem=task, vehicle=vehicle, plant=plant, road=road, cruise_speed=cruise,
-        t=rows[:, 0], ego=rows[:, 1:9], a_y=rows[:, 9], place=rows[:, 10:12], gaps=gaps[:n],
+        t=rows[:, 0], ego=rows[:, 1:9], a_y=rows[:, 9], ego_frenet=rows[:, 10:12], gaps=gaps[:n],
         decisions=tuple(decisions), dropped=tuple(sorted(dropped)), t_goal=t_goal,
     )  # fmt: skip
 

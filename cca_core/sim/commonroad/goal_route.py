@@ -11,10 +11,10 @@ from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings, jerk_limited, profile_acceleration, squared_speed_limit
 from cca_core.geometry import wrap_angle
 from cca_core.path import Lane, Path, Road, fit_path
-from cca_core.sim.commonroad.lanelets import Lanelet, center_line, find_route, go_straight_on, inside
+from cca_core.sim.commonroad.lanelets import Lanelet, centerline, extend_straight, find_route, inside
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, Goal, PlanningProblem
 
-__all__ = ["cruise_speed", "road_to_goal"]
+__all__ = ["cruise_speed", "goal_road"]
 
 _TOLERANCE = 0.1  # of the route about the lanelets' center lines [m]
 _SPARE = 30.0  # the route goes on behind the goal for this and the way to stop [m]
@@ -30,7 +30,7 @@ _LATE = 5.0  # an arrival later than this behind the window is not timed [s]
 _BENDS = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
 
 
-def road_to_goal(
+def goal_road(
     scenario: CommonRoadScenario,
     problem: PlanningProblem,
     speed: SpeedSettings,
@@ -77,8 +77,8 @@ def road_to_goal(
                 continue
             if target is None:
                 way = max(state.v_x, 1.0) * max(goal.t[1] - problem.t, 0.0)
-                route = go_straight_on(lanelets, route, way)
-            path = _path(lanelets, go_straight_on(lanelets, route, tail), problem, tail)
+                route = extend_straight(lanelets, route, way)
+            path = _path(lanelets, extend_straight(lanelets, route, tail), problem, tail)
             s = float(path.project((state.x, state.y))[0])
             s_goal = math.inf if target is None else float(path.project(target)[0])
             if s_goal > s:
@@ -108,7 +108,7 @@ def _path(
 ) -> Path:
     """Center line of the lanelets, and straight on where the map ends."""
     state = problem.state
-    line = center_line(lanelets, route, (state.x, state.y), max(state.v_x, 1.0))
+    line = centerline(lanelets, route, (state.x, state.y), max(state.v_x, 1.0))
     ahead = line[-1] - line[-2]
     steps = np.arange(_TAIL_STEP, tail + _TAIL_STEP, _TAIL_STEP)[:, None]
     return fit_path(np.vstack((line, line[-1] + steps * ahead / math.hypot(*ahead))), tolerance=_TOLERANCE)

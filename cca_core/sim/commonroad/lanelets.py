@@ -11,7 +11,7 @@ from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.geometry import wrap_angle
 
-__all__ = ["Lanelet", "center_line", "find_route", "go_straight_on", "inside"]
+__all__ = ["Lanelet", "centerline", "extend_straight", "find_route", "inside"]
 
 _CHANGE = 50.0  # detour that is worth a lane change [m]
 _LATER = 1e-3  # extra cost of a lane change per meter driven before it [-]
@@ -148,7 +148,7 @@ def find_route(lanelets: Mapping[int, Lanelet], start: int, goals: Sequence[int]
     return ()
 
 
-def go_straight_on(lanelets: Mapping[int, Lanelet], route: Sequence[int], length: float) -> tuple[int, ...]:
+def extend_straight(lanelets: Mapping[int, Lanelet], route: Sequence[int], length: float) -> tuple[int, ...]:
     """Go on behind a route, always into the successor that turns least.
 
     Parameters
@@ -178,7 +178,7 @@ def go_straight_on(lanelets: Mapping[int, Lanelet], route: Sequence[int], length
     return tuple(way)
 
 
-def center_line(
+def centerline(
     lanelets: Mapping[int, Lanelet], route: Sequence[int], start: tuple[float, float], v_x: float
 ) -> Array:
     """Center line of a route, with a gentle change where it goes over to the lane beside.

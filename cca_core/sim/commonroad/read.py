@@ -23,7 +23,7 @@ from cca_core.sim.commonroad._xml import (
 )
 from cca_core.sim.commonroad.lanelets import Lanelet
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, Goal, PlanningProblem, RecordedObstacle
-from cca_core.vehicle import FASTEST, VehicleState
+from cca_core.vehicle import MAX_SPEED, VehicleState
 
 __all__ = ["read_commonroad"]
 
@@ -158,7 +158,7 @@ def _state(element: Element, name: str, *, stands: bool = False) -> tuple[float,
     x, y = (number(point, axis, f"position of {name}") for axis in ("x", "y"))
     psi = exact(element, "orientation", name, _TURNS)
     still = stands and element.find("velocity") is None
-    return step, x, y, psi, 0.0 if still else exact(element, "velocity", name, FASTEST)
+    return step, x, y, psi, 0.0 if still else exact(element, "velocity", name, MAX_SPEED)
 
 
 def _box(shape: Element, name: str) -> tuple[tuple[float, float], float, float, float]:
@@ -220,7 +220,7 @@ def _goal(element: Element, name: str, dt: float, lanelets: dict[int, Lanelet]) 
     first, last = interval(element, "time", name, 0.0, _LAST)
     v_x, psi = (
         None if element.find(tag) is None else interval(element, tag, name, -most, most)
-        for tag, most in (("velocity", FASTEST), ("orientation", _TURNS))
+        for tag, most in (("velocity", MAX_SPEED), ("orientation", _TURNS))
     )
     regions: list[Array] = []
     ids: tuple[int, ...] = ()

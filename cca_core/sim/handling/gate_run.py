@@ -11,12 +11,12 @@ from cca_core.band import Band
 from cca_core.follow import PreviewController
 from cca_core.geometry import box_gap, boxes
 from cca_core.sim.handling.iso3888 import DoubleLaneChange
-from cca_core.sim.handling.tracking import Steering, TrackingRun, track
+from cca_core.sim.handling.tracking import Steering, TrackingRun, track_path
 from cca_core.sim.plants.plant import Plant
 from cca_core.sim.plants.single_track import SingleTrackPlant
 from cca_core.vehicle import VehicleState
 
-__all__ = ["Passage", "drive_through"]
+__all__ = ["GateRun", "drive_through"]
 
 _REST = 30.0  # of the path that is not driven [m]
 _PARTS = 8  # of a cycle, in which the body is looked at
@@ -24,7 +24,7 @@ _LINEAR_A_Y = 12.0  # what linear tires would give at the largest angle; real on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Passage:
+class GateRun:
     """One drive through the gates.
 
     Parameters
@@ -64,7 +64,7 @@ class Passage:
 
 
 @dataclass(slots=True)
-class _Witnessed:
+class _RecordingPlant:
     """A plant that remembers its motion and whose throttle is released somewhere."""
 
     plant: Plant
@@ -94,7 +94,7 @@ def drive_through(
     *,
     steer: Steering | None = None,
     drag: float = 0.4,
-) -> Passage:
+) -> GateRun:
     """Drive along a path through the gates.
 
     Parameters
@@ -123,15 +123,15 @@ def drive_through(
     InputError
         If `speed` is not positive or `drag` is negative.
     """
-    car, path = band.task.vehicle, band.path()
+    car, path = band.problem.vehicle, band.path()
     x, y = path.position(path.start).tolist()
-    start = VehicleState(x=x, y=y, psi=0.0, v_x=check_real("speed", speed, above=0.0))
-    driven = _Witnessed(
+    start = VehicleState(x=x, y=y, psi=0.0, v_x=check_real("speed", speed, gt=0.0))
+    driven = _RecordingPlant(
         plant(start) if plant else SingleTrackPlant(car, start),
-        course.release - car.box_offset - 0.5 * car.length, check_real("drag", drag, least=0.0),
+        course.release - car.box_offset - 0.5 * car.length, check_real("drag", drag, ge=0.0),
     )  # fmt: skip
     law = steer or PreviewController(car, a_y_max=_LINEAR_A_Y).steer
-    run = track(driven, law, path, speed, margin=_REST)
+    run = track_path(driven, law, path, speed, margin=_REST)
     poses = np.array([(state.x, state.y, state.psi) for state in driven.motion])
     poses[:, 2] = np.unwrap(poses[:, 2])
     cycle = np.arange(len(poses))
@@ -140,6 +140,6 @@ def drive_through(
     body = boxes(
         x + car.box_offset * np.cos(psi), y + car.box_offset * np.sin(psi), psi, car.length, car.width
     )
-    gaps = np.array([box_gap(body, block).min() for block in course.blocks()]).reshape(3, 2)
+    gaps = np.array([box_gap(body, block).min() for block in course.obstacles()]).reshape(3, 2)
     sideslip = max(abs(math.atan2(state.v_y, state.v_x)) for state in driven.motion)
-    return Passage(gaps=gaps, sideslip=sideslip, exit_speed=driven.state.v_x, poses=poses, run=run)
+    return GateRun(gaps=gaps, sideslip=sideslip, exit_speed=driven.state.v_x, poses=poses, run=run)

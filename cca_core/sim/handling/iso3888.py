@@ -12,7 +12,7 @@ from cca_core.errors import InputError
 from cca_core.geometry import Boxes, boxes
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["DoubleLaneChange", "Offset", "iso3888_1", "iso3888_2", "plan_through"]
+__all__ = ["DoubleLaneChange", "Offset", "iso3888_1", "iso3888_2", "plan_gate_path"]
 
 Offset = Literal["center to center", "edge to center", "edge to edge"]
 """What the 3.5 m of lane offset are measured between in part 1."""
@@ -49,7 +49,7 @@ class DoubleLaneChange:
         x = np.arange(-_RUN_IN, self.gates[-1, 1] + _RUN_OUT + 0.5 * _SPACING, _SPACING)
         return np.column_stack((x, np.full(len(x), 0.5 * (self.gates[0, 2] + self.gates[0, 3]))))
 
-    def blocks(self) -> list[Boxes]:
+    def obstacles(self) -> list[Boxes]:
         """Return the ground beside the gates.
 
         Returns
@@ -97,7 +97,7 @@ def iso3888_1(width: float, *, offset: Offset = "center to center") -> DoubleLan
     .. [1] ISO 3888-1, *Passenger cars - Test track for a severe lane-change maneuver - Part 1: Double
        lane-change*.
     """
-    a, b, c = (k * check_real("width", width, above=0.0) + 0.25 for k in (1.1, 1.2, 1.3))
+    a, b, c = (k * check_real("width", width, gt=0.0) + 0.25 for k in (1.1, 1.2, 1.3))
     right = {
         "center to center": 0.5 * a + 3.5 - 0.5 * b, "edge to center": 0.5 * a + 3.5, "edge to edge": a + 1.0,
     }.get(offset)  # fmt: skip
@@ -137,13 +137,13 @@ def iso3888_2(width: float) -> DoubleLaneChange:
     .. [1] ISO 3888-2, *Passenger cars - Test track for a severe lane-change maneuver - Part 2: Obstacle
        avoidance*.
     """
-    width = check_real("width", width, above=0.0)
+    width = check_real("width", width, gt=0.0)
     a, c = 1.1 * width + 0.25, max(1.3 * width + 0.25, 3.0)
     gates = [[0.0, 12.0, 0.0, a], [25.5, 36.5, a + 1.0, a + width + 2.0], [49.0, 61.0, 0.0, c]]
     return DoubleLaneChange(gates=np.array(gates), release=2.0)
 
 
-def plan_through(
+def plan_gate_path(
     course: DoubleLaneChange, vehicle: VehicleParams, speed: float, *, a_y: float = 6.6, jerk: float = 20.0
 ) -> Band:
     """Smoothest path through the gates with as much room to them as the limits allow.
@@ -180,10 +180,10 @@ def plan_through(
     limits and then becomes the route to be bent again, on which the heading in the gates is known well enough
     for hard limits; the distance asked grows until there is no path.
     """
-    speed = check_real("speed", speed, above=0.0)
-    limit = check_real("a_y", a_y, above=0.0) / speed**2
-    rate = check_real("jerk", jerk, above=0.0) / speed**3
-    blocks = course.blocks()
+    speed = check_real("speed", speed, gt=0.0)
+    limit = check_real("a_y", a_y, gt=0.0) / speed**2
+    rate = check_real("jerk", jerk, gt=0.0) / speed**3
+    blocks = course.obstacles()
 
     def bent(nodes: Array, room: float, limit: float, rate: float) -> Band:
         band = relax_band(

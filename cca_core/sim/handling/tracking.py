@@ -12,7 +12,7 @@ from cca_core.path import Path, interpolate_path
 from cca_core.sim.plants.plant import Plant
 from cca_core.vehicle import VehicleState
 
-__all__ = ["TrackingRun", "lane_change", "track"]
+__all__ = ["TrackingRun", "lane_change_path", "track_path"]
 
 _SPEED = SpeedSettings()
 _CYCLE = 0.02  # [s]
@@ -57,7 +57,7 @@ class TrackingRun:
         return float(np.sqrt(np.mean(self.d**2))) if self.finished else math.inf
 
 
-def lane_change(width: float, length: float, *, before: float = 80.0, after: float = 150.0) -> Path:
+def lane_change_path(width: float, length: float, *, before: float = 80.0, after: float = 150.0) -> Path:
     """Straight road with a quintic lane change to the left.
 
     Parameters
@@ -81,15 +81,15 @@ def lane_change(width: float, length: float, *, before: float = 80.0, after: flo
         If a value is not finite, or a distance is not positive.
     """
     width = check_real("width", width)
-    length = check_real("length", length, above=0.0)
-    total = check_real("before", before, above=0.0) + length + check_real("after", after, above=0.0)
+    length = check_real("length", length, gt=0.0)
+    total = check_real("before", before, gt=0.0) + length + check_real("after", after, gt=0.0)
     x = np.linspace(0.0, total, math.ceil(total) + 1)
     share = np.clip((x - before) / length, 0.0, 1.0)
     y = width * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
     return interpolate_path(np.column_stack((x, y)), start_tangent=(1.0, 0.0), end_tangent=(1.0, 0.0))
 
 
-def track(
+def track_path(
     plant: Plant,
     steer: Steering,
     path: Path,
@@ -133,9 +133,9 @@ def track(
     InputError
         If `delay`, `fix_sigma` or `margin` is negative.
     """
-    delay = check_real("delay", delay, least=0.0)
-    fix_sigma = check_real("fix_sigma", fix_sigma, least=0.0)
-    end = path.end - check_real("margin", margin, least=0.0)
+    delay = check_real("delay", delay, ge=0.0)
+    fix_sigma = check_real("fix_sigma", fix_sigma, ge=0.0)
+    end = path.end - check_real("margin", margin, ge=0.0)
     rng = np.random.default_rng(seed)
     estimator = PoseEstimator(plant.state, fix_sigma=max(fix_sigma, 1e-3))
     waiting = [plant.state.delta] * round(delay / _CYCLE)

@@ -6,7 +6,7 @@ from cca_core.sim.plants.plant import Plant
 from cca_core.sim.plants.single_track import SingleTrackPlant
 from cca_core.vehicle import VehicleParams, VehicleState
 
-__all__ = ["PLANTS", "StartingMultiBody", "make_plant"]
+__all__ = ["PLANTS", "RestartableMultiBodyPlant", "make_plant"]
 
 PLANTS = ("single_track", "multi_body")
 """Names of the plants."""
@@ -15,7 +15,7 @@ _HANDS_OVER = 2.5  # speed above which the multi-body model takes over from rest
 _ROLLS = 2.0  # speed below which it only rolls to rest [m/s]
 
 
-class StartingMultiBody:
+class RestartableMultiBodyPlant:
     """Multi-body car that moves off as a single track, since the model itself cannot.
 
     Parameters
@@ -94,4 +94,8 @@ def make_plant(name: str, vehicle: VehicleParams, state: VehicleState) -> Plant:
     """
     if name not in PLANTS:
         raise InputError(f"plant must be one of {', '.join(PLANTS)}, was {name!r}")
-    return SingleTrackPlant(vehicle, state) if name == "single_track" else StartingMultiBody(vehicle, state)
+    return (
+        SingleTrackPlant(vehicle, state)
+        if name == "single_track"
+        else RestartableMultiBodyPlant(vehicle, state)
+    )

@@ -69,11 +69,11 @@ class MultiBodyPlant:
     ) -> None:
         if vehicle not in _HARDEST:
             raise InputError(f"vehicle must be 1, 2 or 3, was {vehicle!r}")
-        friction = check_real("friction", friction, above=0.0)
-        mass = check_real("mass", mass, above=0.0)
+        friction = check_real("friction", friction, gt=0.0)
+        mass = check_real("mass", mass, gt=0.0)
         self._lags = (
-            check_real("steering_lag", steering_lag, above=0.0),
-            check_real("drive_lag", drive_lag, above=0.0),
+            check_real("steering_lag", steering_lag, gt=0.0),
+            check_real("drive_lag", drive_lag, gt=0.0),
         )
         self._dynamics: Any = require_extra("vehiclemodels.vehicle_dynamics_mb", "plant").vehicle_dynamics_mb
         parameters = require_extra(f"vehiclemodels.parameters_vehicle{vehicle}", "plant")

@@ -40,7 +40,7 @@ class SingleTrackPlant:
 
     def __init__(self, vehicle: VehicleParams, state: VehicleState, *, drive_lag: float = 0.1) -> None:
         self.vehicle = vehicle
-        self.drive_lag = check_real("drive_lag", drive_lag, least=0.0)
+        self.drive_lag = check_real("drive_lag", drive_lag, ge=0.0)
         self._x = [
             state.x,
             state.y,

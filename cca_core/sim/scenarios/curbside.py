@@ -8,8 +8,8 @@ from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings
 from cca_core.path import Lane, Path, Road, interpolate_path
-from cca_core.sim.scenarios.eebl import CAR, JERK, REALISTIC
-from cca_core.sim.scenarios.road_user import RoadUser, Swerves
+from cca_core.sim.scenarios.eebl import CAR, JERK, LOSSY_CHANNEL
+from cca_core.sim.scenarios.road_user import LateralShiftAction, RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.v2x import ChannelSettings
 
@@ -34,10 +34,10 @@ def curbside(
     *,
     ego: str = "v2v",
     v_x: float | None = None,
-    intrudes: float = _INTRUDES,
+    lane_intrusion: float = _INTRUDES,
     radius: float = 2000.0,
     reaction: float = 1.25,
-    channel: ChannelSettings = REALISTIC,
+    channel: ChannelSettings = LOSSY_CHANNEL,
     visibility: float = math.inf,
 ) -> Scenario:
     """On a left-hand bend a parked car (red) occupies a part of the lane; yellow swerves around it late.
@@ -50,7 +50,7 @@ def curbside(
         Who drives the ego.
     v_x : float, optional
         Another speed [m/s].
-    intrudes : float
+    lane_intrusion : float
         How far red stands in the ego's lane [m].
     radius : float
         Radius of the bend [m].
@@ -73,33 +73,33 @@ def curbside(
     """
     if case not in CURBSIDE_CASES:
         raise InputError(f"case must be one of {', '.join(CURBSIDE_CASES)}, was {case!r}")
-    v_x = _SPEED[case] if v_x is None else check_real("v_x", v_x, above=5.0, most=36.0)
-    intrudes = check_real("intrudes", intrudes, least=0.0, most=_LANE)
-    radius = check_real("radius", radius, least=200.0)
+    v_x = _SPEED[case] if v_x is None else check_real("v_x", v_x, gt=5.0, le=36.0)
+    lane_intrusion = check_real("intrudes", lane_intrusion, ge=0.0, le=_LANE)
+    radius = check_real("radius", radius, ge=200.0)
     place = _START + _UNTIL * v_x
     gap = _AHEAD * v_x
     users = (
         RoadUser(
             id="yellow", s=_START + CAR.box_offset + CAR.length + gap, d=0.0, v_x=v_x, jerk=JERK,
-            acts=(
+            actions=(
                 # its front is so much before red's rear when it begins
-                Swerves(
-                    at=place - CAR.length - _SWERVES_BEFORE * v_x, width=_SWERVE, duration=_SWERVE_TIME
+                LateralShiftAction(
+                    s_start=place - CAR.length - _SWERVES_BEFORE * v_x, offset=_SWERVE, duration=_SWERVE_TIME
                 ),
             ),
         ),
         RoadUser(
-            id="red", s=place, d=-0.5 * _LANE + intrudes - 0.5 * CAR.width, v_x=0.0,
+            id="red", s=place, d=-0.5 * _LANE + lane_intrusion - 0.5 * CAR.width, v_x=0.0,
             events=frozenset({"hazard_lights"}),
         ),
     )  # fmt: skip
     lanes = [Lane(d=0.0), Lane(d=_LANE)]
     return Scenario(
         name="curbside", case=case, road=Road(_bend(radius, place + 12.0 * v_x + 300.0), lanes),
-        vehicle=CAR, start=_START, v_x=v_x, cruise_speed=v_x, users=users,
+        vehicle=CAR, start=_START, v_x=v_x, cruise_speed=v_x, road_users=users,
         speed=SpeedSettings(standstill_gap=_LEAST_GAP, time_gap=_FOLLOWS),
-        duration=_UNTIL + 13.0, ego=ego, reaction=reaction, channel=channel, one_modem=True,
-        visibility=visibility, figures=(10, 11, 12),
+        duration=_UNTIL + 13.0, ego_type=ego, reaction_time=reaction, channel=channel, shared_modem=True,
+        visibility=visibility, paper_figures=(10, 11, 12),
     )  # fmt: skip
 
 

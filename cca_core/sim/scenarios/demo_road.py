@@ -76,7 +76,7 @@ def longest_stretch(path: Path, *, radius: float = 200.0) -> tuple[float, float]
     InputError
         If `radius` is not positive.
     """
-    radius = check_real("radius", radius, above=0.0)
+    radius = check_real("radius", radius, gt=0.0)
     s = np.linspace(path.start, path.end, math.ceil(path.length / _STEP) + 1)
     gentle = np.abs(path.curvature(s)) <= 1.0 / radius
     turns = np.flatnonzero(np.diff(gentle, prepend=False, append=False))

@@ -9,17 +9,17 @@ from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings
 from cca_core.path import Lane, Road, interpolate_path
-from cca_core.sim.scenarios.road_user import Brakes, Follows, RoadUser
-from cca_core.sim.scenarios.scenario import PinnedGap, Scenario
+from cca_core.sim.scenarios.road_user import BrakeAction, ReactToLeadAction, RoadUser
+from cca_core.sim.scenarios.scenario import FixedTimeGap, Scenario
 from cca_core.v2x import ChannelSettings
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["CAR", "EEBL_CASES", "JERK", "REALISTIC", "eebl"]
+__all__ = ["CAR", "EEBL_CASES", "JERK", "LOSSY_CHANNEL", "eebl"]
 
 EEBL_CASES = ("A", "B", "C", "C-gentle", "D", "sensor")
 """Who is connected: nobody, the ego, both, both (braking gently), the second car; nobody, with a sensor."""
 
-REALISTIC = ChannelSettings(latency=0.1, loss=0.3, burst=6.0)
+LOSSY_CHANNEL = ChannelSettings(latency=0.1, loss_probability=0.3, mean_burst_length=6.0)
 """100 ms late and 30 % lost, in bursts of 6 messages of one modem that sends for all others."""
 
 CAR = replace(VehicleParams.bmw_320i(), length=4.5, width=1.8)
@@ -43,7 +43,7 @@ def eebl(
     time_gap: float = 0.5,
     brakes_at: float = 2.0,
     reaction: float = 1.25,
-    channel: ChannelSettings = REALISTIC,
+    channel: ChannelSettings = LOSSY_CHANNEL,
     visibility: float = math.inf,
 ) -> Scenario:
     """Three cars on one lane; the first (red) brakes hard, the ego tailgates the second (yellow).
@@ -78,8 +78,8 @@ def eebl(
     """
     if case not in EEBL_CASES:
         raise InputError(f"case must be one of {', '.join(EEBL_CASES)}, was {case!r}")
-    v_x = check_real("v_x", v_x, above=5.0, most=36.0)
-    time_gap = check_real("time_gap", time_gap, above=0.0)
+    v_x = check_real("v_x", v_x, gt=5.0, le=36.0)
+    time_gap = check_real("time_gap", time_gap, gt=0.0)
     gap = time_gap * v_x
     yellow = _START + CAR.box_offset + gap + CAR.length
     red = yellow + CAR.length + _SECOND_GAP * v_x
@@ -87,24 +87,24 @@ def eebl(
     users = (
         RoadUser(
             id="yellow", s=yellow, d=0.0, v_x=v_x, jerk=JERK, connected=warned,
-            acts=(
-                Follows(
-                    leader="red", reaction=reaction, deceleration=5.5 if case == "C-gentle" else 7.0,
-                    warned_after=_ACTS_AFTER if warned else math.inf,
+            actions=(
+                ReactToLeadAction(
+                    lead_id="red", reaction_time=reaction, deceleration=5.5 if case == "C-gentle" else 7.0,
+                    warning_delay=_ACTS_AFTER if warned else math.inf,
                 ),
             ),
         ),
-        RoadUser(id="red", s=red, d=0.0, v_x=v_x, jerk=JERK, acts=(Brakes(t=brakes_at),)),
+        RoadUser(id="red", s=red, d=0.0, v_x=v_x, jerk=JERK, actions=(BrakeAction(t=brakes_at),)),
     )  # fmt: skip
     s = np.arange(0.0, red + v_x * (brakes_at + 12.0) + 300.0, 20.0)
     road = Road(interpolate_path(np.column_stack((s, np.zeros_like(s)))), [Lane(d=0.0)], speed_limit=36.0)
     least = min(_LEAST_GAP, 0.5 * gap)
     return Scenario(
-        name="eebl", case=case, road=road, vehicle=CAR, start=_START, v_x=v_x, cruise_speed=v_x, users=users,
+        name="eebl", case=case, road=road, vehicle=CAR, start=_START, v_x=v_x, cruise_speed=v_x, road_users=users,
         speed=SpeedSettings(
             b_max=_BRAKES.get(case, 7.0), standstill_gap=least, time_gap=(gap - least) / v_x,
         ),
-        duration=brakes_at + 12.0, ego=_EGO.get(case, "v2v"), reaction=reaction, channel=channel,
-        one_modem=True, visibility=visibility, figures=(5, 6, 7),
-        pinned=PinnedGap(leader="yellow", time_gap=time_gap),
+        duration=brakes_at + 12.0, ego_type=_EGO.get(case, "v2v"), reaction_time=reaction, channel=channel,
+        shared_modem=True, visibility=visibility, paper_figures=(5, 6, 7),
+        fixed_gap=FixedTimeGap(leader="yellow", time_gap=time_gap),
     )  # fmt: skip

@@ -9,7 +9,7 @@ from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings, squared_speed_limit
 from cca_core.path import Lane, Path, Road, interpolate_path
 from cca_core.sim.human_driver import CURVE_ACCELERATION
-from cca_core.sim.scenarios.eebl import CAR, JERK, REALISTIC
+from cca_core.sim.scenarios.eebl import CAR, JERK, LOSSY_CHANNEL
 from cca_core.sim.scenarios.road_user import RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.v2x import ChannelSettings
@@ -37,7 +37,7 @@ def ima(
     offset: float = 0.0,
     truck: tuple[float, float] = _TRUCK,
     reaction: float = 1.25,
-    channel: ChannelSettings = REALISTIC,
+    channel: ChannelSettings = LOSSY_CHANNEL,
     sensor_range: float = 100.0,
     visibility: float = math.inf,
 ) -> Scenario:
@@ -78,9 +78,9 @@ def ima(
     if case not in IMA_CASES:
         raise InputError(f"case must be one of {', '.join(IMA_CASES)}, was {case!r}")
     turns = case == "left-turn"
-    v_x = (20.0 if turns else 40.0) / 3.6 if v_x is None else check_real("v_x", v_x, above=0.0)
-    v_red = check_real("v_red", v_red, above=0.0)
-    offset = check_real("offset", offset, least=-5.0, most=5.0)
+    v_x = (20.0 if turns else 40.0) / 3.6 if v_x is None else check_real("v_x", v_x, gt=0.0)
+    v_red = check_real("v_red", v_red, gt=0.0)
+    offset = check_real("offset", offset, ge=-5.0, le=5.0)
     speed = SpeedSettings()
     before = _BEFORE if turns else 2.0 * _BEFORE
     path = _turn(before) if turns else _straight((-before, -0.5 * _LANE), (_AFTER, -0.5 * _LANE))
@@ -95,7 +95,7 @@ def ima(
     users = [
         RoadUser(
             id="red", s=float(way.project(meets)[0]) - v_red * (at + offset), d=0.0, v_x=v_red, route=way,
-            reaction=reaction, deceleration=7.0, jerk=JERK,
+            reaction_time=reaction, deceleration=7.0, jerk=JERK,
         )
     ]  # fmt: skip
     if turns:
@@ -112,11 +112,11 @@ def ima(
     across = _straight((0.5 * _LANE, -_FAR), (0.5 * _LANE, _FAR))
     return Scenario(
         name="ima", case=case, road=Road(path, speed_limit=v_x, stop_lines=(line,)),
-        vehicle=CAR, start=start, v_x=v_x, cruise_speed=v_x, users=tuple(users),
-        speed=speed, duration=float(math.ceil(at + 14.0)), ego=ego,
-        reaction=reaction, channel=channel, one_modem=True, sensor_range=sensor_range, visibility=visibility,
-        stop_line=line, occluders=() if turns else (_BUILDING,), figures=(8, 9),
-        scenery=(
+        vehicle=CAR, start=start, v_x=v_x, cruise_speed=v_x, road_users=tuple(users),
+        speed=speed, duration=float(math.ceil(at + 14.0)), ego_type=ego,
+        reaction_time=reaction, channel=channel, shared_modem=True, sensor_range=sensor_range, visibility=visibility,
+        stop_line=line, occluders=() if turns else (_BUILDING,), paper_figures=(8, 9),
+        other_roads=(
             Road(street, [Lane(d=0.0), *beside]), Road(across, [Lane(d=0.0), Lane(d=_LANE, direction=-1)]),
         ),
     )  # fmt: skip

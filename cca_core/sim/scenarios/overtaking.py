@@ -8,21 +8,21 @@ from cca_core.path import Lane, LocalFrame, Path, Road, fit_path
 from cca_core.planner.settings import EvasionSettings
 from cca_core.sim.scenarios.curbside import CURBSIDE_CASES, curbside
 from cca_core.sim.scenarios.demo_road import demo_route, longest_stretch
-from cca_core.sim.scenarios.eebl import CAR, REALISTIC, eebl
+from cca_core.sim.scenarios.eebl import CAR, LOSSY_CHANNEL, eebl
 from cca_core.sim.scenarios.ima import ima
 from cca_core.sim.scenarios.road_user import RoadUser
-from cca_core.sim.scenarios.scenario import EGOS, Scenario
+from cca_core.sim.scenarios.scenario import EGO_TYPES, Scenario
 
-__all__ = ["CASES", "maneuver", "paper_scenarios"]
+__all__ = ["OVERTAKING_CASES", "overtaking", "paper_scenarios"]
 
-CASES = ("1-fast", "1-smooth", "2", "3")
+OVERTAKING_CASES = ("1-fast", "1-smooth", "2", "3")
 """Cases of the maneuvering scenario; the two tunings of case 1 are those of Fig. 15."""
 
 _LANE = 3.5  # width [m]
 _FIGURES = {"1-fast": (13, 14, 15), "1-smooth": (13, 14, 15), "2": (16, 17), "3": (18, 19)}
 
 
-def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) -> Scenario:
+def overtaking(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) -> Scenario:
     """One case of the paper's fourth scenario (Figs 13-19).
 
     Parameters
@@ -48,8 +48,8 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
     InputError
         If the case is unknown or the road too short.
     """
-    if case not in CASES:
-        raise InputError(f"case must be one of {', '.join(CASES)}, was {case!r}")
+    if case not in OVERTAKING_CASES:
+        raise InputError(f"case must be one of {', '.join(OVERTAKING_CASES)}, was {case!r}")
     cruise, slow = (25.0, 17.0) if case == "2" else (20.0, 12.0)
     if case in ("1-fast", "1-smooth"):
         others = [
@@ -68,7 +68,7 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
     users = tuple(
         RoadUser(
             id=name, s=start + x, d=d, v_x=v, direction=direction,
-            reaction=1.15 if name == "A" else math.inf,
+            reaction_time=1.15 if name == "A" else math.inf,
         )
         for name, x, d, v, direction in others
     )  # fmt: skip
@@ -79,11 +79,11 @@ def maneuver(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) ->
     return Scenario(
         name="maneuver", case=case, road=Road(path, lanes, speed_limit=36.0),
         vehicle=CAR,
-        start=start, v_x=cruise, cruise_speed=cruise, users=users, duration=duration,
-        ego="v2v" if v2v else "sensor", figures=_FIGURES[case],
+        start=start, v_x=cruise, cruise_speed=cruise, road_users=users, duration=duration,
+        ego_type="v2v" if v2v else "sensor", paper_figures=_FIGURES[case],
         evasion=EvasionSettings(
-            lateral_acceleration={"1-fast": 3.5, "1-smooth": 1.6}.get(case, 2.0), known_range=math.inf,
-            braking=0.0, acceleration=0.0,  # the paper's others go on as they are
+            lateral_acceleration={"1-fast": 3.5, "1-smooth": 1.6}.get(case, 2.0), awareness_range=math.inf,
+            assumed_braking=0.0, assumed_acceleration=0.0,  # the paper's others go on as they are
         ),
     )  # fmt: skip
 
@@ -112,8 +112,11 @@ def paper_scenarios(path: Path | None = None, *, start: float | None = None) -> 
     begin = path.start + 220.0 if start is None else start
     return [
         *(eebl(case) for case in ("C", "A", "sensor")),
-        *(ima(ego=ego) for ego in EGOS),
-        *(curbside(case, ego=ego) for case in CURBSIDE_CASES for ego in EGOS),
-        *(replace(maneuver(case, path, start=begin), channel=REALISTIC, one_modem=True) for case in CASES),
-        *(maneuver(case, path, start=begin, v2v=False) for case in ("1-smooth", "2", "3")),
+        *(ima(ego=ego) for ego in EGO_TYPES),
+        *(curbside(case, ego=ego) for case in CURBSIDE_CASES for ego in EGO_TYPES),
+        *(
+            replace(overtaking(case, path, start=begin), channel=LOSSY_CHANNEL, shared_modem=True)
+            for case in OVERTAKING_CASES
+        ),
+        *(overtaking(case, path, start=begin, v2v=False) for case in ("1-smooth", "2", "3")),
     ]

@@ -8,11 +8,11 @@ from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.path import Path
 
-__all__ = ["Brakes", "Follows", "RoadUser", "Swerves"]
+__all__ = ["BrakeAction", "LateralShiftAction", "ReactToLeadAction", "RoadUser"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Brakes:
+class BrakeAction:
     """Brakes from some time on until it stands.
 
     Parameters
@@ -33,22 +33,22 @@ class Brakes:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            check_real(field.name, getattr(self, field.name), least=0.0)
+            check_real(field.name, getattr(self, field.name), ge=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Follows:
+class ReactToLeadAction:
     """Brakes when the vehicle in front does; harder than it means to if it would hit it otherwise.
 
     Parameters
     ----------
-    leader : str
+    lead_id : str
         Id of the vehicle in front.
-    reaction : float
+    reaction_time : float
         From its brake lights to the own brakes [s].
     deceleration : float
         How hard it means to brake [m/s^2], positive.
-    warned_after : float
+    warning_delay : float
         From the delivery of the leader's message of hard braking to the own brakes [s]; infinite: it does not
         receive messages.
 
@@ -67,25 +67,25 @@ class Follows:
        times*, Transportation Human Factors 2(3), 2000.
     """
 
-    leader: str
-    reaction: float = 1.25
+    lead_id: str
+    reaction_time: float = 1.25
     deceleration: float = 7.0
-    warned_after: float = math.inf
+    warning_delay: float = math.inf
 
     def __post_init__(self) -> None:
-        for name in ("reaction", "deceleration", "warned_after"):
-            check_real(name, getattr(self, name), least=0.0, infinite=True)
+        for name in ("reaction_time", "deceleration", "warning_delay"):
+            check_real(name, getattr(self, name), ge=0.0, allow_inf=True)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Swerves:
+class LateralShiftAction:
     """Moves sideways along a quintic in time.
 
     Parameters
     ----------
-    at : float
+    s_start : float
         Path coordinate at which its middle is when it begins [m].
-    width : float
+    offset : float
         How far [m], left positive.
     duration : float
         How long it takes [s].
@@ -96,14 +96,14 @@ class Swerves:
         If a value is not finite or the duration is not positive.
     """
 
-    at: float
-    width: float
+    s_start: float
+    offset: float
     duration: float = 2.0
 
     def __post_init__(self) -> None:
-        check_real("at", self.at)
-        check_real("width", self.width)
-        check_real("duration", self.duration, above=0.0)
+        check_real("s_start", self.s_start)
+        check_real("offset", self.offset)
+        check_real("duration", self.duration, gt=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -122,7 +122,7 @@ class RoadUser:
         1 along its way, -1 against it [-].
     length, width : float
         Body box [m].
-    reaction : float
+    reaction_time : float
         Reaction time of its driver to the ego in its way [s]; infinite: it drives on.
     deceleration : float
         How hard its driver brakes then [m/s^2], positive.
@@ -130,7 +130,7 @@ class RoadUser:
         How fast its braking builds up [m/s^3]; infinite: at once.
     route : Path, optional
         Its way, to which `s` and `d` refer; the default is the route of the ego.
-    acts : tuple of Brakes, Follows or Swerves
+    actions : tuple of Brakes, Follows or Swerves
         What it does.
     connected : bool
         Whether it sends messages.
@@ -151,26 +151,28 @@ class RoadUser:
     direction: int = 1
     length: float = 4.5
     width: float = 1.8
-    reaction: float = math.inf
+    reaction_time: float = math.inf
     deceleration: float = 7.0
     jerk: float = math.inf
     route: Path | None = None
-    acts: tuple[Brakes | Follows | Swerves, ...] = ()
+    actions: tuple[BrakeAction | ReactToLeadAction | LateralShiftAction, ...] = ()
     connected: bool = True
     events: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         check_real("s", self.s)
         check_real("d", self.d)
-        check_real("v_x", self.v_x, least=0.0)
-        check_real("length", self.length, above=0.0)
-        check_real("width", self.width, above=0.0)
-        check_real("reaction", self.reaction, least=0.0, infinite=True)
-        check_real("deceleration", self.deceleration, least=0.0)
-        check_real("jerk", self.jerk, above=0.0, infinite=True)
+        check_real("v_x", self.v_x, ge=0.0)
+        check_real("length", self.length, gt=0.0)
+        check_real("width", self.width, gt=0.0)
+        check_real("reaction_time", self.reaction_time, ge=0.0, allow_inf=True)
+        check_real("deceleration", self.deceleration, ge=0.0)
+        check_real("jerk", self.jerk, gt=0.0, allow_inf=True)
         if self.direction not in (1, -1):
             raise InputError(f"direction must be 1 or -1, was {self.direction!r}")
         if not isinstance(self.route, Path | NoneType):
             raise InputError(f"route must be a Path, was {type(self.route).__name__}")
-        if not all(isinstance(act, Brakes | Follows | Swerves) for act in self.acts):
-            raise InputError(f"acts must be Brakes, Follows or Swerves, were {self.acts!r}")
+        if not all(
+            isinstance(act, BrakeAction | ReactToLeadAction | LateralShiftAction) for act in self.actions
+        ):
+            raise InputError(f"acts must be Brakes, Follows or Swerves, were {self.actions!r}")

@@ -10,18 +10,18 @@ from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings
 from cca_core.path import Road
 from cca_core.planner.settings import EvasionSettings
-from cca_core.sim.scenarios.road_user import Follows, RoadUser
+from cca_core.sim.scenarios.road_user import ReactToLeadAction, RoadUser
 from cca_core.v2x import ChannelSettings, SenderSettings
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["EGOS", "PinnedGap", "RoadUser", "Scenario"]
+__all__ = ["EGO_TYPES", "FixedTimeGap", "RoadUser", "Scenario"]
 
-EGOS = ("v2v", "driver", "sensor")
+EGO_TYPES = ("v2v", "driver", "sensor")
 """Who drives: the planner with messages and a sensor, a driver by sight, the planner with a sensor alone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PinnedGap:
+class FixedTimeGap:
     """Tailgating: a gap that is held, whatever the planner wants, until the ego knows of a hazard.
 
     Parameters
@@ -41,7 +41,7 @@ class PinnedGap:
     time_gap: float
 
     def __post_init__(self) -> None:
-        check_real("time_gap", self.time_gap, above=0.0)
+        check_real("time_gap", self.time_gap, gt=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -64,7 +64,7 @@ class Scenario:
         Its speed at the start [m/s].
     cruise_speed : float
         Its wanted speed [m/s].
-    users : tuple of RoadUser
+    road_users : tuple of RoadUser
         The others.
     evasion : EvasionSettings
         How the ego passes.
@@ -72,11 +72,11 @@ class Scenario:
         How it follows and brakes; the driver brakes with its `b_max` and `jerk_emergency` too.
     duration : float
         Length of the run [s].
-    ego : {"v2v", "driver", "sensor"}
+    ego_type : {"v2v", "driver", "sensor"}
         Who drives it: the planner with messages, and a sensor for what they do not tell; a driver who sees,
         and brakes fully after his reaction; the planner with the sensor alone. Without messages no lane
         beside is known to be free.
-    reaction : float
+    reaction_time : float
         Reaction time of the driver [s].
     sensor_range : float
         Distance up to which sensor and driver see, from middle to middle of two bodies [m].
@@ -92,18 +92,18 @@ class Scenario:
         The radio channel; the default loses nothing and has that latency.
     sender : SenderSettings
         How often everybody sends, and how well he knows his place.
-    one_modem : bool
+    shared_modem : bool
         Whether one modem sends for all others, as in the paper's test rig: all their messages then take part
         in the same bursts of loss. Otherwise each has its own.
-    pinned : PinnedGap, optional
+    fixed_gap : FixedTimeGap, optional
         A gap that is held until the ego knows of a hazard.
     stop_line : float, optional
         Path coordinate at which a stop line is drawn [m]; the planner heeds those of `road`.
     occluders : tuple of tuple of float
         Things beside the road that hide others: x, y [m], psi [rad], length, width [m] of each.
-    scenery : tuple of Road
+    other_roads : tuple of Road
         Other roads, to be drawn.
-    figures : tuple of int
+    paper_figures : tuple of int
         Figures of the paper that show this.
     seed : int
         Seed of the senders' phases and of the channel.
@@ -123,12 +123,12 @@ class Scenario:
     start: float
     v_x: float
     cruise_speed: float
-    users: tuple[RoadUser, ...]
+    road_users: tuple[RoadUser, ...]
     evasion: EvasionSettings = field(default_factory=EvasionSettings)
     speed: SpeedSettings = field(default_factory=SpeedSettings)
     duration: float = 40.0
-    ego: str = "v2v"
-    reaction: float = 1.25
+    ego_type: str = "v2v"
+    reaction_time: float = 1.25
     sensor_range: float = 100.0
     field_of_view: float = math.radians(120.0)
     sensor_delay: float = 0.4
@@ -136,36 +136,41 @@ class Scenario:
     latency: float = 0.1
     channel: ChannelSettings | None = None
     sender: SenderSettings = field(default_factory=SenderSettings)
-    one_modem: bool = False
-    pinned: PinnedGap | None = None
+    shared_modem: bool = False
+    fixed_gap: FixedTimeGap | None = None
     stop_line: float | None = None
     occluders: tuple[tuple[float, float, float, float, float], ...] = ()
-    scenery: tuple[Road, ...] = ()
-    figures: tuple[int, ...] = ()
+    other_roads: tuple[Road, ...] = ()
+    paper_figures: tuple[int, ...] = ()
     seed: int = 1
     origin: tuple[float, float] = (41.3, -105.6)
 
     def __post_init__(self) -> None:
-        check_real("start", self.start, least=self.road.path.start, most=self.road.path.end)
-        check_real("v_x", self.v_x, least=0.0)
-        check_real("cruise_speed", self.cruise_speed, above=0.0)
-        check_real("duration", self.duration, above=0.0)
-        for name in ("reaction", "sensor_range", "sensor_delay", "latency"):
-            check_real(name, getattr(self, name), least=0.0)
-        check_real("field_of_view", self.field_of_view, least=0.0, most=math.tau)
-        check_real("visibility", self.visibility, least=0.0, infinite=True)
+        check_real("start", self.start, ge=self.road.path.start, le=self.road.path.end)
+        check_real("v_x", self.v_x, ge=0.0)
+        check_real("cruise_speed", self.cruise_speed, gt=0.0)
+        check_real("duration", self.duration, gt=0.0)
+        for name in ("reaction_time", "sensor_range", "sensor_delay", "latency"):
+            check_real(name, getattr(self, name), ge=0.0)
+        check_real("field_of_view", self.field_of_view, ge=0.0, le=math.tau)
+        check_real("visibility", self.visibility, ge=0.0, allow_inf=True)
         if self.stop_line is not None:
             check_real("stop_line", self.stop_line)
-        check_real("origin", self.origin[0], least=-89.0, most=89.0)
-        check_real("origin", self.origin[1], least=-180.0, most=180.0)
+        check_real("origin", self.origin[0], ge=-89.0, le=89.0)
+        check_real("origin", self.origin[1], ge=-180.0, le=180.0)
         check_array("occluders", self.occluders or np.empty((0, 5)), (None, 5))
-        if self.ego not in EGOS:
-            raise InputError(f"ego must be one of {', '.join(EGOS)}, was {self.ego!r}")
-        names = [user.id for user in self.users]
+        if self.ego_type not in EGO_TYPES:
+            raise InputError(f"ego must be one of {', '.join(EGO_TYPES)}, was {self.ego_type!r}")
+        names = [user.id for user in self.road_users]
         if len(set(names)) < len(names):
             raise InputError(f"users must have different ids, had {', '.join(names)}")
-        leaders = [act.leader for user in self.users for act in user.acts if isinstance(act, Follows)]
-        leaders += [] if self.pinned is None else [self.pinned.leader]
+        leaders = [
+            act.lead_id
+            for user in self.road_users
+            for act in user.actions
+            if isinstance(act, ReactToLeadAction)
+        ]
+        leaders += [] if self.fixed_gap is None else [self.fixed_gap.leader]
         for leader in leaders:
             if leader not in names:
                 raise InputError(f"leader must be the id of one of users, was {leader!r}")
@@ -173,4 +178,4 @@ class Scenario:
     @property
     def v2v(self) -> bool:
         """Whether messages are exchanged with the ego."""
-        return self.ego == "v2v"
+        return self.ego_type == "v2v"

@@ -15,11 +15,11 @@ from cca_core.sim.log import Log
 from cca_core.sim.loop import simulate
 from cca_core.sim.scenarios.eebl import JERK
 from cca_core.sim.world.radio import sender_id
-from cca_core.sim.world.traffic import CYCLE
+from cca_core.sim.world.traffic import CYCLE_TIME
 from cca_core.v2x import decode_bsm
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
-__all__ = ["avoided_by", "first_hazard"]
+__all__ = ["avoiding_action", "first_hazard_cycle"]
 
 _BRAKES = 7.0  # of everybody [m/s^2]
 _BESIDE = 0.2  # room that the swerve leaves [m]
@@ -28,7 +28,7 @@ _NODE = 2.0  # [m]
 _HAZARDS = {"ima": "red", "curbside": "red", "maneuver": "R1"}  # who is the danger; else who brakes hard
 
 
-def first_hazard(log: Log) -> int | None:
+def first_hazard_cycle(log: Log) -> int | None:
     """Find the cycle in which the ego was first told of the hazard.
 
     Parameters
@@ -43,7 +43,7 @@ def first_hazard(log: Log) -> int | None:
         is one that announces hard braking, of whomever; in ima and curbside any of the hidden car's, in
         maneuver any of the first slow car's.
     """
-    names = {sender_id(i): user.id for i, user in enumerate(log.scenario.users)}
+    names = {sender_id(i): user.id for i, user in enumerate(log.scenario.road_users)}
     danger = _HAZARDS.get(log.scenario.name)
     for cycle, data in log.received:
         message = decode_bsm(data)
@@ -52,7 +52,7 @@ def first_hazard(log: Log) -> int | None:
     return None
 
 
-def avoided_by(log: Log) -> str:
+def avoiding_action(log: Log) -> str:
     """Tell what would have kept the ego from any contact.
 
     Parameters
@@ -63,7 +63,7 @@ def avoided_by(log: Log) -> str:
     Returns
     -------
     means : {"brake", "swerve", ""}
-        The first that does: full braking from the cycle of `first_hazard` on, 7 m/s^2 or what the road gives,
+        The first that does: full braking from the cycle of `first_hazard_cycle` on, 7 m/s^2 or what the road gives,
         built up by 12.65 m/s^3 as everybody's brakes; or the least-curvature swerve from there on at constant
         speed to the lane beside. Empty if neither does, or if the ego was never told.
 
@@ -81,19 +81,19 @@ def avoided_by(log: Log) -> str:
     the road may not be left.
     """
     if not log.scenario.v2v:
-        raise InputError(f"log must be of a run with messages, was of ego {log.scenario.ego!r}")
-    cycle = first_hazard(log)
+        raise InputError(f"log must be of a run with messages, was of ego {log.scenario.ego_type!r}")
+    cycle = first_hazard_cycle(log)
     if cycle is None:
         return ""
-    if _avoids(log, _Repeats(log, cycle, log.scenario.road.path, braking=True)):
+    if _avoids(log, _ReplayThenAct(log, cycle, log.scenario.road.path, braking=True)):
         return "brake"
     for way in _swerves(log, cycle):
-        if _avoids(log, _Repeats(log, cycle, way, braking=False)):
+        if _avoids(log, _ReplayThenAct(log, cycle, way, braking=False)):
             return "swerve"
     return ""
 
 
-class _Repeats:
+class _ReplayThenAct:
     """Repeats the commands of a run, then brakes fully along the route or drives a way at constant speed."""
 
     def __init__(self, log: Log, cycle: int, way: Path, *, braking: bool) -> None:
@@ -110,13 +110,13 @@ class _Repeats:
         state: VehicleState,
         remotes: Iterable[RemoteVehicle],
         *,
-        known_range: float = math.inf,
+        awareness_range: float = math.inf,
     ) -> Command:
         delta = self._steering.steer(state, self._way)
         if self._cycle < len(self._commands):
             delta, self._a_x = self._commands[self._cycle]
         else:
-            change = JERK * CYCLE
+            change = JERK * CYCLE_TIME
             self._a_x = min(max(self._wanted, self._a_x - change), self._a_x + change)
         self._cycle += 1
         return Command(
@@ -125,11 +125,11 @@ class _Repeats:
         )  # fmt: skip
 
 
-def _avoids(log: Log, pilot: _Repeats) -> bool:
+def _avoids(log: Log, pilot: _ReplayThenAct) -> bool:
     """Whether nobody is touched, and the road not left."""
     again = simulate(log.scenario, plant=log.plant, seed=log.seed, planner=pilot)
     road, half = log.scenario.road, 0.5 * log.scenario.vehicle.width
-    d = again.place[:, 1]
+    d = again.ego_frenet[:, 1]
     stays = bool((d >= road.right_edge + half).all() and (d <= road.left_edge - half).all())
     return stays and not any(what == "contact" for _, what, _ in again.events)
 
@@ -137,10 +137,10 @@ def _avoids(log: Log, pilot: _Repeats) -> bool:
 def _swerves(log: Log, cycle: int) -> Iterator[Path]:
     """Ways to the left and to the right of the nearest body in front that is in the ego's way."""
     road, car = log.scenario.road, log.scenario.vehicle
-    s, v = float(log.place[cycle, 0]), float(log.ego[cycle, 3])
+    s, v = float(log.ego_frenet[cycle, 0]), float(log.ego[cycle, 3])
     front, half = s + car.box_offset + 0.5 * car.length, 0.5 * car.width
     for user, (at, d), (*_, v_user) in zip(
-        log.scenario.users, log.user_places[cycle].tolist(), log.users[cycle].tolist(), strict=True
+        log.scenario.road_users, log.user_frenet[cycle].tolist(), log.road_users[cycle].tolist(), strict=True
     ):
         gap, apart = at - 0.5 * user.length - front, half + 0.5 * user.width
         if user.route is not None or gap <= 0.0 or v_user >= v or abs(d) >= apart:

@@ -7,13 +7,13 @@ import numpy as np
 
 from cca_core._checks import check_array
 from cca_core.errors import InputError
-from cca_core.sim.scenarios.road_user import Brakes, Follows, RoadUser
+from cca_core.sim.scenarios.road_user import BrakeAction, ReactToLeadAction, RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
-from cca_core.sim.study.sampling import DRAWS, STUDIED
+from cca_core.sim.study.sampling import SAMPLERS, STUDY_SCENARIOS
 from cca_core.v2x import ChannelSettings, SenderSettings
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["Variation", "draw_scenario", "nominal", "without_messages"]
+__all__ = ["ParameterRanges", "nominal_scenario", "sample_scenario", "without_v2v"]
 
 _G = 9.81
 _MESSAGES = 10.0  # longest mean burst of loss [-]
@@ -22,13 +22,13 @@ _REACH, _FAR_REACH = (50.0, 400.0), (300.0, 1000.0)  # among houses and cars; on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Variation:
+class ParameterRanges:
     """What is drawn, each evenly between two bounds; equal bounds hold a value.
 
     Parameters
     ----------
     scenario : {"eebl", "ima", "curbside", "maneuver"}
-        Which one; `draw_scenario` tells what else of it is drawn.
+        Which one; `sample_scenario` tells what else of it is drawn.
     friction : tuple of float
         Friction of the road under everybody [-]. The planner knows it.
     mass : tuple of float
@@ -39,11 +39,11 @@ class Variation:
         Mean of what is added to that [s], exponentially distributed.
     loss : tuple of float
         Share of messages lost [-], in bursts of 1 / (1 - loss) to 10 messages in the mean.
-    reach : tuple of float, optional
+    radio_range : tuple of float, optional
         Distance beyond which nobody is heard [m]; the default is 50 to 400 m, in maneuver 300 to 1000 m.
-    noise : tuple of float
+    position_noise : tuple of float
         Standard deviation of each sender's position in x and y [m], which forgets itself in 30 s.
-    reaction : tuple of float
+    reaction_time : tuple of float
         Reaction time of each driver [s].
 
     Raises
@@ -58,16 +58,16 @@ class Variation:
     latency: tuple[float, float] = (0.0, 0.5)
     jitter: tuple[float, float] = (0.0, 0.03)
     loss: tuple[float, float] = (0.0, 0.8)
-    reach: tuple[float, float] | None = None
-    noise: tuple[float, float] = (0.0, 0.5)
-    reaction: tuple[float, float] = (0.7, 1.5)
+    radio_range: tuple[float, float] | None = None
+    position_noise: tuple[float, float] = (0.0, 0.5)
+    reaction_time: tuple[float, float] = (0.7, 1.5)
 
     def __post_init__(self) -> None:
-        if self.scenario not in STUDIED:
-            raise InputError(f"scenario must be one of {', '.join(STUDIED)}, was {self.scenario!r}")
+        if self.scenario not in STUDY_SCENARIOS:
+            raise InputError(f"scenario must be one of {', '.join(STUDY_SCENARIOS)}, was {self.scenario!r}")
         for field in fields(self)[1:]:
             least, most = _RANGES[field.name]
-            bounds = self.within if field.name == "reach" else getattr(self, field.name)
+            bounds = self.radio_range_bounds if field.name == "radio_range" else getattr(self, field.name)
             low, high = check_array(field.name, bounds, (2,)).tolist()
             if not least <= low <= high <= most:
                 raise InputError(
@@ -76,19 +76,19 @@ class Variation:
                 )
 
     @property
-    def within(self) -> tuple[float, float]:
+    def radio_range_bounds(self) -> tuple[float, float]:
         """Bounds of the reach [m], the given or the default ones."""
-        return self.reach or (_FAR_REACH if self.scenario == "maneuver" else _REACH)
+        return self.radio_range or (_FAR_REACH if self.scenario == "maneuver" else _REACH)
 
 
 _RANGES = {
     "friction": (0.3, 1.2), "mass": (0.5, 2.0), "latency": (0.0, 5.0), "jitter": (0.0, 1.0),
-    "loss": (0.0, 0.9), "reach": (1.0, 1e4), "reaction": (0.0, 1.6), "noise": (0.0, 10.0),
+    "loss": (0.0, 0.9), "radio_range": (1.0, 1e4), "reaction_time": (0.0, 1.6), "position_noise": (0.0, 10.0),
 }  # fmt: skip
 
 
-def draw_scenario(
-    variation: Variation, seed: int, index: int
+def sample_scenario(
+    variation: ParameterRanges, seed: int, index: int
 ) -> tuple[Scenario, dict[str, float | int | str]]:
     """Draw one scenario, with messages.
 
@@ -137,23 +137,32 @@ def draw_scenario(
     loss = number("loss", *variation.loss)
     burst = number("burst", 1.0 / (1.0 - loss), _MESSAGES)
     channel = ChannelSettings(
-        latency=latency, jitter=jitter, loss=loss, burst=burst, range=number("reach", *variation.within)
+        latency=latency,
+        jitter=jitter,
+        loss_probability=loss,
+        mean_burst_length=burst,
+        range=number("radio_range", *variation.radio_range_bounds),
     )
-    others, own = number("reaction", *variation.reaction), number("own_reaction", *variation.reaction)
-    sender = SenderSettings(position_noise=number("noise", *variation.noise), noise_time=_NOISE_TIME)
+    others, own = (
+        number("reaction_time", *variation.reaction_time),
+        number("own_reaction_time", *variation.reaction_time),
+    )
+    sender = SenderSettings(
+        position_noise=number("position_noise", *variation.position_noise), noise_time_constant=_NOISE_TIME
+    )
     case = int(rng.integers(4))
-    scenario = DRAWS[variation.scenario](case, number, channel, others)
+    scenario = SAMPLERS[variation.scenario](case, number, channel, others)
     drawn["case"] = str(scenario.case)
     car = scenario.vehicle
     car = replace(car, m=mass * car.m, I_z=mass * car.I_z, mu=friction)
     scenario = replace(
-        scenario, vehicle=car, reaction=own, seed=int(drawn["seed"]), channel=channel, sender=sender,
-        users=tuple(_grounded(user, friction) for user in scenario.users),
+        scenario, vehicle=car, reaction_time=own, seed=int(drawn["seed"]), channel=channel, sender=sender,
+        road_users=tuple(_limit_to_friction(user, friction) for user in scenario.road_users),
     )  # fmt: skip
     return scenario, drawn
 
 
-def nominal(scenario: Scenario) -> Scenario:
+def nominal_scenario(scenario: Scenario) -> Scenario:
     """Scenario as the planner takes it to be: the car weighs what is written, the friction is known.
 
     Parameters
@@ -170,7 +179,7 @@ def nominal(scenario: Scenario) -> Scenario:
     return replace(scenario, vehicle=replace(scenario.vehicle, m=car.m, I_z=car.I_z))
 
 
-def without_messages(scenario: Scenario, ego: str) -> Scenario:
+def without_v2v(scenario: Scenario, ego: str) -> Scenario:
     """Let nobody send.
 
     Parameters
@@ -188,20 +197,23 @@ def without_messages(scenario: Scenario, ego: str) -> Scenario:
     users = tuple(
         replace(
             user,
-            acts=tuple(
-                replace(act, warned_after=math.inf) if isinstance(act, Follows) else act for act in user.acts
+            actions=tuple(
+                replace(act, warning_delay=math.inf) if isinstance(act, ReactToLeadAction) else act
+                for act in user.actions
             ),
         )
-        for user in scenario.users
+        for user in scenario.road_users
     )
-    return replace(scenario, ego=ego, users=users)
+    return replace(scenario, ego_type=ego, road_users=users)
 
 
-def _grounded(user: RoadUser, friction: float) -> RoadUser:
+def _limit_to_friction(user: RoadUser, friction: float) -> RoadUser:
     """Let nobody mean to brake harder than the road gives."""
     most = friction * _G
     acts = tuple(
-        replace(act, deceleration=min(act.deceleration, most)) if isinstance(act, Brakes | Follows) else act
-        for act in user.acts
+        replace(act, deceleration=min(act.deceleration, most))
+        if isinstance(act, BrakeAction | ReactToLeadAction)
+        else act
+        for act in user.actions
     )
-    return replace(user, acts=acts, deceleration=min(user.deceleration, most))
+    return replace(user, actions=acts, deceleration=min(user.deceleration, most))

@@ -4,14 +4,16 @@ from typing import Any
 
 from cca_core.sim.log import Log
 from cca_core.sim.loop import make_driver, make_planner, simulate
-from cca_core.sim.scenarios.scenario import EGOS, Scenario
-from cca_core.sim.study.counterfactual import avoided_by, first_hazard
-from cca_core.sim.study.parameters import Variation, draw_scenario, nominal, without_messages
+from cca_core.sim.scenarios.scenario import EGO_TYPES, Scenario
+from cca_core.sim.study.counterfactual import avoiding_action, first_hazard_cycle
+from cca_core.sim.study.parameters import ParameterRanges, nominal_scenario, sample_scenario, without_v2v
 
-__all__ = ["drive_run"]
+__all__ = ["simulate_run"]
 
 
-def drive_run(variation: Variation, seed: int, index: int, plant: str = "single_track") -> dict[str, Any]:
+def simulate_run(
+    variation: ParameterRanges, seed: int, index: int, plant: str = "single_track"
+) -> dict[str, Any]:
     """Drive one run with each of the three egos.
 
     Parameters
@@ -27,18 +29,18 @@ def drive_run(variation: Variation, seed: int, index: int, plant: str = "single_
     -------
     row : dict
         What was drawn; ``"t_hazard"`` [s], when the ego was first told of the hazard (None: never);
-        ``"avoided_by"``; and for each ego whom it ``hit`` (empty: nobody), at which closing ``speed`` [m/s],
+        ``"avoiding_action"``; and for each ego whom it ``hit`` (empty: nobody), at which closing ``speed`` [m/s],
         the least ``gap`` [m], the highest ``deceleration`` [m/s^2], and the last action with its reason.
     """
-    scenario, drawn = draw_scenario(variation, seed, index)
+    scenario, drawn = sample_scenario(variation, seed, index)
     row: dict[str, Any] = {**drawn}
     log = _drive(scenario, plant)
-    hazard = first_hazard(log)
+    hazard = first_hazard_cycle(log)
     row["t_hazard"] = None if hazard is None else float(log.t[hazard])
-    row["avoided_by"] = avoided_by(log)
-    for ego in EGOS:
+    row["avoiding_action"] = avoiding_action(log)
+    for ego in EGO_TYPES:
         if ego != "v2v":
-            log = _drive(without_messages(scenario, ego), plant)
+            log = _drive(without_v2v(scenario, ego), plant)
         hit = next((who for _, what, who in log.events if what == "contact"), "")
         row[f"{ego}_hit"] = hit
         row[f"{ego}_speed"] = log.closing_speed() if hit else 0.0
@@ -49,6 +51,6 @@ def drive_run(variation: Variation, seed: int, index: int, plant: str = "single_
 
 
 def _drive(scenario: Scenario, plant: str) -> Log:
-    believed = nominal(scenario)
-    pilot = make_driver(believed) if scenario.ego == "driver" else make_planner(believed)
+    believed = nominal_scenario(scenario)
+    pilot = make_driver(believed) if scenario.ego_type == "driver" else make_planner(believed)
     return simulate(scenario, plant=plant, planner=pilot)

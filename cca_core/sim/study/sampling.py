@@ -11,12 +11,12 @@ from cca_core.path import Path, interpolate_path
 from cca_core.sim.scenarios.curbside import curbside
 from cca_core.sim.scenarios.eebl import eebl
 from cca_core.sim.scenarios.ima import IMA_CASES, ima
-from cca_core.sim.scenarios.overtaking import CASES, maneuver
-from cca_core.sim.scenarios.road_user import Brakes, RoadUser
+from cca_core.sim.scenarios.overtaking import OVERTAKING_CASES, overtaking
+from cca_core.sim.scenarios.road_user import BrakeAction, RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.v2x import ChannelSettings
 
-__all__ = ["DRAWS", "STUDIED"]
+__all__ = ["SAMPLERS", "STUDY_SCENARIOS"]
 
 Number = Callable[[str, float, float], float]
 """Draws a number by its name, evenly between two bounds."""
@@ -27,10 +27,10 @@ _START = 20.0  # of the ego in the fourth scenario [m]
 def _eebl(case: int, number: Number, channel: ChannelSettings, reaction: float) -> Scenario:
     v_x, gap, second = number("v_x", 15.0, 33.0), number("gap", 0.4, 1.2), number("second_gap", 1.7, 2.5)
     made = eebl("BC"[case % 2], v_x=v_x, time_gap=gap, reaction=reaction, channel=channel)
-    yellow, red = made.users
-    brakes = Brakes(t=2.0, deceleration=number("braking", 4.0, 7.0))
-    red = replace(red, s=red.s + (second - 1.8) * v_x, acts=(brakes,))
-    return replace(made, users=(yellow, red), speed=replace(made.speed, b_max=7.0))
+    yellow, red = made.road_users
+    brakes = BrakeAction(t=2.0, deceleration=number("braking", 4.0, 7.0))
+    red = replace(red, s=red.s + (second - 1.8) * v_x, actions=(brakes,))
+    return replace(made, road_users=(yellow, red), speed=replace(made.speed, b_max=7.0))
 
 
 def _ima(case: int, number: Number, channel: ChannelSettings, reaction: float) -> Scenario:
@@ -44,25 +44,25 @@ def _ima(case: int, number: Number, channel: ChannelSettings, reaction: float) -
 
 def _curbside(case: int, number: Number, channel: ChannelSettings, reaction: float) -> Scenario:
     return curbside(
-        v_x=number("v_x", 10.0, 34.0), intrudes=number("intrudes", 1.2, 2.2), channel=channel,
+        v_x=number("v_x", 10.0, 34.0), lane_intrusion=number("intrudes", 1.2, 2.2), channel=channel,
         radius=number("radius", 1000.0, 5000.0), reaction=reaction,
     )  # fmt: skip
 
 
 def _maneuver(case: int, number: Number, channel: ChannelSettings, reaction: float) -> Scenario:
-    name = CASES[case]
+    name = OVERTAKING_CASES[case]
     v_x, bend = number("v_x", 18.0, 26.0), number("bend", -1e-3, 1e-3)
     slow = v_x * number("slow", 0.5, 0.75)
-    made = maneuver(name, _bend(bend, 40.0 * max(v_x, 25.0) + 200.0), start=_START)
+    made = overtaking(name, _bend(bend, 40.0 * max(v_x, 25.0) + 200.0), start=_START)
     users: list[RoadUser] = []
-    for i, user in enumerate(made.users, 1):
+    for i, user in enumerate(made.road_users, 1):
         is_other = user.id == "A"
         moved = replace(user, s=user.s + number(f"shift_{i}", -10.0, 60.0 if is_other else 10.0), v_x=slow)
         if is_other:
-            moved = replace(moved, v_x=user.v_x * v_x / made.v_x, reaction=reaction)
+            moved = replace(moved, v_x=user.v_x * v_x / made.v_x, reaction_time=reaction)
         users.append(moved)
-    evasion = replace(made.evasion, known_range=channel.range)
-    return replace(made, v_x=v_x, cruise_speed=v_x, users=tuple(users), evasion=evasion)
+    evasion = replace(made.evasion, awareness_range=channel.range)
+    return replace(made, v_x=v_x, cruise_speed=v_x, road_users=tuple(users), evasion=evasion)
 
 
 def _bend(curvature: float, length: float) -> Path:
@@ -72,11 +72,11 @@ def _bend(curvature: float, length: float) -> Path:
     return interpolate_path(np.column_stack((z.real, z.imag)), start_tangent=(1.0, 0.0))
 
 
-DRAWS: dict[str, Callable[[int, Number, ChannelSettings, float], Scenario]] = {
+SAMPLERS: dict[str, Callable[[int, Number, ChannelSettings, float], Scenario]] = {
     "eebl": _eebl, "ima": _ima, "curbside": _curbside, "maneuver": _maneuver,
 }  # fmt: skip
 """By scenario: from a number of 0 to 3 that chooses the case, a source of numbers, the radio channel and the
 others' reaction time [s] to a scenario."""
 
-STUDIED = tuple(DRAWS)
+STUDY_SCENARIOS = tuple(SAMPLERS)
 """Scenarios that a study can vary."""

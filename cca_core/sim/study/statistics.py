@@ -10,9 +10,9 @@ from scipy.special import betaincinv
 
 from cca_core._checks import Mask, check_real
 from cca_core.errors import InputError
-from cca_core.sim.scenarios.scenario import EGOS
+from cca_core.sim.scenarios.scenario import EGO_TYPES
 
-__all__ = ["Rate", "StudyTable", "rate_of"]
+__all__ = ["Rate", "StudyTable", "estimate_rate"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,30 +21,30 @@ class Rate:
 
     Parameters
     ----------
-    hits, n : int
+    n_events, n : int
         In how many of how many runs.
-    low, high : float
+    ci_low, ci_high : float
         Two-sided interval (Clopper, Pearson) of the probability [-].
-    bound : float
+    upper_bound : float
         One-sided upper bound of it at the same confidence [-].
     confidence : float
         Probability with which the interval holds [-], at least.
     """
 
-    hits: int
+    n_events: int
     n: int
-    low: float
-    high: float
-    bound: float
+    ci_low: float
+    ci_high: float
+    upper_bound: float
     confidence: float
 
     @property
     def value(self) -> float:
         """The share itself [-]; 0 if there were no runs."""
-        return self.hits / self.n if self.n else 0.0
+        return self.n_events / self.n if self.n else 0.0
 
 
-def rate_of(hits: int, n: int, *, confidence: float = 0.95) -> Rate:
+def estimate_rate(hits: int, n: int, *, confidence: float = 0.95) -> Rate:
     """Give a share its exact interval.
 
     Parameters
@@ -66,19 +66,26 @@ def rate_of(hits: int, n: int, *, confidence: float = 0.95) -> Rate:
 
     Examples
     --------
-    >>> round(rate_of(0, 2000).bound, 5)
+    >>> round(estimate_rate(0, 2000).bound, 5)
     0.0015
     """
     if not 0 <= hits <= n:
         raise InputError(f"hits must be from 0 to n, were {hits} of {n}")
-    confidence = check_real("confidence", confidence, above=0.0, most=1.0 - 1e-12)
+    confidence = check_real("confidence", confidence, gt=0.0, le=1.0 - 1e-12)
     rest = 1.0 - confidence
 
     def upper(tail: float) -> float:
         return float(betaincinv(hits + 1, n - hits, 1.0 - tail)) if hits < n else 1.0
 
     low = float(betaincinv(hits, n - hits + 1, 0.5 * rest)) if hits else 0.0
-    return Rate(hits=hits, n=n, low=low, high=upper(0.5 * rest), bound=upper(rest), confidence=confidence)
+    return Rate(
+        n_events=hits,
+        n=n,
+        ci_low=low,
+        ci_high=upper(0.5 * rest),
+        upper_bound=upper(rest),
+        confidence=confidence,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -131,9 +138,9 @@ class StudyTable:
     @property
     def avoidable(self) -> Mask:
         """Whether braking or swerving from the first hazard message on avoids any contact, by run."""
-        return np.array([row["avoided_by"] != "" for row in self.rows], dtype=bool)
+        return np.array([row["avoiding_action"] != "" for row in self.rows], dtype=bool)
 
-    def hit(self, ego: str) -> Mask:
+    def collided(self, ego: str) -> Mask:
         """Tell which runs ended in a contact.
 
         Parameters
@@ -151,8 +158,8 @@ class StudyTable:
         InputError
             If nobody of that name drove.
         """
-        if ego not in EGOS:
-            raise InputError(f"ego must be one of {', '.join(EGOS)}, was {ego!r}")
+        if ego not in EGO_TYPES:
+            raise InputError(f"ego must be one of {', '.join(EGO_TYPES)}, was {ego!r}")
         return np.array([row[f"{ego}_hit"] != "" for row in self.rows], dtype=bool)
 
     def rate(self, ego: str, among: Mask | None = None, *, confidence: float = 0.95) -> Rate:
@@ -178,7 +185,9 @@ class StudyTable:
             If nobody of that name drove.
         """
         counted = self.avoidable if among is None else among
-        return rate_of(int(np.sum(self.hit(ego) & counted)), int(np.sum(counted)), confidence=confidence)
+        return estimate_rate(
+            int(np.sum(self.collided(ego) & counted)), int(np.sum(counted)), confidence=confidence
+        )
 
     def write_csv(self, path: str | FilePath) -> None:
         """Write all columns; numbers are written so that they read back exactly.

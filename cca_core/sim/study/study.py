@@ -12,9 +12,9 @@ from typing import Any
 
 from cca_core.errors import InputError
 from cca_core.sim.plants.build import PLANTS
-from cca_core.sim.study.parameters import Variation
+from cca_core.sim.study.parameters import ParameterRanges
 from cca_core.sim.study.pool import local_processes
-from cca_core.sim.study.run import drive_run
+from cca_core.sim.study.run import simulate_run
 from cca_core.sim.study.statistics import StudyTable
 from cca_core.sim.study.store import StudyFile
 
@@ -46,7 +46,7 @@ class Study:
         If a value is out of range, or not just one of `runs` and `avoidable` is given.
     """
 
-    variation: Variation
+    variation: ParameterRanges
     seed: int = 1
     runs: int | None = None
     avoidable: int | None = None
@@ -55,15 +55,15 @@ class Study:
     def __post_init__(self) -> None:
         if (self.runs is None) == (self.avoidable is None):
             raise InputError("one of runs and avoidable must be given")
-        if self.wanted < 1:
-            raise InputError(f"runs or avoidable must be at least 1, was {self.wanted}")
+        if self.target_runs < 1:
+            raise InputError(f"runs or avoidable must be at least 1, was {self.target_runs}")
         if self.seed < 0:
             raise InputError(f"seed must be at least 0, was {self.seed}")
         if self.plant not in PLANTS:
             raise InputError(f"plant must be one of {', '.join(PLANTS)}, was {self.plant!r}")
 
     @property
-    def wanted(self) -> int:
+    def target_runs(self) -> int:
         """How many runs, or avoidable runs, make it complete."""
         return self.runs or self.avoidable or 0
 
@@ -90,10 +90,10 @@ class Study:
             The rows in order, those beyond the last wanted one left out; None until they are complete.
         """
         done, i = 0, 0
-        while done < self.wanted and i in rows:
-            done += self.avoidable is None or rows[i]["avoided_by"] != ""
+        while done < self.target_runs and i in rows:
+            done += self.avoidable is None or rows[i]["avoiding_action"] != ""
             i += 1
-        if done < self.wanted:
+        if done < self.target_runs:
             return done, None
         return done, StudyTable(scenario=self.variation.scenario, rows=tuple(rows[k] for k in range(i)))
 
@@ -141,7 +141,7 @@ def run_study(
     if most < 1:
         raise InputError(f"in_flight must be at least 1, was {most}")
     with StudyFile(path, study.fingerprint) as file:
-        table = _told(study, file, progress)
+        table = _report_progress(study, file, progress)
         if table is not None:
             return table
         if executor is not None:
@@ -163,13 +163,13 @@ def _finish(
     try:
         while True:
             flying |= {
-                executor.submit(drive_run, study.variation, study.seed, i, study.plant)
+                executor.submit(simulate_run, study.variation, study.seed, i, study.plant)
                 for i in islice(missing, most - len(flying))
             }
             ended, flying = wait(flying, return_when=FIRST_COMPLETED)
             for future in ended:
                 file.add(future.result())
-            table = _told(study, file, progress)
+            table = _report_progress(study, file, progress)
             if table is not None:
                 return table
     finally:
@@ -177,10 +177,12 @@ def _finish(
             future.cancel()
 
 
-def _told(study: Study, file: StudyFile, progress: Callable[[int, int], None] | None) -> StudyTable | None:
+def _report_progress(
+    study: Study, file: StudyFile, progress: Callable[[int, int], None] | None
+) -> StudyTable | None:
     done, table = study.table(file.rows)
     if progress is not None:
-        progress(done, study.wanted)
+        progress(done, study.target_runs)
     return table
 
 

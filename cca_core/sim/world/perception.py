@@ -17,7 +17,7 @@ _LASTING = 30.0  # time in which the error of a receiver's position forgets itse
 
 
 @dataclass(frozen=True, slots=True)
-class _Error:
+class _SenderBias:
     """What a sender was wrong by when it was last in sight.
 
     Parameters
@@ -36,13 +36,13 @@ class _Error:
     along: float
     across: float
 
-    def taken_from(self, heard: RemoteVehicle, t: float) -> RemoteVehicle:
+    def correct(self, heard: RemoteVehicle, t: float) -> RemoteVehicle:
         """Correct what the sender says now by what is left of the error, and grow what is not known."""
         left = math.exp((self.t - t) / _LASTING)
         return replace(
             heard, x=heard.x + left * self.x, y=heard.y + left * self.y,
-            sigma_along=_rest(heard.sigma_along, left * self.along),
-            sigma_across=_rest(heard.sigma_across, left * self.across),
+            sigma_along=_remaining_sigma(heard.sigma_along, left * self.along),
+            sigma_across=_remaining_sigma(heard.sigma_across, left * self.across),
         )  # fmt: skip
 
 
@@ -62,16 +62,16 @@ class Perception:
 
     def __init__(self, scenario: Scenario) -> None:
         self._hears = scenario.v2v
-        self._sight_alone = not all(user.connected and self._hears for user in scenario.users)
+        self._sight_alone = not all(user.connected and self._hears for user in scenario.road_users)
         self._receiver, self._sensor = Receiver(scenario), Sensor(scenario)
-        self._errors: dict[str, _Error] = {}
+        self._errors: dict[str, _SenderBias] = {}
 
     @property
-    def looks(self) -> bool:
+    def needs_every_cycle(self) -> bool:
         """Whether somebody is known by sight alone, so that every cycle counts."""
         return self._sight_alone
 
-    def known_range(self, t: float) -> float:
+    def awareness_range(self, t: float) -> float:
         """Tell up to which distance silence means that nobody is there.
 
         Parameters
@@ -81,12 +81,12 @@ class Perception:
 
         Returns
         -------
-        known_range : float
+        awareness_range : float
             0 while there are too many senders, else infinity: then the planner's own settings count [m].
         """
         return 0.0 if self._hears and self._receiver.tracker.is_saturated(t) else math.inf
 
-    def look(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
+    def visible(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
         """Tell who is in sight.
 
         Parameters
@@ -101,7 +101,7 @@ class Perception:
         seen : list of bool
             One for each road user.
         """
-        return self._sensor.look(rows, ego)
+        return self._sensor.visible(rows, ego)
 
     def remotes(
         self,
@@ -132,7 +132,7 @@ class Perception:
             For the planner; the source is ``"sensor"`` where nothing has been heard.
         """
         heard = {v.id: v for v in self._receiver.take(t, messages, ego)} if self._hears else {}
-        in_sight = {v.id: v for v in self._sensor.report(t, rows, seen)}
+        in_sight = {v.id: v for v in self._sensor.detections(t, rows, seen)}
         self._errors = {name: error for name, error in self._errors.items() if name in heard}
         for name, told in heard.items():
             v = in_sight.pop(name, None)
@@ -142,15 +142,15 @@ class Perception:
             elif v is not None and not precise:
                 off = v.x - told.x, v.y - told.y
                 if math.hypot(*off) <= _CREDIBLE * math.hypot(told.sigma_along, told.sigma_across):
-                    self._errors[name] = _Error(t, *off, told.sigma_along, told.sigma_across)
+                    self._errors[name] = _SenderBias(t, *off, told.sigma_along, told.sigma_across)
                 else:
                     self._errors.pop(name, None)
                 heard[name] = replace(told, x=v.x, y=v.y, sigma_along=0.0, sigma_across=0.0)
             elif not precise and name in self._errors:
-                heard[name] = self._errors[name].taken_from(told, t)
+                heard[name] = self._errors[name].correct(told, t)
         return [*heard.values(), *in_sight.values()]
 
 
-def _rest(sigma: float, known: float) -> float:
+def _remaining_sigma(sigma: float, known: float) -> float:
     """Deviation that is left of one [m] when a part of it is known."""
     return math.sqrt(max(sigma * sigma - known * known, 0.0))

@@ -8,7 +8,7 @@ import numpy as np
 
 from cca_core.errors import InputError
 from cca_core.path import LocalFrame
-from cca_core.sim.scenarios.road_user import Follows, RoadUser
+from cca_core.sim.scenarios.road_user import ReactToLeadAction, RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.traffic import Traffic
 from cca_core.v2x import Channel, ChannelSettings, Sender, Tracker, TrackerSettings, decode_bsm
@@ -33,8 +33,8 @@ class Receiver:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self._names = {sender_id(i): user.id for i, user in enumerate(scenario.users)}
-        self.tracker = Tracker(LocalFrame(*scenario.origin), TrackerSettings(most_accuracy=_ACCURACY))
+        self._names = {sender_id(i): user.id for i, user in enumerate(scenario.road_users)}
+        self.tracker = Tracker(LocalFrame(*scenario.origin), TrackerSettings(max_reported_accuracy=_ACCURACY))
 
     def take(self, t: float, messages: Iterable[bytes], ego: VehicleState) -> list[RemoteVehicle]:
         """Take messages in and tell where all senders are.
@@ -81,25 +81,27 @@ class Radio:
     def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
         frame, settings = LocalFrame(*scenario.origin), scenario.sender
         channel = scenario.channel or ChannelSettings(latency=scenario.latency)
-        self._vehicle, self._one_modem = scenario.vehicle, scenario.one_modem
+        self._vehicle, self._one_modem = scenario.vehicle, scenario.shared_modem
         self._senders = [
             Sender(sender_id(i), frame, settings, rng) if user.connected else None
-            for i, user in enumerate(scenario.users)
+            for i, user in enumerate(scenario.road_users)
         ]
         self._channel = Channel(channel, rng)
-        back, *others = rng.spawn(1 + len(scenario.users))
+        back, *others = rng.spawn(1 + len(scenario.road_users))
         self._own, self._back = Sender(_EGO, frame, settings, back), Channel(channel, back)
         self._ears = [
-            (user.id, act.leader, Channel(channel, own))
-            for user, own in zip(scenario.users, others, strict=True)
-            for act in user.acts
-            if isinstance(act, Follows) and math.isfinite(act.warned_after)
+            (user.id, act.lead_id, Channel(channel, own))
+            for user, own in zip(scenario.road_users, others, strict=True)
+            for act in user.actions
+            if isinstance(act, ReactToLeadAction) and math.isfinite(act.warning_delay)
         ]
-        self._asleep = [-math.inf] * (1 + len(scenario.users))  # until when each sends nothing, the ego last
+        self._asleep = [-math.inf] * (
+            1 + len(scenario.road_users)
+        )  # until when each sends nothing, the ego last
         self.counts: Counter[str] = Counter(sent=0, delivered=0, ego_sent=0, ego_delivered=0)
 
     @property
-    def needed(self) -> bool:
+    def is_needed(self) -> bool:
         """Whether any road user listens."""
         return bool(self._ears)
 
@@ -126,7 +128,7 @@ class Radio:
             if sender is None or t < self._asleep[i]:
                 continue
             user, (x, y, psi, r) = mover.user, mover.pose
-            data = sender.poll(t, _said(user.id, (x, y, psi, mover.v, mover.a, r), user, user.events))
+            data = sender.poll(t, _bsm_of(user.id, (x, y, psi, mover.v, mover.a, r), user, user.events))
             if data is None:
                 continue
             self._asleep[i] = t + _SILENT
@@ -137,10 +139,10 @@ class Radio:
                     ear.send(t, (x, y), data, sender=leader)
         for name, _, ear in self._ears:
             listener = traffic.by_id[name]
-            if not listener.warned:
+            if not listener.warning_received:
                 for arrival in ear.receive(t, listener.pose[:2]):
                     if "hard_braking" in decode_bsm(arrival.data).events:
-                        listener.warn(t)
+                        listener.deliver_warning(t)
         if ego_sends and t >= self._asleep[-1]:
             self._send_own(t, traffic, ego)
         arrivals = [arrival.data for arrival in self._channel.receive(t, (ego.x, ego.y))]
@@ -151,7 +153,7 @@ class Radio:
         car, ahead = self._vehicle, (math.cos(ego.psi), math.sin(ego.psi))
         middle = ego.x + car.box_offset * ahead[0], ego.y + car.box_offset * ahead[1]
         motion = (*middle, ego.psi, max(ego.v_x, 0.0), ego.a_x, ego.r)
-        data = self._own.poll(t, _said("ego", motion, car, frozenset()))
+        data = self._own.poll(t, _bsm_of("ego", motion, car, frozenset()))
         if data is None:
             return
         self._asleep[-1] = t + _SILENT
@@ -184,7 +186,7 @@ def sender_id(i: int) -> str:
     return f"{i + 1:08x}"
 
 
-def _said(
+def _bsm_of(
     name: str, motion: Sequence[float], body: RoadUser | VehicleParams, events: frozenset[str]
 ) -> RemoteVehicle:
     """Put in words what a vehicle says of itself: motion, body, and whether it brakes hard."""

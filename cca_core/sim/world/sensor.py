@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from cca_core.geometry import wrap_angle
 from cca_core.sim.scenarios.road_user import RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
-from cca_core.v2x import Fix, move_on
+from cca_core.v2x import Fix, dead_reckon
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
-__all__ = ["Sensor", "visible_share"]
+__all__ = ["Sensor", "visible_fraction"]
 
 _Body = tuple[float, float, float, float, float]
 _CORNERS = (complex(0.5, 0.5), complex(-0.5, 0.5), complex(-0.5, -0.5), complex(0.5, -0.5))
@@ -37,14 +37,14 @@ class Sensor:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self._users, self._vehicle = scenario.users, scenario.vehicle
+        self._users, self._vehicle = scenario.road_users, scenario.vehicle
         self._occluders = list(scenario.occluders)
         self._range = min(scenario.sensor_range, scenario.visibility)
         self._half = 0.5 * scenario.field_of_view
-        self.delay = scenario.sensor_delay if scenario.ego != "driver" else 0.0
+        self.delay = scenario.sensor_delay if scenario.ego_type != "driver" else 0.0
         self._frames: deque[tuple[float, Sequence[Sequence[float]], Sequence[bool]]] = deque()
 
-    def look(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
+    def visible(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
         """Tell who is seen.
 
         Parameters
@@ -70,10 +70,12 @@ class Sensor:
                 seen.append(False)
                 continue
             hiding = bodies[:i] + bodies[i + 1 :] + self._occluders
-            seen.append(visible_share(eye, ego.psi, self._half, body, hiding) >= _RECOGNIZED)
+            seen.append(visible_fraction(eye, ego.psi, self._half, body, hiding) >= _RECOGNIZED)
         return seen
 
-    def report(self, t: float, rows: Sequence[Sequence[float]], seen: Sequence[bool]) -> list[RemoteVehicle]:
+    def detections(
+        self, t: float, rows: Sequence[Sequence[float]], seen: Sequence[bool]
+    ) -> list[RemoteVehicle]:
         """Take in what is seen now, and report what was seen a delay ago.
 
         Parameters
@@ -101,7 +103,9 @@ class Sensor:
         return [_moved(u, row, then, t) for u, row, is_seen in users if is_seen]
 
 
-def visible_share(eye: complex, psi: float, half_angle: float, body: _Body, others: Sequence[_Body]) -> float:
+def visible_fraction(
+    eye: complex, psi: float, half_angle: float, body: _Body, others: Sequence[_Body]
+) -> float:
     """Share of the face of a body that can be seen.
 
     Parameters
@@ -176,7 +180,7 @@ def _distance(eye: complex, ray: complex, body: _Body) -> float:
 
 def _moved(user: RoadUser, row: Sequence[float], then: float, t: float) -> RemoteVehicle:
     """Dead-reckon what was seen."""
-    fix = move_on(Fix(then, *row), t)
+    fix = dead_reckon(Fix(then, *row), t)
     return RemoteVehicle(
         id=user.id, x=fix.x, y=fix.y, psi=fix.psi, v_x=fix.v, a_x=fix.a, r=fix.r, length=user.length,
         width=user.width, age=t - then, source="sensor",

@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from cca_core.decide import Action
 from cca_core.follow import jerk_limited
 from cca_core.planner.command import Command
-from cca_core.sim.scenarios.scenario import PinnedGap, Scenario
-from cca_core.sim.world.traffic import CYCLE, Mover
+from cca_core.sim.scenarios.scenario import FixedTimeGap, Scenario
+from cca_core.sim.world.traffic import CYCLE_TIME, TrafficAgent
 from cca_core.vehicle import RemoteVehicle
 
 __all__ = ["Tailgating"]
@@ -26,19 +26,19 @@ class Tailgating:
     ----------
     scenario : Scenario
         With a pinned gap.
-    pinned : PinnedGap
+    pinned : FixedTimeGap
         That gap.
     """
 
-    def __init__(self, scenario: Scenario, pinned: PinnedGap) -> None:
+    def __init__(self, scenario: Scenario, pinned: FixedTimeGap) -> None:
         self._pinned, self._vehicle, self._speed = pinned, scenario.vehicle, scenario.speed
-        self._by_sight = scenario.ego == "driver"
+        self._by_sight = scenario.ego_type == "driver"
         self._a_x = 0.0
         self._handed_over = False
         self.released = False
 
     def acceleration(
-        self, remotes: Iterable[RemoteVehicle], command: Command, s: float, v_x: float, leader: Mover
+        self, remotes: Iterable[RemoteVehicle], command: Command, s: float, v_x: float, leader: TrafficAgent
     ) -> float:
         """Acceleration to drive with.
 
@@ -67,7 +67,7 @@ class Tailgating:
         if self._handed_over:
             return command.a_x
         if self.released:
-            self._a_x = jerk_limited(command.a_x, self._a_x, CYCLE, self._speed, emergency=True)
+            self._a_x = jerk_limited(command.a_x, self._a_x, CYCLE_TIME, self._speed, emergency=True)
             self._handed_over = self._a_x == command.a_x
         elif leader.a <= _BRAKES:
             self._a_x = 0.0

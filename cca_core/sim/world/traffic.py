@@ -3,13 +3,13 @@
 import math
 
 from cca_core.path import Path
-from cca_core.sim.scenarios.road_user import Brakes, Follows, RoadUser, Swerves
+from cca_core.sim.scenarios.road_user import BrakeAction, LateralShiftAction, ReactToLeadAction, RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.vehicle import VehicleParams, VehicleState
 
-__all__ = ["CYCLE", "Mover", "Traffic"]
+__all__ = ["CYCLE_TIME", "Traffic", "TrafficAgent"]
 
-CYCLE = 0.02
+CYCLE_TIME = 0.02
 """Step of the closed loop [s]."""
 
 _LIGHTS = -0.25  # acceleration at which brake lights are on [m/s^2]
@@ -18,7 +18,7 @@ _SPARE = 2.0  # gap that a follower wants to have left [m]
 _LOOKS = 6.0  # time to contact within which a driver takes the ego to be in his way [s]
 
 
-class Mover:
+class TrafficAgent:
     """One road user on its way; its attributes are its motion now.
 
     Parameters
@@ -52,16 +52,16 @@ class Mover:
         self.pose = self._place()
 
     @property
-    def swerving(self) -> bool:
+    def is_shifting(self) -> bool:
         """Whether it moves sideways."""
         return self._turning != 0.0
 
     @property
-    def warned(self) -> bool:
+    def warning_received(self) -> bool:
         """Whether the leader's message of hard braking has been delivered."""
         return self._warned < math.inf
 
-    def warn(self, t: float) -> None:
+    def deliver_warning(self, t: float) -> None:
         """Deliver the leader's message of hard braking.
 
         Parameters
@@ -86,38 +86,38 @@ class Mover:
             All road users.
         """
         wanted = 0.0
-        for i, act in enumerate(self.user.acts):
-            if isinstance(act, Swerves):
-                if i not in self._swerved and self.user.direction * (self.s - act.at) >= 0.0:
+        for i, act in enumerate(self.user.actions):
+            if isinstance(act, LateralShiftAction):
+                if i not in self._swerved and self.user.direction * (self.s - act.s_start) >= 0.0:
                     self._swerved[i] = t
-            elif isinstance(act, Brakes):
+            elif isinstance(act, BrakeAction):
                 wanted = min(wanted, -act.deceleration if t >= act.t - 1e-9 else 0.0)
             else:
-                wanted = min(wanted, self._following(t, act, others.by_id[act.leader]))
-        if math.isfinite(self.user.reaction):
+                wanted = min(wanted, self._following(t, act, others.by_id[act.lead_id]))
+        if math.isfinite(self.user.reaction_time):
             wanted = min(wanted, self._reacting(ego, vehicle))
         if self.v == 0.0:
             wanted = 0.0 if wanted < 0.0 else wanted
             self.a = 0.0
-        step = self.user.jerk * CYCLE
+        step = self.user.jerk * CYCLE_TIME
         self.a = min(max(wanted, self.a - step), self.a + step)
-        v = max(self.v + self.a * CYCLE, 0.0)
+        v = max(self.v + self.a * CYCLE_TIME, 0.0)
         if self.v == v == 0.0 and not self._swerved:
             return
-        self.s += self.user.direction * 0.5 * (self.v + v) * CYCLE
+        self.s += self.user.direction * 0.5 * (self.v + v) * CYCLE_TIME
         self.v = v
-        self._shift(t + CYCLE)
+        self._shift(t + CYCLE_TIME)
         self.pose = self._place()
 
     def _shift(self, t: float) -> None:
         """Sideways place and speed, the sum of all swerves."""
         self.d, self._turning = self.user.d, 0.0
         for i, begun in self._swerved.items():
-            act = self.user.acts[i]
-            if isinstance(act, Swerves):
+            act = self.user.actions[i]
+            if isinstance(act, LateralShiftAction):
                 z = min((t - begun) / act.duration, 1.0)
-                self.d += act.width * z**3 * (10.0 - 15.0 * z + 6.0 * z * z)
-                self._turning += act.width * 30.0 * z * z * (1.0 - z) ** 2 / act.duration
+                self.d += act.offset * z**3 * (10.0 - 15.0 * z + 6.0 * z * z)
+                self._turning += act.offset * 30.0 * z * z * (1.0 - z) ** 2 / act.duration
 
     def _place(self) -> tuple[float, float, float, float]:
         x, y, tx, ty, nx, ny = self.path._cubics.at(self.s)
@@ -130,10 +130,10 @@ class Mover:
         r = along * kappa * self.v / (1.0 - self.d * kappa)
         return x - self.d * ty / norm, y + self.d * tx / norm, psi, r
 
-    def _following(self, t: float, act: Follows, leader: "Mover") -> float:
+    def _following(self, t: float, act: ReactToLeadAction, leader: "TrafficAgent") -> float:
         if leader.a <= _LIGHTS:
             self._lights = min(self._lights, t)
-        if t < min(self._lights + act.reaction, self._warned + act.warned_after) - 1e-9:
+        if t < min(self._lights + act.reaction_time, self._warned + act.warning_delay) - 1e-9:
             return 0.0
         gap = self.user.direction * (leader.s - self.s) - 0.5 * (leader.user.length + self.user.length)
         room = gap - _SPARE + leader.v**2 / (2.0 * _HARDEST)
@@ -151,8 +151,8 @@ class Mover:
         elif math.isinf(self._alarmed):
             self._alarmed = 0.0
         else:
-            self._alarmed += CYCLE
-        return -user.deceleration if user.reaction <= self._alarmed < math.inf else 0.0
+            self._alarmed += CYCLE_TIME
+        return -user.deceleration if user.reaction_time <= self._alarmed < math.inf else 0.0
 
 
 class Traffic:
@@ -166,7 +166,7 @@ class Traffic:
 
     def __init__(self, scenario: Scenario) -> None:
         self._route, self._vehicle = scenario.road.path, scenario.vehicle
-        self.movers = [Mover(u, u.route or self._route, u.route is None) for u in scenario.users]
+        self.movers = [TrafficAgent(u, u.route or self._route, u.route is None) for u in scenario.road_users]
         self.by_id = {mover.user.id: mover for mover in self.movers}
         self._feet: dict[str, float] = {}
 

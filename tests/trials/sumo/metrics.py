@@ -17,7 +17,7 @@ COLUMNS = (
 )
 
 
-def least_gap(x: float, y: float, psi: float, near: list[Other]) -> float:
+def min_gap(x: float, y: float, psi: float, near: list[Other]) -> float:
     """Least distance between the ego's box and those near it [m]."""
     near = [o for o in near if abs(o.x - x) + abs(o.y - y) < 60.0]
     if not near:

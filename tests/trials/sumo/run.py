@@ -18,7 +18,7 @@ import numpy as np
 from cca_core import Planner, VehicleState
 from cca_core.sim import SingleTrackPlant
 from tests.trials.sumo.glue import CAR, Radio, move_ego, others, road_of, vehicle
-from tests.trials.sumo.metrics import COLUMNS, least_gap, needed, summarize, table_row
+from tests.trials.sumo.metrics import COLUMNS, min_gap, needed, summarize, table_row
 from tests.trials.sumo.nets import SCENARIOS, write_net, write_traffic
 
 STEP = 0.1  # of SUMO; the ego is driven five times as often [s]
@@ -95,12 +95,12 @@ def episode(name: str, seed: int, folder: Path, duration: float, by_radio: bool)
             t, tau, state = STEP * k + 0.02 * j, 0.02 * j, plant.state
             near = [o.later(tau) for o in told]
             known = radio.known(t, near, state) if radio else [o.remote(age=tau) for o in near]
-            known_range = 0.0 if radio and radio.tracker.is_saturated(t) else math.inf
+            awareness_range = 0.0 if radio and radio.tracker.is_saturated(t) else math.inf
             begun = time.thread_time()
-            command = planner.step(t, state, known, known_range=known_range)
+            command = planner.step(t, state, known, awareness_range=awareness_range)
             cpu.append(time.thread_time() - begun)
             s, d, _, _ = path.foot_point(state.x, state.y, s)
-            gap = least_gap(state.x, state.y, state.psi, near)
+            gap = min_gap(state.x, state.y, state.psi, near)
             if command.a_x >= -2.5 or j in (0, 3):
                 need = needed(path, s, d, state, near) if command.a_x < -2.5 else 0.0
             rows.append({
