@@ -266,7 +266,7 @@ def assemble_band(
     nodes = task.route_nodes + 1j * task.tangents * u
     shaped: dict[str, Any] = {
         "nodes": nodes.view(np.float64).reshape(*batch_shape, -1, 2), "displacement": u.reshape(*batch_shape, -1),
-        "sixth": certificate.sixth.view(np.float64).reshape(*batch_shape, -1, 2),
+        "moment_over_6": certificate.sixth.view(np.float64).reshape(*batch_shape, -1, 2),
         "lower": lower.reshape(*batch_shape, -1), "upper": upper.reshape(*batch_shape, -1),
         "passes_left": passes_left.reshape(-1, *batch_shape),
     }  # fmt: skip
@@ -274,10 +274,12 @@ def assemble_band(
         array.setflags(write=False)
     values = {
         "clearance": kept, "edge_clearance": edge, "curvature": curvature, "spacing": task.h,
-        "solves": solves,
+        "n_solves": solves,
     }  # fmt: skip
     for name, value in values.items():
         shaped[name] = value.reshape(batch_shape) if batch_shape else value.item()
-    for name, column in zip(("status", "message", "binding"), zip(*outcomes, strict=True), strict=True):
+    for name, column in zip(
+        ("status", "message", "active_constraint"), zip(*outcomes, strict=True), strict=True
+    ):
         shaped[name] = np.array(column, dtype=object).reshape(batch_shape) if batch_shape else column[0]
     return Band(problem=task, **shaped)

@@ -64,7 +64,7 @@ class Certificate:
             "min_gap",
             "min_edge_clearance",
             "curvature_ratio",
-            "moment_over_6",
+            "sixth",
         ):
             getattr(self, name)[bands] = getattr(some, name)
 

@@ -15,7 +15,9 @@ from cca_core.vehicle import VehicleParams
 
 Side = Literal["left", "right"]
 _ALIGNED = 0.02  # sine of a turn below which a box is as good as parallel
-_OF_OBSTACLES = ("center", "ahead", "half_length", "half_width", "radius", "moves", "abeam", "right", "left")
+_OF_OBSTACLES = (
+    "center", "ahead", "half_length", "half_width", "radius", "max_step", "alongside", "right", "left",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
