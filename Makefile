@@ -3,7 +3,6 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
-NOTEBOOKS := $(wildcard examples/notebooks/*.ipynb)
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
 export MPLBACKEND ?= Agg
@@ -18,16 +17,22 @@ help:
 	@echo "make docs      the documentation, in docs/_build/html"
 	@echo "make bench     run times and budgets, into docs/performance.md (10 minutes)"
 	@echo "make table1    the planning methods of the paper's Table 1 compared, into docs/table1.md (10 minutes)"
-	@echo "make validate  the tests with the full number of random cases, into docs/validation.md (long)"
+	@echo "make validate  the tests with the full number of random cases, into docs/validation.md (hours, resumable)"
 	@echo "make package   check that wheel and sdist build, install and pass the tests in clean environments;"
 	@echo "               keeps neither (needs the network)"
 	@echo "make clean     remove what was built; .venv stays"
 
 demo: .venv/demo.stamp
+	@echo "make demo: drives for about 2 minutes, then writes out/report.html (30 MB)"
+	@$(call editable,[plot,plant])
 	$(BIN)/python examples/paper_scenarios.py --out out
 
-test: lint docs
-	$(BIN)/python -m pytest --doctest-modules $(if $(NOTEBOOKS),--nbmake) cca_core tests $(NOTEBOOKS)
+# the documentation runs the notebooks
+test: .venv/dev.stamp
+	@echo "make test: about 6 minutes on two processors"
+	@$(call editable,[all])
+	$(MAKE) --no-print-directory lint docs
+	$(ONE_THREAD) $(BIN)/python -m pytest --numprocesses auto --doctest-modules cca_core tests
 
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .
@@ -36,7 +41,7 @@ lint: .venv/dev.stamp
 	$(BIN)/lint-imports
 
 docs: .venv/dev.stamp
-	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --fresh-env docs docs/_build/html
+	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --fresh-env --jobs auto docs docs/_build/html
 
 bench: .venv/bench.stamp
 	@mkdir -p out
@@ -59,16 +64,23 @@ clean:
 	    .pytest_cache .ruff_cache
 	find cca_core examples tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
+# Installs anew where .venv holds another cca_core than this checkout.
+editable = $(BIN)/python -P -c 'import pathlib, sys, cca_core; \
+    sys.exit(pathlib.Path(cca_core.__file__).resolve().parents[1] != pathlib.Path.cwd())' 2>/dev/null \
+    || { echo "another cca_core is installed in .venv: installing this one"; \
+    $(BIN)/python -m pip uninstall --quiet --yes cca-core cca-planner; \
+    $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".$(1)"; }
+
 # The stamps make installation happen once, and again when pyproject.toml changes.
 .venv/demo.stamp: pyproject.toml
-	@echo "installing into .venv ..."
+	@echo "installing into .venv: about a minute, 500 MB"
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,plant]"
 	@touch $@
 
 # --group needs pip 25.1
 .venv/dev.stamp: pyproject.toml
-	@echo "installing into .venv, with all extras and the developer tools (1.5 GB) ..."
+	@echo "installing into .venv, with all extras and the developer tools: 1 to 3 minutes, 1.5 GB"
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
 	@$(BIN)/python -m pip install --quiet --editable ".[all]" --group dev

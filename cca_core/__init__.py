@@ -15,7 +15,7 @@ from cca_core.planner.planner import Planner
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 logging.getLogger("cca_core").addHandler(logging.NullHandler())
 

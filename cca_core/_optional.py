@@ -13,5 +13,5 @@ def require_extra(module: str, extra: str) -> ModuleType:
     Only absence is translated: an error inside the package itself passes through unchanged.
     """
     if find_spec(module.partition(".")[0]) is None:
-        raise MissingExtraError(f"{module} is not installed; run: pip install 'cca-core[{extra}]'")
+        raise MissingExtraError(f"{module} is not installed; run: pip install 'cca-planner[{extra}]'")
     return import_module(module)

@@ -1,6 +1,5 @@
 """Sphinx configuration; the site is built offline and asks for nothing from the network."""
 
-from importlib.metadata import version as installed_version
 from importlib.resources import files
 from pathlib import Path
 from re import findall
@@ -9,10 +8,12 @@ from shutil import rmtree
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 
+import cca_core
+
 project = "cca_core"
 author = "cca_core contributors"
 copyright = author
-version = release = installed_version("cca-core")
+version = release = cca_core.__version__
 
 extensions = [
     "sphinx.ext.autodoc",

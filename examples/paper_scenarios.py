@@ -70,7 +70,7 @@ def drive(scenarios: list[Scenario], seed: int) -> list[Log]:
         runs += [("multi_body", s) for s in scenarios if s.ego_type != "sensor"]
     seconds = sum(scenario.duration for _, scenario in runs)
     style = "{desc} {percentage:3.0f}%|{bar}| {n:.0f} of {total:.0f} s [{elapsed}]"
-    with tqdm(total=seconds, desc="driving", bar_format=style) as bar:
+    with tqdm(total=seconds, desc="driving", bar_format=style, disable=None) as bar:
         return [
             simulate(
                 s, plant=plant, seed=seed, progress=lambda _: bar.update(min(CYCLE_TIME, seconds - bar.n))
@@ -82,7 +82,7 @@ def drive(scenarios: list[Scenario], seed: int) -> list[Log]:
 def draw(logs: list[Log], out: FilePath) -> None:
     """Write the figures and the report."""
     groups = len(group_by_case(logs))
-    with tqdm(total=groups, unit="scenario", desc="drawing") as bar:
+    with tqdm(total=groups, unit="scenario", desc="drawing", disable=None) as bar:
         write_report(logs, out / "report.html", figures=out, progress=lambda: bar.update())
 
 

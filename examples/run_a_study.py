@@ -20,7 +20,7 @@ def main() -> None:
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     study = Study(variation=ParameterRanges(scenario=args.scenario), runs=args.runs)
-    with tqdm(total=study.target_runs, unit="run") as bar:
+    with tqdm(total=study.target_runs, unit="run", disable=None) as bar:
 
         def progress(done: int, wanted: int) -> None:
             bar.update(done - bar.n)

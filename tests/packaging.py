@@ -17,7 +17,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-NAME = f"cca_core-{PROJECT['version']}"
+VERSION = re.search(r'^__version__ = "(.+)"$', (ROOT / "cca_core" / "__init__.py").read_text(), re.MULTILINE)[
+    1
+]  # type: ignore[index]
+NAME = f"cca_planner-{VERSION}"
 TOOLS = ("pytest", "hypothesis", "shapely", "pymap3d", "asn1tools")
 # all other tests do with the wheel and TOOLS, or are skipped; these read the sources or need every extra
 LEFT_OUT = (
@@ -118,10 +121,10 @@ def use_core(wheel: Path, folder: Path, source: Path) -> None:
     python = environment(folder / "core", wheel)
     listed = run(python, "-m", "pip", "list", "--format=freeze").split()
     names = {line.partition("==")[0].replace("_", "-") for line in listed} - {"pip", "setuptools"}
-    expect(names == {"cca-core", "numpy", "scipy"}, f"the core brings {names}")
+    expect(names == {"cca-planner", "numpy", "scipy"}, f"the core brings {names}")
     print(run(python, source / "examples" / "bend_a_band.py", cwd=folder).splitlines()[-1])
     word = run(python, "-c", EXTRA, fails=True)
-    expect("pip install 'cca-core[qp]'" in word, f"no word about the extra: {word}")
+    expect("pip install 'cca-planner[qp]'" in word, f"no word about the extra: {word}")
     times = [float(run(python, "-c", IMPORT)) for _ in range(7)]
     numpy = [float(run(python, "-c", IMPORT.replace("cca_core", "numpy"))) for _ in range(7)]
     print(f"import: {min(times):.3f} s, of which NumPy {min(numpy):.3f} s")

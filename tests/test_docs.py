@@ -34,9 +34,10 @@ def named(pages: list[Path]) -> list[Any]:
 
 
 def public_modules() -> Iterator[ModuleType]:
+    """What users import: `cca_core`, its packages and its single modules."""
     yield cca_core
-    for module in pkgutil.walk_packages(cca_core.__path__, "cca_core."):
-        if not any(part.startswith("_") for part in module.name.split(".")):
+    for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
+        if not module.name.split(".")[-1].startswith("_"):
             yield importlib.import_module(module.name)
 
 

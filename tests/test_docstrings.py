@@ -1,7 +1,7 @@
 """Every public name is documented, and every number in it has a unit.
 
-The rules, for each name in the ``__all__`` of `cca_core` and of its public modules, and for the
-public methods and properties of the classes among them:
+The rules, for each name in the ``__all__`` of `cca_core` and of its packages, and for the public
+methods and properties of the classes among them:
 
 - A docstring in numpydoc form exists.
 - Parameters (of a dataclass: its fields, under Parameters or Attributes) are those of the
@@ -23,6 +23,7 @@ import pkgutil
 import re
 import textwrap
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -30,6 +31,7 @@ from numpydoc.docscrape import NumpyDocString
 
 import cca_core
 
+ROOT = Path(__file__).resolve().parents[1]
 UNITS = frozenset("% B Hz J N W bit deg g h kg km m ms rad s us".split())
 RAISING_MODULES = frozenset({"cca_core._checks", "cca_core._optional"})
 
@@ -141,9 +143,10 @@ def class_complaints(cls: type) -> Iterator[str]:
 
 
 def public_modules() -> Iterator[Any]:
+    """What users import: `cca_core`, its packages and its single modules."""
     yield cca_core
-    for module in pkgutil.walk_packages(cca_core.__path__, "cca_core."):
-        if not any(part.startswith("_") for part in module.name.split(".")):
+    for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
+        if not module.name.split(".")[-1].startswith("_"):
             yield importlib.import_module(module.name)
 
 
@@ -182,6 +185,26 @@ CASES = cases()
 def test_docstring(name: str) -> None:
     complaints = list(CASES[name])
     assert not complaints, f"{name}\n  " + "\n  ".join(complaints)
+
+
+def internal_functions() -> dict[str, ast.FunctionDef | ast.ClassDef]:
+    """Functions and classes that no package lists, by module and name."""
+    listed = {name.rpartition(".")[2] for name in CASES}
+    found: dict[str, ast.FunctionDef | ast.ClassDef] = {}
+    for path in sorted((ROOT / "cca_core").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name not in listed:
+                found[f"{path.relative_to(ROOT).as_posix()}:{node.name}"] = node
+    return found
+
+
+def test_internal_docstrings_are_short() -> None:
+    """Inside a package a docstring has no sections; comments say why."""
+    long = [
+        name for name, node in internal_functions().items()
+        if re.search(r"^\s*-{4,}$", ast.get_docstring(node) or "", re.MULTILINE)
+    ]  # fmt: skip
+    assert long == []
 
 
 def good(speed: float, points: object) -> float:

@@ -76,7 +76,7 @@ def run_all(files: list[Path], known: dict[str, dict[str, Any]]) -> list[str]:
     pool = ThreadPoolExecutor(os.cpu_count())
     running = {pool.submit(run, name): name for name in codes if name not in known}
     try:
-        for done in tqdm(as_completed(running), total=len(running), unit="file"):
+        for done in tqdm(as_completed(running), total=len(running), unit="file", disable=None):
             name, result = running[done], done.result()
             if result["failed"]:
                 failed.append(name)
@@ -121,7 +121,7 @@ def study(name: str) -> StudyTable:
     """Drive what is left of the study of one scenario."""
     plan = Study(variation=ParameterRanges(scenario=name), seed=SEED, avoidable=AVOIDABLE)
     name_of_file = f"study_{name}_{hashlib.sha256(plan.fingerprint.encode()).hexdigest()[:12]}.jsonl"
-    with tqdm(total=AVOIDABLE, desc=name, unit="avoidable run") as bar:
+    with tqdm(total=AVOIDABLE, desc=name, unit="avoidable run", disable=None) as bar:
 
         def progress(done: int, wanted: int) -> None:
             bar.update(done - bar.n)

@@ -225,5 +225,5 @@ def test_misuse_and_absence_raise(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         "cca_core._optional.find_spec", lambda name: None if name == "osqp" else find_spec(name)
     )
-    with pytest.raises(MissingExtraError, match=r"cca-core\[qp\]"):
+    with pytest.raises(MissingExtraError, match=r"cca-planner\[qp\]"):
         solve_smoothing_qp(**passing(10), solver="osqp")

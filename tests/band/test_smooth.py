@@ -186,7 +186,7 @@ def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         "cca_core._optional.find_spec", lambda name: None if name == "qpsolvers" else find_spec(name)
     )
-    with pytest.raises(MissingExtraError, match=r"pip install .*cca-core\[qp\]"):
+    with pytest.raises(MissingExtraError, match=r"pip install .*cca-planner\[qp\]"):
         smooth_band(band)
 
 

@@ -95,5 +95,5 @@ def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         "cca_core._optional.find_spec", lambda name: None if name == "ompl" else find_spec(name)
     )
-    with pytest.raises(MissingExtraError, match=r"pip install .*cca-core\[rrt\]"):
+    with pytest.raises(MissingExtraError, match=r"pip install .*cca-planner\[rrt\]"):
         Rrt()

@@ -1,5 +1,7 @@
 """Run times; `make bench`. Compare ratios within one run: the reference is timed in the same one."""
 
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -88,3 +90,15 @@ def test_maneuvering_in_real_time(benchmark: Bench, case: str, slowness: float, 
         cycle_us_p99=round(float(np.percentile(log.cycle_us, 99))),
     )  # fmt: skip
     budget(factor, "times", least=50.0 / 1.3 / slowness)
+
+
+def test_import(benchmark: Any, slowness: float, budget: Any) -> None:
+    """Import of the library in a fresh interpreter, NumPy included."""
+    code = "from time import perf_counter as now; t = now(); import cca_core; print(now() - t)"
+
+    def run() -> float:
+        return float(subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout)
+
+    took = min(run() for _ in range(5))
+    benchmark.pedantic(run, rounds=1)
+    budget(took, "s", most=0.4 * slowness)
