@@ -125,8 +125,8 @@ class Band:
                 chosen[f.name] = value[:, at]
             elif value is None:
                 chosen[f.name] = None
-            elif f.name == "task":
-                chosen[f.name] = value.select(np.arange(len(value.base)).reshape(first, -1)[at])
+            elif f.name == "problem":
+                chosen[f.name] = value.select(np.arange(len(value.route_nodes)).reshape(first, -1)[at])
             else:
                 item = value[at]
                 chosen[f.name] = item.item() if not rest and isinstance(item, np.generic) else item

@@ -144,9 +144,9 @@ def make_corridor(
     shape = (*leading, base.shape[1])
     x, y, psi, half_length, half_width = _stacked(obstacles, shape)
     m = len(obstacles)
-    run_up = check_any("lead", lead)
+    run_up = check_any("lead_distance", lead)
     if run_up.shape not in ((), (m,)) or run_up.min(initial=0.0) < 0.0:
-        raise InputError(f"lead must have shape () or ({m},) and not be negative, was {lead!r}")
+        raise InputError(f"lead_distance must have shape () or ({m},) and not be negative, was {lead!r}")
     center, ahead = x + 1j * y, np.cos(psi) + 1j * np.sin(psi)
     radius = np.hypot(half_length, half_width)
     moves = np.zeros(radius.shape[:2])

@@ -60,7 +60,7 @@ def single(asked: dict, at: tuple[int, ...]) -> dict:
 def assert_same(band: Band, alone: Band) -> None:
     for field in fields(Band):
         mine, other = getattr(band, field.name), getattr(alone, field.name)
-        if field.name != "task":
+        if field.name != "problem":
             assert type(mine) is type(other), field.name
             np.testing.assert_array_equal(mine, other, err_msg=field.name)
     assert band.sides == alone.sides
@@ -89,8 +89,8 @@ def test_shapes_and_status_arrays() -> None:
         "spacing",
         "status",
         "message",
-        "binding",
-        "solves",
+        "active_constraint",
+        "n_solves",
     ):
         assert getattr(many, name).shape == (COUNT,)
     assert many.passes_left.shape == (2, COUNT)

@@ -104,7 +104,7 @@ def test_one_box_and_the_same_box_at_each_node_are_the_same() -> None:
 @pytest.mark.parametrize("lead", [0.0, 20.0])
 def test_lead_widens_the_stretch_before_the_obstacle(lead: float) -> None:
     case = scene(straight(200.0), [boxes(110.0, 0.0, 0.0, 4.5, 1.8)])
-    band = relax(case, side="left", lead=lead)
+    band = relax(case, side="left", lead_distance=lead)
     beside = 110.0 - 2.25 - 0.5 * CAR.length - 1.0 - lead
     need = 0.9 + 1.0 + 0.5 * CAR.width
     assert band.displacement[math.ceil(beside)] >= need - 0.1
@@ -232,11 +232,11 @@ def test_repr_says_what_matters() -> None:
         ({"curvature_limit": math.nan}, "^curvature_limit must"),
         ({"curvature_limit": np.ones(7)}, "^curvature_limit must have shape"),
         ({"curvature_limit": "small"}, "^curvature_limit must"),
-        ({"lead": [1.0, 2.0]}, r"^lead must have shape \(\) or \(1,\)"),
-        ({"lead": math.nan}, "^lead must"),
-        ({"lead": "far"}, "^lead must"),
-        ({"lead": [[1.0]]}, "^lead must"),
-        ({"lead": -5.0}, "^lead must"),
+        ({"lead_distance": [1.0, 2.0]}, r"^lead_distance must have shape \(\) or \(1,\)"),
+        ({"lead_distance": math.nan}, "^lead_distance must"),
+        ({"lead_distance": "far"}, "^lead_distance must"),
+        ({"lead_distance": [[1.0]]}, "^lead_distance must"),
+        ({"lead_distance": -5.0}, "^lead_distance must"),
         ({"obstacles": [boxes(math.nan, 0.0, 0.0, 4.5, 1.8)]}, "^obstacles must be finite"),
         ({"obstacles": [boxes(75.0, 0.0, math.inf, 4.5, 1.8)]}, "^obstacles must be finite"),
         ({"obstacles": [boxes(np.zeros(7), 0.0, 0.0, 4.5, 1.8)]}, "^obstacles must have fields of real"),

@@ -129,7 +129,7 @@ def test_fallback_keeps_the_band(solver: Any) -> None:
     assert stands.qp_residual is None
     for name in ("nodes", "displacement", "lower", "upper", "passes_left"):
         np.testing.assert_array_equal(getattr(stands, name), getattr(band, name))
-    for name in ("clearance", "edge_clearance", "curvature", "binding", "sides"):
+    for name in ("clearance", "edge_clearance", "curvature", "active_constraint", "sides"):
         assert getattr(stands, name) == getattr(band, name)
 
 

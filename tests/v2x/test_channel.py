@@ -116,7 +116,13 @@ def test_randomness_independent_of_polling(seed: int, pauses: list[float]) -> No
 
 @pytest.mark.parametrize(
     "values",
-    [{"loss": 1.0}, {"loss": 0.9, "burst": 2.0}, {"latency": -1.0}, {"range": math.nan}, {"burst": 0.5}],
+    [
+        {"loss_probability": 1.0},
+        {"loss_probability": 0.9, "mean_burst_length": 2.0},
+        {"latency": -1.0},
+        {"range": math.nan},
+        {"mean_burst_length": 0.5},
+    ],
 )
 def test_settings_are_checked(values: dict[str, float]) -> None:
     with pytest.raises(InputError, match=list(values)[-1]):
@@ -217,7 +223,7 @@ def test_from_sender_to_track_through_a_bad_channel() -> None:
     assert np.mean(inside) > 0.95
 
 
-@pytest.mark.parametrize("values", [{"interval": 0.0}, {"interval_spread": 0.2}, {"frozen": 1.5}])
+@pytest.mark.parametrize("values", [{"interval": 0.0}, {"interval_spread": 0.2}, {"freeze_probability": 1.5}])
 def test_sender_settings_are_checked(values: dict[str, float]) -> None:
     with pytest.raises(InputError, match=next(iter(values))):
         SenderSettings(**values)

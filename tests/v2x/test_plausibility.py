@@ -61,7 +61,9 @@ def test_impossible_values(values: dict[str, float]) -> None:
     assert heard().update(bsm(NEXT, 22.0, **values), NEXT).kind in ("acceleration", "yaw")
 
 
-@pytest.mark.parametrize("values", [{"frozen": 1}, {"room": 0.0}, {"strongest": math.nan}])
+@pytest.mark.parametrize(
+    "values", [{"frozen": 1}, {"position_tolerance": 0.0}, {"max_acceleration": math.nan}]
+)
 def test_settings_are_checked(values: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(values))):
         PlausibilitySettings(**values)
