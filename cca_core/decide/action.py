@@ -40,7 +40,7 @@ class LeadVehicle:
         What the ego must brake to stay behind it [m/s^2], not negative.
     follow_acceleration : float
         What following it asks for now [m/s^2].
-    kind : {"ahead", "hidden", "crossing"}
+    kind : {"direct", "downstream", "crossing"}
         Whether it is next in front, hidden behind others (known by its messages), or crosses the route.
     comfort_stop_deceleration : float
         Deceleration that stops behind a standing one within the horizon of the decision [m/s^2]; infinite if
@@ -52,7 +52,7 @@ class LeadVehicle:
     v_x: float
     required_deceleration: float
     follow_acceleration: float
-    kind: str = "ahead"
+    kind: str = "direct"
     comfort_stop_deceleration: float = math.inf
 
 

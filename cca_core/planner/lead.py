@@ -65,7 +65,7 @@ def find_lead(
         hidden = between > 0.0
         alarming = n.v_s < _STANDS or n.remote.a_x < _BRAKES or "hard_braking" in n.remote.events
         if not hidden or alarming:
-            kind = "hidden" if hidden else "ahead"
+            kind = "downstream" if hidden else "direct"
             v = 0.0 if abs(n.v_lower) < _STANDS else n.v_lower
             leader = make_lead(n.remote.id, gap, v, n.remote.a_x, v_x, speed, kind)
             body = n.half_width - 2.0 * n.remote.sigma_across
@@ -110,7 +110,7 @@ def vehicles_to_follow(
     kept : list of Neighbor
         Those before the hidden vehicle that are about as fast as the ego, which goes on following them.
     """
-    if leader.kind != "hidden":
+    if leader.kind != "downstream":
         return []
     between = itertools.takewhile(lambda n: n.remote.id != leader.id, blockers)
     return [n for n in between if n.v_s >= ego.v_x - _FOLLOW_SPEED_DIFFERENCE]
@@ -139,7 +139,7 @@ def _relay_hard_braking(
         return leader
     gap = near.s - near.half_length - front
     a_x = min(near.remote.a_x, hidden.remote.a_x, -speed.b_max)  # whoever reacts late brakes harder
-    brakes = make_lead(near.remote.id, gap, near.v_lower, a_x, v_x, speed, "hidden")
+    brakes = make_lead(near.remote.id, gap, near.v_lower, a_x, v_x, speed, "downstream")
     if brakes.required_deceleration <= leader.required_deceleration:
         return leader
     follow = min(leader.follow_acceleration, -brakes.required_deceleration)

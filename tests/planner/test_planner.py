@@ -167,7 +167,7 @@ class TestArguments:
             "lateral_acceleration",
             "clearance",
             "min_ttc",
-            "preparation",
+            "preparation_time",
             "x_safety",
             "awareness_range",
             "min_speed_advantage",
