@@ -45,6 +45,15 @@ def wrap_angle(angle: float | Array) -> float | Array:
     return -math.pi if rest >= math.pi else rest
 
 
+@overload
+def quintic_step(z: float, height: float = 1.0) -> float: ...
+@overload
+def quintic_step(z: Array, height: float = 1.0) -> Array: ...
+def quintic_step(z: float | Array, height: float = 1.0) -> float | Array:
+    """Step from 0 at z = 0 to `height` at z = 1 whose slope and curvature are zero at both ends."""
+    return height * z**3 * (10.0 - 15.0 * z + 6.0 * z * z)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Boxes:
     """Oriented rectangles, one or many; the fields broadcast against each other.

@@ -6,11 +6,10 @@ from numpy.typing import ArrayLike
 from cca_core._checks import Array
 from cca_core.geometry import Boxes
 from cca_core.path.path import Path
-from cca_core.vehicle import RemoteVehicle
+from cca_core.vehicle import STANDSTILL_SPEED, RemoteVehicle
 
 __all__ = ["occupancy_boxes", "predict_along", "predict_ctra", "predict_distance", "reachable_interval"]
 
-_CREEPING = 0.5  # slower than this the direction of motion is not known [m/s]
 _OCCUPANCY_WINDOW = 15.0  # around the ego in which another body matters, with both half lengths [m]
 _BOUND = 2.0  # standard deviations by which boxes grow on each side (95 %)
 _TINY = 1e-300  # a braking by which speeds can be divided [m/s^2]
@@ -87,7 +86,7 @@ def reachable_interval(
     known = speed * np.minimum(t, 0.0) - speed * age * (t >= 0.0)
     least = speed * slows - 0.5 * braking * slows * slows + known
     most = speed * since + 0.5 * acceleration * since * since + known
-    creeping = _CREEPING if acceleration > 0.0 else 0.0
+    creeping = STANDSTILL_SPEED if acceleration > 0.0 else 0.0
     forwards, backwards = v > -creeping, v < creeping
     low = np.where(backwards, -most, least)
     high = np.where(forwards, most, -least)
@@ -154,7 +153,7 @@ def predict_ctra(remote: RemoteVehicle, t: ArrayLike) -> tuple[Array, Array, Arr
     braking = remote.a_x * remote.v_x < 0.0
     moves = np.minimum(t, -remote.v_x / remote.a_x) if braking else t
     s = remote.v_x * moves + 0.5 * remote.a_x * moves**2
-    if abs(remote.v_x) < _CREEPING or remote.r == 0.0:
+    if abs(remote.v_x) < STANDSTILL_SPEED or remote.r == 0.0:
         psi = np.full(s.shape, remote.psi)
         return remote.x + s * np.cos(psi), remote.y + s * np.sin(psi), psi
     kappa = remote.r / remote.v_x  # the circle stays, speed changes along it

@@ -7,15 +7,21 @@ from operator import attrgetter
 from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cca_core._checks import check_real
 from cca_core.errors import InputError
+from cca_core.geometry import Boxes, boxes
 
 MAX_COORDINATE = 1.0e6
 """Farthest coordinate in a local frame [m]."""
 
 MAX_SPEED = 100.0
 """Greatest speed of a road vehicle [m/s]."""
+
+GRAVITY = 9.81  # [m/s^2]
+STANDSTILL_SPEED = 0.5  # a vehicle that reports less counts as stationary: reports err by 0.2 [m/s]
+STALE_AGE = 1.0  # an older report is stale: ten messages of SAE J2945/1 are missing [s]
 
 _WILDEST = 100.0  # acceleration [m/s^2], yaw rate [rad/s]
 _OLDEST = 3600.0  # [s]
@@ -90,6 +96,57 @@ class VehicleParams:
     def understeer_gradient(self) -> float:
         """Understeer gradient K of delta = kappa (L + K v^2) [s^2/m]; positive understeers."""
         return self.m / self.wheelbase * (self.l_r / self.C_f - self.l_f / self.C_r)
+
+    @property
+    def front(self) -> float:
+        """Center of gravity to the front end of the body box [m], forward positive."""
+        return self.box_offset + 0.5 * self.length
+
+    @property
+    def rear(self) -> float:
+        """Center of gravity to the rear end of the body box [m], forward positive: less than zero."""
+        return self.box_offset - 0.5 * self.length
+
+    def center_at(self, x: float, y: float, psi: float) -> tuple[float, float]:
+        """Center of the body box for one pose of the center of gravity.
+
+        Parameters
+        ----------
+        x, y : float
+            Center of gravity [m].
+        psi : float
+            Heading [rad], counter-clockwise from +x.
+
+        Returns
+        -------
+        x, y : float
+            Center of the body box [m].
+        """
+        return x + self.box_offset * math.cos(psi), y + self.box_offset * math.sin(psi)
+
+    def body_at(self, x: ArrayLike, y: ArrayLike, psi: ArrayLike) -> Boxes:
+        """Body boxes for poses of the center of gravity.
+
+        Parameters
+        ----------
+        x, y : array_like, shape (...)
+            Center of gravity [m].
+        psi : array_like, shape (...)
+            Heading [rad], counter-clockwise from +x.
+
+        Returns
+        -------
+        body : Boxes
+            One box for each pose.
+
+        Examples
+        --------
+        >>> body = VehicleParams.bmw_320i().body_at(0.0, 0.0, 0.0)
+        >>> float(body.length), float(body.width)
+        (4.508, 1.61)
+        """
+        forward, left = self.box_offset * np.cos(psi), self.box_offset * np.sin(psi)
+        return boxes(np.asarray(x) + forward, np.asarray(y) + left, psi, self.length, self.width)
 
     @classmethod
     def bmw_320i(cls) -> Self:

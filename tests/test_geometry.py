@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from shapely import affinity
 
-from cca_core.geometry import Boxes, box_gap, boxes, wrap_angle
+from cca_core.geometry import Boxes, box_gap, boxes, quintic_step, wrap_angle
 
 coordinate = st.floats(-12.0, 12.0)
 angle = st.floats(-7.0, 7.0)
@@ -157,3 +157,10 @@ def test_corners_broadcast_mixed_shapes() -> None:
     np.testing.assert_allclose(moving.corners(), many.corners())
     turning = Boxes(np.array(0.0), np.array(0.0), np.array([0.0, np.pi / 2]), np.array(4.0), np.array(2.0))
     np.testing.assert_allclose(turning.corners()[1, 0], [-1.0, 2.0], atol=1e-15)
+
+
+def test_quintic_step_has_no_slope_or_curvature_at_its_ends() -> None:
+    step = np.polynomial.Polynomial.fit(z := np.linspace(0.0, 1.0, 11), quintic_step(z, 2.0), 5, domain=[])
+    np.testing.assert_allclose(step(np.array([0.0, 0.5, 1.0])), [0.0, 1.0, 2.0], atol=1e-9)
+    for order in (1, 2):
+        np.testing.assert_allclose(step.deriv(order)(np.array([0.0, 1.0])), 0.0, atol=1e-9)

@@ -167,3 +167,15 @@ def test_invalid_reason_text(changes: dict, word: str) -> None:
 def test_numpy_integers_and_float32_are_numbers_too() -> None:
     assert remote(v_x=np.int64(20)).invalid_reason is None
     assert remote(length=np.float32(4.5)).invalid_reason is None
+
+
+def test_body_at_pose_lies_around_shifted_center() -> None:
+    car = dataclasses.replace(BMW, box_offset=0.4)
+    body = car.body_at([1.0, 2.0], [3.0, 4.0], [0.0, 0.5 * math.pi])
+    np.testing.assert_allclose(body.x, [1.4, 2.0], atol=1e-12)
+    np.testing.assert_allclose(body.y, [3.0, 4.4], atol=1e-12)
+    assert (car.front, car.rear) == (0.4 + 0.5 * car.length, 0.4 - 0.5 * car.length)
+    for x, y, psi, center in zip(
+        body.x - [0.4, 0.0], body.y - [0.0, 0.4], body.psi, zip(body.x, body.y, strict=True), strict=True
+    ):
+        assert car.center_at(x, y, psi) == pytest.approx(center, abs=1e-12)

@@ -228,7 +228,7 @@ def _edge_distances(task: BandProblem, u: Array, along: Complex, curvature: Arra
     turn = along * task.tangents.conj()
     bend = 0.5 * task.curvature
     beside = half * turn.real + 0.125 * np.abs(curvature) * task.h[:, None] ** 2
-    front, rear = vehicle.box_offset + 0.5 * vehicle.length, vehicle.box_offset - 0.5 * vehicle.length
+    front, rear = vehicle.front, vehicle.rear
     step = float(task.h.min())
     right_edge, left_edge = corridor.lower - half, corridor.upper + half
     if (right_edge == right_edge[:, :1]).all() and (left_edge == left_edge[:, :1]).all():

@@ -7,7 +7,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.baselines.problem import Plan, Problem
-from cca_core.geometry import Boxes, box_gap, boxes
+from cca_core.geometry import Boxes, box_gap
 
 __all__ = ["Tolerances", "Verification", "jerk_of", "reversals", "verify_plan"]
 
@@ -185,9 +185,7 @@ def body_along(problem: Problem, place: Array, psi: Array) -> Boxes:
     body : Boxes
         One for each place.
     """
-    car = problem.vehicle
-    x, y = place[:, 0] + car.box_offset * np.cos(psi), place[:, 1] + car.box_offset * np.sin(psi)
-    return boxes(x, y, psi, car.length, car.width)
+    return problem.vehicle.body_at(place[:, 0], place[:, 1], psi)
 
 
 def edge_distance(problem: Problem, body: Boxes, every: int = 1) -> float:

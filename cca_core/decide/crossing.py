@@ -10,7 +10,7 @@ from cca_core._checks import Array, check_array, check_real
 from cca_core.decide.sweep import Sweep, always_parallel, heading_range
 from cca_core.errors import InputError
 from cca_core.path import Path
-from cca_core.vehicle import RemoteVehicle, VehicleParams
+from cca_core.vehicle import STANDSTILL_SPEED, RemoteVehicle, VehicleParams
 
 __all__ = ["Conflict", "CrossingSettings", "find_conflict"]
 
@@ -45,7 +45,7 @@ class CrossingSettings:
     min_pet: float = 1.0
     clearance: float = 0.3
     min_angle: float = math.pi / 6.0
-    standstill_speed: float = 0.5
+    standstill_speed: float = STANDSTILL_SPEED
 
     def __post_init__(self) -> None:
         for name in ("a_max", "b_max", "min_pet", "clearance"):

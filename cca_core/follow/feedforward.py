@@ -3,11 +3,10 @@
 import math
 from collections import deque
 
-from cca_core.vehicle import VehicleParams
+from cca_core.vehicle import GRAVITY, VehicleParams
 
 __all__ = ["InverseSteering"]
 
-_G = 9.81
 _ROLLING = 3.0  # below this speed the tires roll without slip [m/s]
 _STEP = 0.005  # integration step [s]
 _REACH = 0.97  # share of the side force that is ever asked for
@@ -38,8 +37,8 @@ class InverseSteering:
     def __init__(self, vehicle: VehicleParams) -> None:
         self._vehicle = vehicle
         length = vehicle.wheelbase
-        self._grip_f = vehicle.mu * _G * vehicle.m * vehicle.l_r / length
-        self._grip_r = vehicle.mu * _G * vehicle.m * vehicle.l_f / length
+        self._grip_f = vehicle.mu * GRAVITY * vehicle.m * vehicle.l_r / length
+        self._grip_r = vehicle.mu * GRAVITY * vehicle.m * vehicle.l_f / length
         self._v_y = self._r = self._kappa = 0.0
         self._s: float | None = None
         self._trace: deque[tuple[float, float, float]] = deque()

@@ -9,11 +9,10 @@ from cca_core.follow.feedforward import InverseSteering
 from cca_core.follow.schedule import SIDESLIP_FRACTION, PreviewGains, shipped_gains
 from cca_core.geometry import wrap_angle
 from cca_core.path.path import Path
-from cca_core.vehicle import VehicleParams, VehicleState
+from cca_core.vehicle import GRAVITY, VehicleParams, VehicleState
 
 __all__ = ["PreviewController"]
 
-_G = 9.81  # [m/s^2]
 _GRIP_USED = 0.8  # by a front axle that is turned in; with more a car on less grip than told would spin
 _INTEGRAL_TIME = 3.0  # of the slow correction of what the model does not know [s]
 _INTEGRAL_LIMIT = 0.02  # of that correction [rad]
@@ -137,7 +136,7 @@ class PreviewController:
         most = math.atan(turn * self.a_y_max / (v * v))
         # where the front wheels move to, and the slip at which they carry their share
         to = math.atan2(state.v_y + p.l_f * state.r, v)
-        slip = self._inverse.front_slip(min(self.a_y_max / (p.mu * _G), _GRIP_USED))
+        slip = self._inverse.front_slip(min(self.a_y_max / (p.mu * GRAVITY), _GRIP_USED))
         low, high = max(min(-most, to - slip), -p.delta_max), min(max(most, to + slip), p.delta_max)
         delta = min(max(delta, low), high)
         if self._delta is not None:

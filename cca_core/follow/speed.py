@@ -7,9 +7,9 @@ import numpy as np
 
 from cca_core._checks import Array, check_real
 from cca_core.path.path import Path
+from cca_core.vehicle import GRAVITY
 
 _TAIL = 200.0  # the profile goes on falling behind the end [m]
-_G = 9.81  # [m/s^2]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -145,7 +145,7 @@ def friction_limited(a_x: float, a_y: float, mu: float, *, share: float = 0.9) -
     >>> round(friction_limited(-9.0, 4.0, 0.9), 2)
     -6.87
     """
-    left = math.sqrt(max((share * mu * _G) ** 2 - a_y * a_y, 0.0))
+    left = math.sqrt(max((share * mu * GRAVITY) ** 2 - a_y * a_y, 0.0))
     return min(max(a_x, -left), left)
 
 

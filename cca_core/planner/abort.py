@@ -8,6 +8,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.errors import Status
+from cca_core.geometry import quintic_step
 from cca_core.path import Lane, Path, Road, splice_path
 from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
 from cca_core.planner.maneuver import Maneuver
@@ -57,7 +58,7 @@ def plan_abort(
         The way back; None beyond the point of no return: where braking no longer brings the ego behind, or
         into the way of those that come from behind on either lane.
     """
-    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    front = ego.s + ego.vehicle.front
     rear = front - ego.vehicle.length
     ahead = [n for n in others if not _is_behind(n, rear) and _in_lane(n, road.ego_lane)]
     if not ahead:
@@ -105,7 +106,7 @@ def plan_early_return(
         The way back; None if the own lane does not have the room within 3 s, or somebody is met beside it
         before the ego is back.
     """
-    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    front = ego.s + ego.vehicle.front
     rear, v, d = front - ego.vehicle.length, max(ego.v_x, 1.0), maneuver.offset_at(ego.s)
     t = np.linspace(0.0, _EARLY_RETURN_HORIZON, 31)
     returns, free = _return_length(d, v) / v, np.ones(len(t), dtype=np.bool_)
@@ -172,7 +173,7 @@ def _return_profile(
     x = np.clip((s - first) / length, 0.0, 1.0)
     if returning and hold == 0.0:  # on from its slope and curvature
         bent = drift - (d - before)
-        back = d * (1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x * x))
+        back = d * (1.0 - quintic_step(x))
         back += drift * length * (x - x**3 * (6.0 - 8.0 * x + 3.0 * x * x))
         back += 0.5 * bent * length**2 * (x * x * (1.0 - x) ** 3)
         u[onward] = back[onward]
@@ -185,7 +186,7 @@ def _return_profile(
             run_out = max(_RUN_OUT * ego.v_x, 1.0)
             part = np.clip((s[onward] - ego.s) / run_out, 0.0, 1.0)
             u[onward] += drift * run_out * (part - part**3 + 0.5 * part**4)
-        u *= 1.0 - x**3 * (10.0 - 15.0 * x + 6.0 * x * x)
+        u *= 1.0 - quintic_step(x)
     return s, u
 
 
@@ -209,7 +210,7 @@ def delay_return(ego: FrenetEgo, road: Road, retreat: Maneuver, others: Sequence
         A later one while somebody is beside the ego on the own lane or close behind it, or one in front of
         whoever has fallen behind meanwhile, if there is one; else the same.
     """
-    front = ego.s + ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    front = ego.s + ego.vehicle.front
     rear = front - ego.vehicle.length
     near = [n for n in others if _in_lane(n, road.ego_lane) and n.s - n.half_length < front + _STANDSTILL_GAP]
     if not any(n.s + n.half_length > rear - _following_gap(n.v_s, ego.v_x) for n in near):
@@ -240,7 +241,7 @@ def vehicle_alongside(vehicle: VehicleParams, road: Road, s: float, others: Sequ
     beside : bool
         Whether somebody is; who is behind is not.
     """
-    front = s + vehicle.box_offset + 0.5 * vehicle.length
+    front = s + vehicle.front
     near = [n for n in others if _in_lane(n, road.ego_lane) and n.s - n.half_length < front + _STANDSTILL_GAP]
     return not all(_is_behind(n, front - vehicle.length) for n in near)
 

@@ -14,17 +14,16 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.follow import SpeedSettings, arrival_times
-from cca_core.geometry import Boxes, boxes
+from cca_core.geometry import Boxes
 from cca_core.path import Path
 from cca_core.predict import predict_distance, reachable_interval
-from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED, RemoteVehicle, VehicleParams, VehicleState
+from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED, STALE_AGE, RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["HORIZON", "FrenetEgo", "FrenetVehicle", "invalid_input_reason", "to_frenet"]
 
 HORIZON = 600.0
 """Farthest point ahead at which a pass may end [m]."""
 
-_STALE_AFTER = 1.0  # age from which on a vehicle may have braked unheard [s]
 _STALE_BRAKING = 8.0  # [m/s^2]
 _CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
 _FAR_FUTURE = 1e12  # [s]
@@ -93,7 +92,7 @@ class FrenetVehicle:
         The bounds of a stale vehicle's place grow as if it had braked at 8 m/s^2 from 1 s of age on; this is
         its speed then. One that comes toward the ego keeps its speed.
         """
-        late = self.remote.age - _STALE_AFTER
+        late = self.remote.age - STALE_AGE
         if late <= 0.0 or self.v_s <= 0.0:
             return self.v_s
         return max(self.v_s - _STALE_BRAKING * late, 0.0)
@@ -101,7 +100,7 @@ class FrenetVehicle:
     @property
     def is_stale(self) -> bool:
         """Whether it was heard so long ago (more than 1 s) that where it is now is a guess."""
-        return self.remote.age > _STALE_AFTER
+        return self.remote.age > STALE_AGE
 
     def nominal(self) -> "FrenetVehicle":
         """Tell where and how fast it is most likely, instead of what must be reckoned with.
@@ -133,7 +132,7 @@ class FrenetVehicle:
         follows : bool
             Whether it is.
         """
-        rear = ego.s + ego.vehicle.box_offset - 0.5 * ego.vehicle.length
+        rear = ego.s + ego.vehicle.rear
         return self.s + self.half_length < rear and right < self.d < left and self.v_s >= 0.0
 
     def occupied_interval(self, t: Array, *, braking: float, acceleration: float) -> tuple[Array, Array]:
@@ -201,10 +200,7 @@ class FrenetEgo:
         """
         x, y = path.to_cartesian(s, d).T
         psi = np.arctan2(np.gradient(y), np.gradient(x))
-        offset = self.vehicle.box_offset
-        return boxes(
-            x + offset * np.cos(psi), y + offset * np.sin(psi), psi, self.vehicle.length, self.vehicle.width
-        )
+        return self.vehicle.body_at(x, y, psi)
 
     def arrival_times(self, s: Array) -> Array:
         """When the ego is where on the route.

@@ -8,7 +8,7 @@ from dataclasses import replace
 from cca_core.decide import LeadVehicle
 from cca_core.follow import SpeedSettings, follow_acceleration, required_deceleration
 from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
-from cca_core.vehicle import VehicleParams
+from cca_core.vehicle import STALE_AGE, VehicleParams
 
 __all__ = ["BLOCKING_GAP", "find_lead", "make_lead", "oncoming_assumed_in_lane", "vehicles_to_follow"]
 
@@ -16,7 +16,6 @@ BLOCKING_GAP = 0.3
 """Lateral gap to the route below which a vehicle blocks it [m]."""
 
 _STANDS = 1.0  # slower than this a vehicle stands; messages err by 0.2 [m/s]
-_STALE_AFTER = 1.0  # age from which on where one that comes toward the ego will be is a guess [s]
 _LANE_ENTRY_HORIZON = 2.0  # for which it is taken to go on across the route as it heads [s]
 _CREEP_STOP_TIME = 0.5  # time in which a creeping car comes to rest [s]
 _BRAKES = -2.0  # acceleration below which a hidden vehicle is braked for [m/s^2]
@@ -57,7 +56,7 @@ def find_lead(
         The next one in front, or one hidden before it that stands or brakes: everybody between must stop
         behind that one too, so their lengths and standstill gaps are taken off its distance.
     """
-    front = s + vehicle.box_offset + 0.5 * vehicle.length
+    front = s + vehicle.front
     demanding: LeadVehicle | None = None
     between, follow = 0.0, math.inf
     for n in (b for b in blocking if b.s > s):
@@ -171,7 +170,7 @@ def oncoming_assumed_in_lane(
     known, beside = dict(was_on_route), set()
     was_on_route.clear()
     for n in neighbors:
-        name, fresh = n.remote.id, n.remote.age <= _STALE_AFTER
+        name, fresh = n.remote.id, n.remote.age <= STALE_AGE
         reach = 0.5 * vehicle.width + BLOCKING_GAP + n.half_width - 2.0 * n.remote.sigma_across
         then = n.d + _LANE_ENTRY_HORIZON * n.remote.v_x * math.sin(n.angle)
         on_route = min(n.d, then) < reach and max(n.d, then) > -reach

@@ -29,6 +29,7 @@ from cca_core.planner.frenet import HORIZON, FrenetEgo, FrenetVehicle
 from cca_core.planner.gap_acceptance import check_adjacent_lane
 from cca_core.planner.settings import EvasionSettings
 from cca_core.predict import occupancy_boxes
+from cca_core.vehicle import GRAVITY
 
 __all__ = ["MANEUVER_GRIP_FRACTION", "EvasionSettings", "Maneuver", "plan_maneuver", "predicted_occupancy"]
 
@@ -209,7 +210,7 @@ def plan_maneuver(
         m = min(committed_nodes(t), len(s) - 1)
         h, three = whole[1] - whole[0], np.stack([was[k + i : k + i + m] for i in (-1, 0, 1)])
         bent = _CURVATURE_TOLERANCE * np.abs(offset_curve(road.path.curvature(s[:m]), three, h)[1])
-        most = MANEUVER_GRIP_FRACTION * ego.vehicle.mu * 9.81 / squared[:m]
+        most = MANEUVER_GRIP_FRACTION * ego.vehicle.mu * GRAVITY / squared[:m]
         curvature_limit[:m] = np.maximum(curvature_limit[:m], np.minimum(bent, most))
         room[: m + math.ceil(ego.vehicle.length / h)] = _EDGE_TOLERANCE  # nodes that the body reaches
     draw = partial(

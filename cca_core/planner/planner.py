@@ -33,7 +33,7 @@ from cca_core.planner.maneuver import Maneuver
 from cca_core.planner.replan import maneuver_levels, plan_candidates, replan
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.yielding import find_yield_conflict, virtual_lead
-from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
+from cca_core.vehicle import GRAVITY, RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
 
@@ -239,7 +239,7 @@ class Planner:
 
     def _blocking_vehicles(self, neighbors: list[FrenetVehicle], s: float) -> list[FrenetVehicle]:
         """Vehicles on the route whose front is not behind the ego's rear, nearest first."""
-        rear = s + self.vehicle.box_offset - 0.5 * self.vehicle.length
+        rear = s + self.vehicle.rear
         beside = oncoming_assumed_in_lane(neighbors, self.vehicle, self._was_on_route)
         found = [
             n
@@ -294,7 +294,7 @@ class Planner:
             if leader.v_x > ego.v_target - self.evasion.min_speed_advantage:
                 candidates.append(Candidate(side="left", rejection=f"{leader.id} is almost as fast"))
             else:
-                brakes = min(self.speed.b_max, _EMERGENCY_GRIP_FRACTION * self.vehicle.mu * 9.81)
+                brakes = min(self.speed.b_max, _EMERGENCY_GRIP_FRACTION * self.vehicle.mu * GRAVITY)
                 helpless = leader.required_deceleration > brakes
                 ways = (self._swerves[0], self._swerves[-1]) if helpless else self._swerves[:1]
                 plans, candidates, status = plan_candidates(
@@ -349,7 +349,7 @@ class Planner:
         emergency = wanted < -min(2.0 * self.speed.b_comfort, _HARD_BRAKING_FRACTION * self.speed.b_max)
         share = _EMERGENCY_GRIP_FRACTION if emergency else _GRIP
         if emergency and leader is not None:
-            grip = self.vehicle.mu * 9.81
+            grip = self.vehicle.mu * GRAVITY
             share = min(max(leader.required_deceleration / grip, share), 1.0)  # all of it where less hits
         limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu, share=share)
         # brakes let go slowly would make the ego slower on its way around than that is meant for

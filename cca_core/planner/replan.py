@@ -13,7 +13,7 @@ from cca_core.planner.abort import plan_abort, plan_early_return
 from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
 from cca_core.planner.maneuver import MANEUVER_GRIP_FRACTION, Maneuver, plan_maneuver, predicted_occupancy
 from cca_core.planner.settings import EvasionSettings
-from cca_core.vehicle import VehicleParams
+from cca_core.vehicle import GRAVITY, VehicleParams
 
 __all__ = ["ReplanResult", "maneuver_levels", "plan_candidates", "replan"]
 
@@ -63,7 +63,7 @@ def maneuver_levels(
     swerves : tuple of (EvasionSettings, Status)
         In comfort, with 80 % of the grip, and with that as narrow, late and sharp as it can be.
     """
-    grip = vehicle.mu * 9.81
+    grip = vehicle.mu * GRAVITY
     hard = replace(settings, lateral_acceleration_limit=MANEUVER_GRIP_FRACTION * grip)
     last = replace(
         hard, clearance=min(_NARROW, hard.clearance), min_ttc=_LEAD_TIME,

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from cca_core._checks import check_real
+from cca_core.vehicle import STALE_AGE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +53,7 @@ class EvasionSettings:
     preparation_time: float = 0.25
     x_safety: float = 7.0
     awareness_range: float = 300.0
-    stale_after: float = 1.0
+    stale_after: float = STALE_AGE
     min_speed_advantage: float = 2.0
     assumed_braking: float = 8.0
     assumed_acceleration: float = 3.0

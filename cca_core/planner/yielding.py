@@ -103,7 +103,7 @@ def find_yield_conflict(
     before = first.s_enter - float(stations[1] - stations[0])  # it begins somewhere after that one
     if before > ego.s:
         first = replace(first, s_enter=before)
-    front = ego.vehicle.box_offset + 0.5 * ego.vehicle.length
+    front = ego.vehicle.front
     lines = [line - front for line in road.stop_lines if ego.s < line - front < first.s_enter]
     at = max(lines, default=first.s_enter)
     return replace(first, s_enter=at, distance=at - ego.s)
@@ -123,7 +123,6 @@ def _predicted_min_gap(ego: FrenetEgo, path: Path, s: Array, other: FrenetVehicl
     moments = np.arange(0.0, _LOOK, _STEP)
     center, tangent, _ = path.derivatives(np.interp(moments, t, s))
     psi = np.arctan2(tangent[:, 1], tangent[:, 0])
-    x, y = center.T + ego.vehicle.box_offset * np.array((np.cos(psi), np.sin(psi)))
-    body = boxes(x, y, psi, ego.vehicle.length, ego.vehicle.width)
+    body = ego.vehicle.body_at(center[:, 0], center[:, 1], psi)
     met = boxes(*predict_ctra(other.remote, moments), other.remote.length, other.remote.width)
     return float(box_gap(body, met).min())

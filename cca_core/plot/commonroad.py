@@ -90,9 +90,8 @@ def _draw_moment(axis: Any, run: CommonRoadRun, t: float, view: int, limits: tup
     halo = require_extra("matplotlib.patheffects", "plot").withStroke(linewidth=2.0, foreground="white")
     palette = assign_colors([obstacle.id for obstacle in run.scenario.obstacles])
     x, y, psi, v_x = run.ego[row, :4]
-    along, car = run.vehicle.box_offset, run.vehicle
-    center = (x + along * np.cos(psi), y + along * np.sin(psi))
-    drawn = [("ego", *center, psi, car.length, car.width, v_x, EGO)]
+    car = run.vehicle
+    drawn = [("ego", *car.center_at(x, y, psi), psi, car.length, car.width, v_x, EGO)]
     for obstacle in run.scenario.obstacles:
         other = obstacle.at(float(run.t[row]))
         if other is not None:

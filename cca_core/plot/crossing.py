@@ -144,10 +144,7 @@ def _blocked(log: Log) -> "np.ndarray[Any, np.dtype[np.bool_]]":
     """At which of some times (rows) the ego would touch another at which places of its route (columns)."""
     path, vehicle, ways = log.scenario.road.path, log.scenario.vehicle, _ways(log)
     (x, y), psi = path.position(ways).T, path.heading(ways)
-    ego = boxes(
-        x + vehicle.box_offset * np.cos(psi), y + vehicle.box_offset * np.sin(psi), psi,
-        vehicle.length, vehicle.width,
-    )  # fmt: skip
+    ego = vehicle.body_at(x, y, psi)
     poses = _poses(log)
     touched = np.zeros((len(poses), len(ways)), dtype=bool)
     for i, user in enumerate(log.scenario.road_users):
@@ -159,7 +156,7 @@ def _blocked(log: Log) -> "np.ndarray[Any, np.dtype[np.bool_]]":
 def _draw_diagram(axis: Any, log: Log) -> None:
     scenario = log.scenario
     line = scenario.stop_line
-    front = 0.5 * scenario.vehicle.length + scenario.vehicle.box_offset
+    front = scenario.vehicle.front
     base = log.ego_frenet[0, 0] if line is None else line
     touched, ways = _blocked(log), _ways(log) + front - base
     t = log.t[0] + _EVERY * (log.t[1] - log.t[0]) * np.arange(len(touched))

@@ -123,7 +123,7 @@ class Driver:
     def _look(self, t: float, s: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> str:
         """Name a danger in words; empty if there is none."""
         neighbors, _ = to_frenet(remotes, self.road.path, self._places)
-        front = s + self.vehicle.box_offset + 0.5 * self.vehicle.length
+        front = s + self.vehicle.front
         for n in neighbors:
             gap = n.s - n.half_length - front
             if gap < -self.vehicle.length or abs(n.d) >= 0.5 * self.vehicle.width + n.half_width:

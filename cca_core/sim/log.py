@@ -116,10 +116,7 @@ class Log:
         """
         vehicle, users = self.scenario.vehicle, self.scenario.road_users
         x, y, psi = self.ego[:, 0:1], self.ego[:, 1:2], self.ego[:, 2:3]
-        ego = Boxes(
-            x + vehicle.box_offset * np.cos(psi), y + vehicle.box_offset * np.sin(psi), psi,
-            np.array(vehicle.length), np.array(vehicle.width),
-        )  # fmt: skip
+        ego = vehicle.body_at(x, y, psi)
         others = Boxes(
             self.road_users[..., 0], self.road_users[..., 1], self.road_users[..., 2],
             np.array([u.length for u in users]), np.array([u.width for u in users]),

@@ -250,7 +250,7 @@ def _collided_with(scenario: Scenario, state: VehicleState, rows: Sequence[Seque
     """Id of who touches the ego's box, empty if nobody does (a quick look by distance first)."""
     vehicle = scenario.vehicle
     ahead = cmath.exp(1j * state.psi)
-    middle = complex(state.x, state.y) + vehicle.box_offset * ahead
+    middle = complex(*vehicle.center_at(state.x, state.y, state.psi))
     half = 0.5 * vehicle.length, 0.5 * vehicle.width
     for user, (x, y, psi, *_) in zip(scenario.road_users, rows, strict=True):
         to = complex(x, y) - middle

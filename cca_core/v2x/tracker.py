@@ -14,13 +14,12 @@ from cca_core.v2x.motion import STALE_AFTER, Fix
 from cca_core.v2x.plausibility import implausible_motion, implausible_state
 from cca_core.v2x.tracker_settings import TrackerSettings
 from cca_core.v2x.update_result import UpdateResult
-from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED, RemoteVehicle, VehicleState
+from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED, STANDSTILL_SPEED, RemoteVehicle, VehicleState
 
 __all__ = ["Tracker"]
 
 _REMEMBERED = 100  # drops that can be looked at
 _UNTIMED_AGE = 0.1  # assumed of a message without time [s]
-_STANDING = 0.5  # [m/s]
 _BACKWARDS = -20.0
 _WIDEST = 5.0  # [m]
 _CALMING = 0.5  # rate at which it is forgotten how fast the ego was [m/s^2]
@@ -185,7 +184,7 @@ class Tracker:
         if lat is None or lon is None or speed is None:
             return None
         if psi is None:
-            if track is None and speed > _STANDING:
+            if track is None and speed > STANDSTILL_SPEED:
                 return None
             psi = track.fix.psi if track is not None else 0.0
         x, y = self._place(lat, lon)

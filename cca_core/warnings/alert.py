@@ -8,7 +8,7 @@ from typing import Literal
 from cca_core._checks import check_real
 from cca_core.decide.crossing import Conflict, CrossingSettings
 from cca_core.path import Path
-from cca_core.vehicle import RemoteVehicle
+from cca_core.vehicle import GRAVITY, STANDSTILL_SPEED, RemoteVehicle
 
 __all__ = ["Alert", "AlertSettings", "Application", "EgoView", "Level", "Sighting"]
 
@@ -116,7 +116,7 @@ class AlertSettings:
     fcw_stopped: float = 2.1
     fcw_slower: float = 2.0
     eebl_range: float = 300.0
-    eebl_deceleration: float = 0.4 * 9.81
+    eebl_deceleration: float = 0.4 * GRAVITY
     eebl_heading: float = 0.25 * math.pi
     ima_time: float = 4.0
     ima_difference: float = 1.5
@@ -128,7 +128,7 @@ class AlertSettings:
     bsw_behind: float = 3.0
     dnpw_time: float = 9.0
     braking: float = 1.0
-    standstill_speed: float = 0.5
+    standstill_speed: float = STANDSTILL_SPEED
     turning_speed: float = 3.0
     act_deceleration: float = 4.0
     max_age: float = 3.0

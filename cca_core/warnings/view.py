@@ -76,8 +76,9 @@ def warning_view(
     near = float(path.project((state.x, state.y))[0]) if near is None else check_real("near", near)
     s, d, heading, _ = path.foot_point(state.x, state.y, near)
     cos, sin = math.cos(state.psi - heading), math.sin(state.psi - heading)
+    s, d = vehicle.center_at(s, d, state.psi - heading)
     ego = EgoView(
-        path=path, s=s + vehicle.box_offset * cos, d=d + vehicle.box_offset * sin,
+        path=path, s=s, d=d,
         v=state.v_x * cos - state.v_y * sin,
         half_length=0.5 * vehicle.length, half_width=0.5 * vehicle.width, lane_width=width, intent=intent,
     )  # fmt: skip

@@ -104,7 +104,7 @@ class LinearMpc:
         """Lateral motion through one corridor."""
         vehicle, slow = horizon.vehicle, np.maximum(v, _SLOWEST)
         road = horizon.road.path.curvature(s)
-        ends = vehicle.box_offset + np.array([[-0.5], [0.5]]) * vehicle.length
+        ends = np.array([[vehicle.rear], [vehicle.front]])
         stretch = np.diff(slow) / (0.5 * horizon.step * (slow[1:] + slow[:-1]))
         now = start.d, slow[0] * np.sin(start.angle), slow[0] ** 2 * (start.kappa - road[0])
         turning = slow**2 * road

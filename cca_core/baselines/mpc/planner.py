@@ -185,7 +185,7 @@ class MpcPlanner:
     def _renew(self, t: float, start: FrenetState, neighbors: list[FrenetVehicle]) -> None:
         """Solve again, or keep the last solution."""
         self._solved = t
-        rear = start.s + self.vehicle.box_offset - 0.5 * self.vehicle.length
+        rear = start.s + self.vehicle.rear
         own, half = self.road.ego_lane, 0.5 * self.vehicle.width
         others = [
             n for n in neighbors
@@ -265,7 +265,7 @@ class MpcPlanner:
         """Path coordinates and speeds at times, freely or behind a leader."""
         s, v = np.empty_like(t), np.empty_like(t)
         s[0], v[0], h, last = start.s, max(start.v, 0.0), float(t[1] - t[0]), start.a_x
-        own = self.vehicle.box_offset + 0.5 * self.vehicle.length
+        own = self.vehicle.front
         for k in range(len(t) - 1):
             a = cruise_acceleration(v[k], float(np.interp(s[k], self._s_cap, self._v_cap)), self.speed)
             if leader is not None:

@@ -50,7 +50,7 @@ def side_choices(horizon: Horizon, s: Array, v: Array, d: float) -> list[SideCho
         Those without contradiction, by growing effort; if there are none, the least contradictory one.
     """
     vehicle, n = horizon.vehicle, len(horizon.t)
-    ends = s + vehicle.box_offset + np.array([[-0.5], [0.5]]) * vehicle.length
+    ends = s + np.array([[vehicle.rear], [vehicle.front]])
     lower, upper = np.full((2, n), horizon.edges[0]), np.full((2, n), horizon.edges[1])
     lower[:, -1] = np.maximum(lower[:, -1], horizon.final[0])
     upper[:, -1] = np.minimum(upper[:, -1], horizon.final[1])

@@ -125,10 +125,7 @@ class Trajectory:
         """
         xy = self.xy(path)
         psi = path.heading(self.s) + self.angle - steady_sideslip(self.kappa, self.v, vehicle)
-        return Boxes(
-            xy[:, 0] + vehicle.box_offset * np.cos(psi), xy[:, 1] + vehicle.box_offset * np.sin(psi), psi,
-            np.array(vehicle.length), np.array(vehicle.width),
-        )  # fmt: skip
+        return vehicle.body_at(xy[:, 0], xy[:, 1], psi)
 
 
 def violated_limit(trajectory: Trajectory, horizon: Horizon) -> str:

@@ -188,7 +188,7 @@ def drive_commonroad(
             t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x,
             car.a_y, s, d,
         )  # fmt: skip
-        x, y = _body_center(state, vehicle)
+        x, y = vehicle.center_at(state.x, state.y, state.psi)
         if remotes:
             others = np.array([(r.x, r.y, r.psi, r.length, r.width) for r in remotes]).T
             gaps[k, there] = box_gap(boxes(x, y, state.psi, vehicle.length, vehicle.width), boxes(*others))
@@ -219,8 +219,3 @@ def _at_center_of_gravity(state: VehicleState, vehicle: VehicleParams) -> Vehicl
         v_y=state.v_y - vehicle.box_offset * state.r,
         delta=float(steady_steering(kappa, state.v_x, vehicle)),
     )
-
-
-def _body_center(state: VehicleState, vehicle: VehicleParams) -> tuple[float, float]:
-    along = vehicle.box_offset
-    return state.x + along * math.cos(state.psi), state.y + along * math.sin(state.psi)

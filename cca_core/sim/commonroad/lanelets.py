@@ -9,7 +9,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.errors import InputError
-from cca_core.geometry import wrap_angle
+from cca_core.geometry import quintic_step, wrap_angle
 
 __all__ = ["Lanelet", "centerline", "extend_straight", "find_route", "inside"]
 
@@ -237,7 +237,7 @@ def _change(group: list[Lanelet], start: tuple[float, float] | None, v_x: float)
         begin = float(share[np.argmin(np.hypot(*(lines[0] - start).T))])
     duration = max(min(changes * _CHANGE_TIME * v_x / length, 1.0 - begin), 1e-3)
     u = np.clip((share - begin) / duration, 0.0, 1.0)
-    place = changes * u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
+    place = quintic_step(u, changes)
     lower = np.minimum(place.astype(np.intp), changes - 1)
     weight, rows = (place - lower)[:, None], np.arange(len(share))
     line: Array = (1.0 - weight) * lines[lower, rows] + weight * lines[lower + 1, rows]

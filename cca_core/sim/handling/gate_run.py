@@ -9,7 +9,7 @@ import numpy as np
 from cca_core._checks import Array, check_real
 from cca_core.band import Band
 from cca_core.follow import PreviewController
-from cca_core.geometry import box_gap, boxes
+from cca_core.geometry import box_gap
 from cca_core.sim.handling.iso3888 import DoubleLaneChange
 from cca_core.sim.handling.tracking import Steering, TrackingRun, track_path
 from cca_core.sim.plants.plant import Plant
@@ -128,7 +128,7 @@ def drive_through(
     start = VehicleState(x=x, y=y, psi=0.0, v_x=check_real("speed", speed, gt=0.0))
     driven = _RecordingPlant(
         plant(start) if plant else SingleTrackPlant(car, start),
-        course.release - car.box_offset - 0.5 * car.length, check_real("drag", drag, ge=0.0),
+        course.release - car.front, check_real("drag", drag, ge=0.0),
     )  # fmt: skip
     law = steer or PreviewController(car, a_y_max=_LINEAR_A_Y).steer
     run = track_path(driven, law, path, speed, margin=_REST)
@@ -137,9 +137,7 @@ def drive_through(
     cycle = np.arange(len(poses))
     fine = np.linspace(0.0, cycle[-1], _PARTS * len(cycle))
     x, y, psi = (np.interp(fine, cycle, column) for column in poses.T)
-    body = boxes(
-        x + car.box_offset * np.cos(psi), y + car.box_offset * np.sin(psi), psi, car.length, car.width
-    )
+    body = car.body_at(x, y, psi)
     gaps = np.array([box_gap(body, block).min() for block in course.obstacles()]).reshape(3, 2)
     sideslip = max(abs(math.atan2(state.v_y, state.v_x)) for state in driven.motion)
     return GateRun(gaps=gaps, sideslip=sideslip, exit_speed=driven.state.v_x, poses=poses, run=run)

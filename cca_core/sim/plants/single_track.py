@@ -3,9 +3,8 @@
 import math
 
 from cca_core._checks import check_real
-from cca_core.vehicle import VehicleParams, VehicleState
+from cca_core.vehicle import GRAVITY, VehicleParams, VehicleState
 
-_G = 9.81
 _STEP = 0.01  # integration step at speed [s]
 _SLOW = 5.0  # below this the step is halved [m/s]
 _KINEMATIC = 1.0  # below this the car rolls without slip [m/s]
@@ -52,7 +51,7 @@ class SingleTrackPlant:
             state.a_x,
         ]
         self.a_y = 0.0
-        grip = vehicle.mu * _G
+        grip = vehicle.mu * GRAVITY
         # the front axle's share of load and drive, loads of both axles, grip and hardest drive, the body
         self._constants = (
             vehicle.l_r / vehicle.wheelbase, vehicle.m * vehicle.l_r / vehicle.wheelbase,

@@ -9,6 +9,7 @@ from cca_core._checks import Array
 from cca_core.decide import Action, Decision
 from cca_core.errors import InputError, Status
 from cca_core.follow import PreviewController
+from cca_core.geometry import quintic_step
 from cca_core.path import Path, interpolate_path
 from cca_core.planner.command import Command
 from cca_core.sim.log import Log
@@ -138,7 +139,7 @@ def _swerves(log: Log, cycle: int) -> Iterator[Path]:
     """Ways to the left and to the right of the nearest body in front that is in the ego's way."""
     road, car = log.scenario.road, log.scenario.vehicle
     s, v = float(log.ego_frenet[cycle, 0]), float(log.ego[cycle, 3])
-    front, half = s + car.box_offset + 0.5 * car.length, 0.5 * car.width
+    front, half = s + car.front, 0.5 * car.width
     for user, (at, d), (*_, v_user) in zip(
         log.scenario.road_users, log.user_frenet[cycle].tolist(), log.road_users[cycle].tolist(), strict=True
     ):
@@ -154,4 +155,4 @@ def _shifted(path: Path, start: float, length: float, width: float) -> Path:
     """Quintic step to the side of a path."""
     s: Array = np.arange(max(start - 20.0, path.start), path.end, _NODE)
     z = np.clip((s - start) / max(length, 1.0), 0.0, 1.0)
-    return interpolate_path(path.to_cartesian(s, width * z**3 * (10.0 - 15.0 * z + 6.0 * z * z)))
+    return interpolate_path(path.to_cartesian(s, quintic_step(z, width)))

@@ -11,11 +11,10 @@ from cca_core.sim.scenarios.road_user import BrakeAction, ReactToLeadAction, Roa
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.study.sampling import SAMPLERS, STUDY_SCENARIOS
 from cca_core.v2x import ChannelSettings, SenderSettings
-from cca_core.vehicle import VehicleParams
+from cca_core.vehicle import GRAVITY, VehicleParams
 
 __all__ = ["ParameterRanges", "nominal_scenario", "sample_scenario", "without_v2v"]
 
-_G = 9.81
 _MESSAGES = 10.0  # longest mean burst of loss [-]
 _NOISE_TIME = 30.0  # [s]
 _REACH, _FAR_REACH = (50.0, 400.0), (300.0, 1000.0)  # among houses and cars; on an open road [m]
@@ -209,7 +208,7 @@ def without_v2v(scenario: Scenario, ego: str) -> Scenario:
 
 def _limit_to_friction(user: RoadUser, friction: float) -> RoadUser:
     """Let nobody mean to brake harder than the road gives."""
-    most = friction * _G
+    most = friction * GRAVITY
     acts = tuple(
         replace(act, deceleration=min(act.deceleration, most))
         if isinstance(act, BrakeAction | ReactToLeadAction)

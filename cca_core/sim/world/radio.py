@@ -12,11 +12,11 @@ from cca_core.sim.scenarios.road_user import ReactToLeadAction, RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.traffic import Traffic
 from cca_core.v2x import Channel, ChannelSettings, Sender, Tracker, TrackerSettings, decode_bsm
-from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
+from cca_core.vehicle import GRAVITY, RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Radio", "Receiver"]
 
-_HARD = 0.4 * 9.81  # deceleration from which on hard braking is announced [m/s^2]
+_HARD = 0.4 * GRAVITY  # deceleration from which on hard braking is announced [m/s^2]
 _BRAKING = frozenset({"hard_braking"})
 _ACCURACY = 1.5  # up to which it is believed how well a sender knows its place [m]
 _EGO = "ffffffff"
@@ -150,15 +150,15 @@ class Radio:
         return arrivals
 
     def _send_own(self, t: float, traffic: Traffic, ego: VehicleState) -> None:
-        car, ahead = self._vehicle, (math.cos(ego.psi), math.sin(ego.psi))
-        middle = ego.x + car.box_offset * ahead[0], ego.y + car.box_offset * ahead[1]
-        motion = (*middle, ego.psi, max(ego.v_x, 0.0), ego.a_x, ego.r)
+        car = self._vehicle
+        center = car.center_at(ego.x, ego.y, ego.psi)
+        motion = (*center, ego.psi, max(ego.v_x, 0.0), ego.a_x, ego.r)
         data = self._own.poll(t, _bsm_of("ego", motion, car, frozenset()))
         if data is None:
             return
         self._asleep[-1] = t + _SILENT
         self.counts["ego_sent"] += 1
-        self._back.send(t, middle, data)
+        self._back.send(t, center, data)
         if traffic.movers:
             self.counts["ego_delivered"] += len(self._back.receive(t, traffic.movers[0].pose[:2]))
 

@@ -60,7 +60,7 @@ class Sensor:
             Whether half of the face of each is in sight, in the field of view and within range.
         """
         vehicle, ahead = self._vehicle, cmath.exp(1j * ego.psi)
-        middle = complex(ego.x, ego.y) + vehicle.box_offset * ahead
+        middle = complex(*vehicle.center_at(ego.x, ego.y, ego.psi))
         eye = middle + _EYE * vehicle.length * ahead
         bodies = [(r[0], r[1], r[2], u.length, u.width) for r, u in zip(rows, self._users, strict=True)]
         seen = []

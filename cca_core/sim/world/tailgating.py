@@ -72,7 +72,7 @@ class Tailgating:
         elif leader.a <= _BRAKES:
             self._a_x = 0.0
         else:
-            front = s + self._vehicle.box_offset + 0.5 * self._vehicle.length
+            front = s + self._vehicle.front
             error = leader.s - 0.5 * leader.user.length - front - self._pinned.time_gap * v_x
             self._a_x = min(max(_STIFF * error + _DAMPED * (leader.v - v_x), -_GENTLE), _GENTLE)
         return self._a_x

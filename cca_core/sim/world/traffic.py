@@ -2,6 +2,7 @@
 
 import math
 
+from cca_core.geometry import quintic_step
 from cca_core.path import Path
 from cca_core.sim.scenarios.road_user import BrakeAction, LateralShiftAction, ReactToLeadAction, RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
@@ -116,7 +117,7 @@ class TrafficAgent:
             act = self.user.actions[i]
             if isinstance(act, LateralShiftAction):
                 z = min((t - begun) / act.duration, 1.0)
-                self.d += act.offset * z**3 * (10.0 - 15.0 * z + 6.0 * z * z)
+                self.d += quintic_step(z, act.offset)
                 self._turning += act.offset * 30.0 * z * z * (1.0 - z) ** 2 / act.duration
 
     def _place(self) -> tuple[float, float, float, float]:
