@@ -1,4 +1,4 @@
-"""Checks of arguments at the library's boundary; each raises `InputError` naming the argument."""
+"""Checks of arguments; each raises `InputError` that names the argument."""
 
 import math
 from typing import Any
@@ -23,11 +23,11 @@ def check_real(
     le: float = math.inf,
     allow_inf: bool = False,
 ) -> float:
-    """Return `value` as float if it is a real number with above < value and least <= value <= most."""
+    """Return `value` as float if it is a real number, greater than `gt` and from `ge` to `le`."""
     try:
-        if isinstance(value, (str, bytes)):  # float() would read them, and their owner keep the text
+        if isinstance(value, (str, bytes)):  # float() accepts text, but the caller would keep the text
             raise TypeError
-        number = float(value)  # type: ignore[arg-type]  # anything may come from outside
+        number = float(value)  # type: ignore[arg-type]  # the value may be anything
     except (TypeError, ValueError):
         raise InputError(f"{name} must be a real number, was {value!r}") from None
     if not (math.isfinite(number) or (allow_inf and not math.isnan(number))):
@@ -40,13 +40,13 @@ def check_real(
     return number
 
 
-def read_real(name: str, value: object, *, least: float = -math.inf, most: float = math.inf) -> float:
-    """Do as `check_real` does, with numbers written as text, such as in a file, as well."""
+def read_real(name: str, value: object, *, ge: float = -math.inf, le: float = math.inf) -> float:
+    """Return `value` as `check_real` does; it may be written as text, as in a file."""
     try:
         value = float(value) if isinstance(value, str) else value
     except ValueError:
         raise InputError(f"{name} must be a real number, was {value!r}") from None
-    return check_real(name, value, ge=least, le=most)
+    return check_real(name, value, ge=ge, le=le)
 
 
 def check_array(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
@@ -77,12 +77,12 @@ def check_any(name: str, value: ArrayLike, ends_with: tuple[int, ...] = ()) -> A
         wanted = ", ".join(["...", *map(str, ends_with)])
         raise InputError(f"{name} must have shape ({wanted}), had {array.shape}")
     if not np.isfinite(array).all():
-        raise InputError(f"{name} must be finite, had {array[~np.isfinite(array)][0]}")
+        raise InputError(f"{name} must be finite, was {array[~np.isfinite(array)][0]}")
     return array
 
 
 def check_points(name: str, value: ArrayLike, min_points: int) -> Array:
-    """Return a float64 copy of `value` if it is a finite (n, 2) array with n >= `least`."""
+    """Return a float64 copy of `value` if it is a finite (n, 2) array with n >= `min_points`."""
     points = check_array(name, value, (None, 2))
     if len(points) < min_points:
         raise InputError(f"{name} must have at least {min_points} points, had {len(points)}")

@@ -12,13 +12,14 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._version_1 import CLASSES, FIELDS, VALUES
 from cca_core.errors import InputError
 from cca_core.path import Lane, LocalFrame, Path, Road
 
 __all__ = ["VERSION", "from_dict", "to_dict"]
 
-VERSION = 1
-"""Version of the dictionaries; others are refused."""
+VERSION = 2
+"""Version of the dictionaries that are written; version 1 is read as well."""
 
 T = TypeVar("T")
 
@@ -61,7 +62,7 @@ def to_dict(value: object) -> dict[str, Any]:
     Examples
     --------
     >>> to_dict(Lane(d=3.5, direction=-1))
-    {'type': 'Lane', 'version': 1, 'd': 3.5, 'width': 3.5, 'direction': -1}
+    {'type': 'Lane', 'version': 2, 'd': 3.5, 'width': 3.5, 'direction': -1}
     """
     if _fields(type(value)) is None:
         raise InputError(f"value must be settings or a result, was {type(value).__name__}")
@@ -98,7 +99,10 @@ def from_dict(kind: type[T], data: Mapping[str, Any]) -> T:
     """
     if _fields(kind) is None:
         raise InputError(f"kind must be a class of settings or results, was {kind!r}")
-    made: T = _object(kind, data, "")
+    version = data.get("version", VERSION) if isinstance(data, Mapping) else VERSION
+    if version not in (1, VERSION):
+        raise InputError(f"version must be 1 or {VERSION}, was {version!r}")
+    made: T = _object(kind, data, "", version == 1)
     return made
 
 
@@ -152,15 +156,20 @@ def _described(value: Any, where: str) -> Any:
     raise InputError(f"{where} must be made of numbers, words and records, was {type(value).__name__}")
 
 
-def _object(kind: type, data: Any, where: str) -> Any:
-    """Make a record; `where` names it, empty for the outermost."""
+def _name(kind: type, old: bool) -> str:
+    """Name of a class, today or in version 1."""
+    return CLASSES.get(kind.__name__, kind.__name__) if old else kind.__name__
+
+
+def _object(kind: type, data: Any, where: str, old: bool) -> Any:
+    """Make a record; `where` names it, empty for the outermost; `old` for version 1."""
     if not isinstance(data, Mapping):
         raise InputError(f"{where or 'data'} must have the fields of {kind.__name__}, was {str(data)[:60]!r}")
     prefix = f"{where}." if where else ""
-    if data.get("type", kind.__name__) != kind.__name__:
-        raise InputError(f"{prefix}type must be {kind.__name__}, was {data['type']!r}")
-    if not where and data.get("version", VERSION) != VERSION:
-        raise InputError(f"version must be {VERSION}, was {data['version']!r}")
+    if data.get("type", _name(kind, old)) != _name(kind, old):
+        raise InputError(f"{prefix}type must be {_name(kind, old)}, was {data['type']!r}")
+    renamed = FIELDS.get(kind.__name__, {}) if old else {}
+    data = {renamed.get(name, name): value for name, value in data.items()}
     hints = _fields(kind) or {}
     for name in data:
         if name not in hints and name != "type" and (name != "version" or where):
@@ -168,7 +177,9 @@ def _object(kind: type, data: Any, where: str) -> Any:
     for name in hints:
         if name not in data and name in _required(kind):
             raise InputError(f"{prefix}{name} is missing, a field of {kind.__name__}")
-    values = {name: _made(hint, data[name], prefix + name) for name, hint in hints.items() if name in data}
+    values = {
+        name: _made(hint, data[name], prefix + name, old) for name, hint in hints.items() if name in data
+    }
     try:
         return kind(**values)
     except InputError as error:
@@ -185,26 +196,27 @@ def _required(kind: type) -> frozenset[str]:
     return frozenset(f.name for f in fields if f.default is lacks and f.default_factory is lacks)
 
 
-def _made(hint: Any, data: Any, where: str) -> Any:
+def _made(hint: Any, data: Any, where: str, old: bool = False) -> Any:
     """Make a value of type `hint`."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:  # Annotated[Any, kind]: anything to a type checker, here a kind
-        return _made(inner[1], data, where)
+        return _made(inner[1], data, where, old)
     if origin in (Union, UnionType):
-        return _one_of(inner, data, where)
+        return _one_of(inner, data, where, old)
     if origin is Literal:
         return _checked(data in inner, data, where, f"one of {', '.join(map(repr, inner))}")
     if origin is np.ndarray:
         return _array(np.dtype(get_args(inner[1])[0]), data, where)
     if origin in (tuple, frozenset):
-        return _sequence(origin, inner, data, where)
+        return _sequence(origin, inner, data, where, old)
     if origin in (dict, Mapping):
         _checked(isinstance(data, Mapping), data, where, "an object")
-        return {inner[0](key): _made(inner[1], item, f"{where}.{key}") for key, item in data.items()}
+        return {inner[0](key): _made(inner[1], item, f"{where}.{key}", old) for key, item in data.items()}
     if _fields(hint) is not None:
-        return _object(hint, data, where)
+        return _object(hint, data, where, old)
     if isinstance(hint, type) and issubclass(hint, Enum):
         names = list(hint.__members__)
+        data = VALUES.get(data, data) if old and isinstance(data, str) else data
         _checked(isinstance(data, str) and data in names, data, where, f"one of {', '.join(names)}")
         return hint[data]
     if hint not in _SIMPLE:
@@ -213,17 +225,17 @@ def _made(hint: Any, data: Any, where: str) -> Any:
     return convert(_checked(fits(data), data, where, words))
 
 
-def _one_of(kinds: tuple[Any, ...], data: Any, where: str) -> Any:
+def _one_of(kinds: tuple[Any, ...], data: Any, where: str, old: bool) -> Any:
     """Make a value of one of some types: None, the record that ``"type"`` names, or the only other one."""
     if data is None and NoneType in kinds:
         return None
     rest = [kind for kind in kinds if kind is not NoneType]
     if len(rest) > 1:
         named = data.get("type") if isinstance(data, Mapping) else None
-        words = f"an object whose type is one of {', '.join(kind.__name__ for kind in rest)}"
-        rest = [kind for kind in rest if kind.__name__ == named]
+        words = f"an object whose type is one of {', '.join(_name(kind, old) for kind in rest)}"
+        rest = [kind for kind in rest if _name(kind, old) == named]
         _checked(bool(rest), data, where, words)
-    return _made(rest[0], data, where)
+    return _made(rest[0], data, where, old)
 
 
 def _array(dtype: np.dtype[Any], data: Any, where: str) -> Any:
@@ -252,7 +264,7 @@ def _leaves(leaf: type, data: Any, where: str) -> Any:
     return _made(leaf, data, where)
 
 
-def _sequence(origin: type, inner: tuple[Any, ...], data: Any, where: str) -> Any:
+def _sequence(origin: type, inner: tuple[Any, ...], data: Any, where: str, old: bool) -> Any:
     """Make a tuple or frozenset."""
     _checked(isinstance(data, (list, tuple)), data, where, "a list")
     if origin is frozenset or inner[1:] == (Ellipsis,):
@@ -261,7 +273,7 @@ def _sequence(origin: type, inner: tuple[Any, ...], data: Any, where: str) -> An
         kinds = inner
         _checked(len(data) == len(kinds), data, where, f"a list of {len(kinds)}")
     pairs = enumerate(zip(kinds, data, strict=True))
-    return origin(_made(kind, item, f"{where}[{i}]") for i, (kind, item) in pairs)
+    return origin(_made(kind, item, f"{where}[{i}]", old) for i, (kind, item) in pairs)
 
 
 def _checked(fits: bool, data: Any, where: str, words: str) -> Any:

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 from contextlib import suppress
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core import Band, InputError, Lane, Path, RemoteVehicle, Road, Status, VehicleParams, relax_band
+from cca_core._version_1 import CLASSES, FIELDS
 from cca_core.band import BandStiffness
 from cca_core.decide import Decision
 from cca_core.planner.settings import EvasionSettings
@@ -21,6 +23,8 @@ from cca_core.v2x import ChannelSettings, TrackerSettings
 from tests.support.recorded_data import CAR, ROUTE, examples, parts, public_records
 
 EXAMPLES = examples()
+VERSION_1 = json.loads((FilePath(__file__).parent / "support" / "records_1.json").read_text())
+KINDS = {CLASSES.get(name, name): type(value) for name, value in EXAMPLES.items()} | {"Scenario": Scenario}
 
 
 def there_and_back(value: Any) -> Any:
@@ -38,6 +42,31 @@ def test_round_trip(name: str) -> None:
     assert type(again) is type(value)
     assert parts(again) == parts(value)
     assert to_dict(again) == to_dict(value)
+
+
+def bare(data: Any) -> Any:
+    """Values of a description without its names, which changed after version 1."""
+    if isinstance(data, dict):
+        return [bare(value) for key, value in data.items() if key not in ("type", "version")]
+    if isinstance(data, list):
+        return [bare(value) for value in data]
+    return "DEGRADED" if data == "FALLBACK" else data
+
+
+@pytest.mark.parametrize("data", VERSION_1, ids=[data["type"] for data in VERSION_1])
+def test_version_1_is_read_with_equal_values(data: dict[str, Any]) -> None:
+    assert data["version"] == 1
+    assert bare(to_dict(from_dict(KINDS[data["type"]], data))) == bare(data)
+
+
+def test_version_1_table_names_fields_of_today() -> None:
+    for name in FIELDS.keys() & EXAMPLES.keys():
+        assert set(FIELDS[name].values()) <= to_dict(EXAMPLES[name]).keys()
+
+
+def test_version_2_has_no_old_names() -> None:
+    with pytest.raises(InputError, match=r"^reaction is not a field"):
+        from_dict(TrackerSettings, {"version": 2, "reaction": 1.0})
 
 
 @pytest.mark.parametrize("name", sorted(EXAMPLES))
@@ -109,17 +138,17 @@ WRONG = [
     (Lane, {"d": 0.0, "direction": 1.0}, r"^direction must be a whole number"),
     (Lane, {"d": 0.0, "width": -1.0}, r"^width must be greater than 0, was -1$"),
     (Lane, {"d": 0.0, "type": "Road"}, r"^type must be Lane, was 'Road'$"),
-    (Lane, {"d": 0.0, "version": 2}, r"^version must be 1, was 2$"),
+    (Lane, {"d": 0.0, "version": 3}, r"^version must be 1 or 2, was 3$"),
     (Lane, [0.0], r"^data must have the fields of Lane"),
     (Lane, None, r"^data must have the fields of Lane"),
-    (TrackerSettings, {"plausibility": {"room": -1.0}}, r"^plausibility\.room must be"),
+    (TrackerSettings, {"plausibility": {"position_tolerance": -1.0}}, r"^plausibility\.position_tolerance must be"),
     (TrackerSettings, {"plausibility": {"frozen": 1}}, r"^plausibility\.frozen must be true or false"),
-    (TrackerSettings, {"plausibility": {"version": 1}}, r"^plausibility\.version is not a field"),
+    (TrackerSettings, {"plausibility": {"version": 2}}, r"^plausibility\.version is not a field"),
     (Decision, {"action": "TURN", "reason": ""}, r"^action must be one of KEEP, FOLLOW, .*, was 'TURN'$"),
     (Decision, {"action": [], "reason": ""}, r"^action must be one of KEEP"),
     (Decision, {"action": "KEEP", "reason": 1}, r"^reason must be a string"),
-    (Decision, {"action": "KEEP", "reason": "", "zone": [1.0]}, r"^zone must be a list of 2"),
-    (Decision, {"action": "KEEP", "reason": "", "zone": [1.0, {}]}, r"^zone\[1\] must be a number"),
+    (Decision, {"action": "KEEP", "reason": "", "danger_zone": [1.0]}, r"^danger_zone must be a list of 2"),
+    (Decision, {"action": "KEEP", "reason": "", "danger_zone": [1.0, {}]}, r"^danger_zone\[1\] must be a number"),
     (Path, {"breaks": [0.0, 1.0], "coefficients": [[1.0], 2.0]}, r"^coefficients must be nested lists"),
     (Path, {"breaks": [0.0, "1"], "coefficients": []}, r"^breaks must be a number, was '1'$"),
     (Path, {"breaks": {"shape": [3]}, "coefficients": []}, r"^breaks must be nested lists"),

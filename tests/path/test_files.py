@@ -127,7 +127,7 @@ def worst_residual(xy: np.ndarray, path: object) -> float:
     from scipy.spatial import cKDTree
 
     near = s[cKDTree(path.position(s)).query(xy)[1]]  # type: ignore[attr-defined]
-    _, d = path.project(xy, near=near)  # type: ignore[attr-defined]
+    _, d = path.project(xy, s_guess=near)  # type: ignore[attr-defined]
     return float(np.abs(d).max())
 
 

@@ -61,7 +61,7 @@ def number(
 ) -> float:
     """Return the number in a child."""
     text = (child(element, tag, name).text or "").strip()
-    return read_real(f"{tag} of {name}", text[:40], least=least, most=most)
+    return read_real(f"{tag} of {name}", text[:40], ge=least, le=most)
 
 
 def exact(element: Element, tag: str, name: str, most: float) -> float:

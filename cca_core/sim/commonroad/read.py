@@ -71,7 +71,7 @@ def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
     version = root.get("commonRoadVersion")
     if version not in _VERSIONS:
         raise InputError(f"commonRoadVersion must be {' or '.join(_VERSIONS)}, was {version!r}")
-    dt = read_real("timeStepSize of commonRoad", root.get("timeStepSize"), least=1e-3, most=10.0)
+    dt = read_real("timeStepSize of commonRoad", root.get("timeStepSize"), ge=1e-3, le=10.0)
     bodies = [element for element in root if element.tag in _ROLES]
     named = [*root.iterfind("lanelet"), *bodies, *root.iterfind("planningProblem")]
     ids = [_id(element) for element in named]
