@@ -99,7 +99,8 @@ def from_dict(kind: type[T], data: Mapping[str, Any]) -> T:
     """
     if _fields(kind) is None:
         raise InputError(f"kind must be a class of settings or results, was {kind!r}")
-    version = data.get("version", VERSION) if isinstance(data, Mapping) else VERSION
+    given: object = data  # a file may hold anything
+    version = given.get("version", VERSION) if isinstance(given, Mapping) else VERSION
     if version not in (1, VERSION):
         raise InputError(f"version must be 1 or {VERSION}, was {version!r}")
     made: T = _object(kind, data, "", version == 1)
