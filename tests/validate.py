@@ -169,7 +169,14 @@ def told(tables: list[StudyTable]) -> list[str]:
         for index in np.flatnonzero(table.collided("v2v")).tolist():
             row = table.rows[index]
             numbers = (f"{row[key]:.2f}" for key in ("v2v_speed", "latency", "loss", "reach"))
-            cells = (table.scenario, index, row["v2v_hit"], *numbers, why(row), row["v2v_last"])
+            cells = (
+                table.scenario,
+                index,
+                row["v2v_collided_with"],
+                *numbers,
+                why(row),
+                row["v2v_last_decision"],
+            )
             lines.append(f"| {' | '.join(map(str, cells))} |")
     return lines
 

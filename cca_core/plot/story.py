@@ -82,7 +82,7 @@ def describe_participants(log: Log) -> str:
         told.append(f"{user.id} {does} on {lane}, {where}{toward}")
     pinned = log.scenario.fixed_gap
     if pinned is not None:
-        told.append(f"the ego keeps {pinned.time_gap:g} s behind {pinned.leader} until it knows of a hazard")
+        told.append(f"the ego keeps {pinned.time_gap:g} s behind {pinned.lead_id} until it knows of a hazard")
     return "; ".join(told) + "."
 
 
@@ -181,7 +181,7 @@ def key_frames(log: Log, *, most: int = 6) -> list[KeyFrame]:
             ranked.append((1, KeyFrame(t=float(log.t[row]), text=text)))
     names = {user.id for user in log.scenario.road_users}
     for t, what, who in log.events:
-        if who in names and what in ("brakes", "swerves"):
+        if who in names and what in ("brakes", "lateral_shift"):
             ranked.append((1, KeyFrame(t=t, text=f"{who} {what}")))
     hit = " in a collision" if (gaps <= 0.0).any() else ""
     ranked.append((-1 if hit else 3, KeyFrame(t=ends, text=f"the run ends{hit}")))

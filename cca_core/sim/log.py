@@ -1,4 +1,4 @@
-"""What happened in a run: the log of every cycle, and its metrics."""
+"""Log of a run, cycle by cycle, and its metrics."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -18,11 +18,11 @@ class Log:
     Parameters
     ----------
     scenario : Scenario
-        What was run.
+        Road, ego and road users of the run.
     plant : str
         Name of the ego's plant.
     seed : int
-        Seed of all that was drawn.
+        Seed of the senders' phases and of the channel.
     t : ndarray, shape (n,)
         Time [s].
     ego : ndarray, shape (n, 8)
@@ -30,30 +30,33 @@ class Log:
     a_y : ndarray, shape (n,)
         Lateral acceleration of the center of gravity [m/s^2], left positive.
     command : ndarray, shape (n, 2)
-        Road-wheel angle [rad] and acceleration [m/s^2] asked for.
+        Commanded road-wheel angle [rad] and acceleration [m/s^2].
     ego_frenet : ndarray, shape (n, 2)
-        Ego in path coordinates s, d [m].
+        Frenet coordinates s, d of the ego's center of gravity [m].
     tracking : ndarray, shape (n,)
-        Lateral error to the reference that was steered along [m], left positive.
+        Lateral error to the reference path [m], left positive.
     road_users : ndarray, shape (n, n_users, 4)
-        x [m], y [m], psi [rad], v_x [m/s] of the others' body centers.
+        x [m], y [m], psi [rad], v_x [m/s] of the road users' body centers.
     user_motion : ndarray, shape (n, n_users, 2)
         Their acceleration [m/s^2] and yaw rate [rad/s].
     user_frenet : ndarray, shape (n, n_users, 2)
-        The others in path coordinates s, d [m].
+        Frenet coordinates s, d of the road users' body centers [m].
     visible, tracked : ndarray of bool, shape (n, n_users)
-        Who is in the ego's line of sight, whatever drives it, and who is known to it by messages.
+        Whether each road user is in the ego's line of sight, and whether the ego has a track of it from
+        messages.
     gap_held : ndarray of bool, shape (n,)
-        Whether a pinned gap was held instead of the command's acceleration.
+        Whether the fixed time gap was kept instead of the command's acceleration.
     decisions : tuple of (float, str, str)
         Time [s], action and reason at each change of action.
     events : tuple of (float, str, str)
-        Time [s], what happened, and to whom, as `Witness` tells.
+        Time [s], kind and vehicle of each event, once each: ``"first_visible"``, ``"first_received"``,
+        ``"hazard_received"`` (first message of hard braking), ``"brakes"``, ``"stopped"``,
+        ``"lateral_shift"``, ``"gap_released"`` (the ego's fixed time gap), ``"collision"``.
     received : tuple of (int, bytes)
         Cycle and content of every message that arrived at the ego.
     messages : dict
-        How many messages the others sent, how many were delivered to the ego, and the same for those of the
-        ego to the others.
+        Number of messages that the road users ``"sent"``, that were ``"delivered"`` to the ego, and of the
+        ego's own ``"ego_sent"`` and ``"ego_delivered"``.
     degraded : ndarray of bool, shape (n,)
         Whether the command's status was not `OK`.
     cycle_us : ndarray, shape (n,)
@@ -61,7 +64,7 @@ class Log:
     wall_s : float
         Wall-clock time of the whole run [s].
     missed_deadlines : int
-        Cycles of a paced run that ended too late.
+        Number of cycles of a real-time run that ended after their deadline.
     """
 
     scenario: Scenario
@@ -90,28 +93,33 @@ class Log:
 
     def __repr__(self) -> str:
         scenario = self.scenario
-        contact = next((f", contact with {who}" for _, what, who in self.events if what == "contact"), "")
+        collision = f", collision with {self.collided_with}" if self.collided_with else ""
         return (
             f"Log({' '.join(filter(None, (scenario.name, scenario.case)))}, {scenario.ego_type}, {self.plant}, "
-            f"seed {self.seed}, {self.t[-1]:.2f} s{contact})"
+            f"seed {self.seed}, {self.t[-1]:.2f} s{collision})"
         )
 
+    @property
+    def collided_with(self) -> str:
+        """Id of the road user that the ego collided with; empty if there was no collision."""
+        return next((name for _, kind, name in self.events if kind == "collision"), "")
+
     def gaps(self) -> Array:
-        """Signed distance between the ego's box and each other's.
+        """Signed distance between the boxes of the ego and of each road user.
 
         Returns
         -------
         gaps : ndarray, shape (n, n_users)
-            Distance [m], negative where the boxes overlap.
+            Distance [m], negative if the boxes overlap.
         """
         return box_gap(*self.bodies())
 
     def bodies(self) -> tuple[Boxes, Boxes]:
-        """Boxes of the ego and of the others.
+        """Boxes of the ego and of the road users.
 
         Returns
         -------
-        ego, others : Boxes
+        ego, road_users : Boxes
             Fields of shape (n, 1) and (n, n_users).
         """
         vehicle, users = self.scenario.vehicle, self.scenario.road_users
@@ -124,43 +132,45 @@ class Log:
         return ego, others
 
     def time_to_collision(self) -> Array:
-        """Time until the ego would touch a vehicle in its way if both kept their speed.
+        """Time to collision at constant speeds.
 
         Returns
         -------
         ttc : ndarray, shape (n,)
-            Least over all vehicles that overlap the ego sideways and come closer [s]; else infinite.
+            Minimum over all road users that overlap the ego laterally and come closer [s]; infinite if there
+            is none.
         """
         vehicle, users = self.scenario.vehicle, self.scenario.road_users
         size = np.array([(u.length, u.width) for u in users]).reshape(-1, 2)
         along = self.user_frenet[..., 0] - self.ego_frenet[:, None, 0]
-        beside = np.abs(self.user_frenet[..., 1] - self.ego_frenet[:, None, 1])
+        lateral = np.abs(self.user_frenet[..., 1] - self.ego_frenet[:, None, 1])
         gap = np.abs(along) - 0.5 * (vehicle.length + size[:, 0])
         heading = self.scenario.road.path.heading(self.user_frenet[..., 0])
         v_s = self.road_users[..., 3] * np.cos(self.road_users[..., 2] - heading)
         closing = (self.ego[:, None, 3] - v_s) * np.sign(along)
-        relevant = (beside < 0.5 * (vehicle.width + size[:, 1])) & (closing > 0.1) & (gap > 0.0)
+        relevant = (lateral < 0.5 * (vehicle.width + size[:, 1])) & (closing > 0.1) & (gap > 0.0)
         ttc = np.where(relevant, gap / np.where(relevant, closing, 1.0), np.inf)
-        least: Array = ttc.min(axis=1, initial=np.inf)
-        return least
+        first: Array = ttc.min(axis=1, initial=np.inf)
+        return first
 
     def closing_speed(self) -> float:
-        """Speed of the ego relative to the vehicle that is nearest in the last cycle.
+        """Relative speed of the ego and the nearest road user in the last cycle.
 
         Returns
         -------
         speed : float
-            Magnitude of the difference of both velocities [m/s]: the severity of a contact; 0 without others.
+            Magnitude of the difference of both velocities [m/s], the severity of a collision; 0 without road
+            users.
         """
         if not self.scenario.road_users:
             return 0.0
         _, _, psi, v = self.road_users[-1, int(np.argmin(self.gaps()[-1]))].tolist()
         ego = self.ego[-1]
-        own = (ego[3] + 1j * ego[4]) * np.exp(1j * ego[2])
-        return float(abs(own - v * np.exp(1j * psi)))
+        velocity = (ego[3] + 1j * ego[4]) * np.exp(1j * ego[2])
+        return float(abs(velocity - v * np.exp(1j * psi)))
 
     def time_of(self, event: str, vehicle_id: str = "ego") -> float:
-        """When something happened first.
+        """First time of an event.
 
         Parameters
         ----------
@@ -172,13 +182,13 @@ class Log:
         Returns
         -------
         t : float
-            Time [s]; infinite if it never did.
+            Time [s]; infinite if it did not happen.
         """
         return next((t for t, kind, name in self.events if (kind, name) == (event, vehicle_id)), np.inf)
 
     @property
     def actions(self) -> list[str]:
-        """Names of the actions in order, each as often as it was begun."""
+        """Names of the actions in order, one for each change."""
         return [name for _, name, _ in self.decisions]
 
     def summary(self) -> dict[str, Any]:
@@ -192,7 +202,7 @@ class Log:
         """
         gaps = self.gaps()
         collided = bool((gaps <= 0.0).any())
-        hit = self.scenario.road_users[int(np.argmin(gaps.min(axis=0)))].id if collided else None
+        nearest = self.scenario.road_users[int(np.argmin(gaps.min(axis=0)))].id if collided else None
         jerk = np.abs(np.diff(self.ego[:, 7])) / np.diff(self.t)
         evading = _evading(self)
         return {
@@ -203,7 +213,7 @@ class Log:
             "plant": self.plant,
             "seed": self.seed,
             "collided": collided,
-            "collided_with": hit,
+            "collided_with": nearest,
             "closing_speed_mps": _rounded(self.closing_speed()) if collided else None,
             "min_gap_m": _rounded(gaps.min(initial=np.inf)),
             "min_ttc_s": _rounded(self.time_to_collision().min()),
@@ -214,7 +224,7 @@ class Log:
             "max_offset_m": _rounded(np.abs(self.ego_frenet[:, 1]).max()),
             "evading_s": _rounded(float(np.sum(np.diff(self.t)[evading[:-1]]))),
             "actions": [[round(t, 2), name] for t, name, _ in self.decisions],
-            "events": [[round(t, 2), what, who] for t, what, who in self.events],
+            "events": [[round(t, 2), kind, vehicle_id] for t, kind, vehicle_id in self.events],
             "messages": dict(self.messages),
             "missed_deadlines": self.missed_deadlines,
             "duration_s": _rounded(self.t[-1]),

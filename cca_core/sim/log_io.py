@@ -3,10 +3,12 @@
 import json
 from dataclasses import fields
 from pathlib import Path as FilePath
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
 
+from cca_core._checks import Array, Mask
 from cca_core.errors import InputError
 from cca_core.serial import from_dict, to_dict
 from cca_core.sim.log import Log
@@ -14,10 +16,16 @@ from cca_core.sim.scenarios.scenario import Scenario
 
 __all__ = ["load_log", "save_log"]
 
-_VERSION = 1
-_ARRAYS = tuple(
-    "t ego a_y command place tracking users user_motion user_frenet seen heard held fallback cycle_us".split()
-)
+_VERSION = 2
+_ARRAYS = tuple(field.name for field in fields(Log) if field.type in (Array, Mask))
+_VERSION_1 = {
+    "place": "ego_frenet", "users": "road_users", "user_places": "user_frenet", "seen": "visible",
+    "heard": "tracked", "held": "gap_held", "fallback": "degraded", "missed": "missed_deadlines",
+    "event contact": "collision", "event heard": "first_received", "event seen": "first_visible",
+    "event hazard_heard": "hazard_received", "event stands": "stopped", "event swerves": "lateral_shift",
+    "event released": "gap_released",
+}  # fmt: skip
+"""Names of fields and events in files of version 1, with today's."""
 
 
 def save_log(log: Log, path: str | FilePath) -> None:
@@ -28,11 +36,11 @@ def save_log(log: Log, path: str | FilePath) -> None:
     log : Log
         The run.
     path : str or pathlib.Path
-        File to write, as a rule ``.npz``; its folder exists.
+        File to write, as a rule ``.npz``, in a folder that exists.
 
     Notes
     -----
-    Every number is kept exactly; the scenario is JSON as by `to_dict`, and so are decisions and events.
+    Every number is kept exactly. The scenario is JSON as by `to_dict`, and so are decisions and events.
     """
     rest = {f.name: getattr(log, f.name) for f in fields(log) if f.name not in (*_ARRAYS, "received")}
     text = json.dumps({"version": _VERSION, **rest, "scenario": to_dict(log.scenario)}, allow_nan=False)
@@ -59,26 +67,36 @@ def load_log(path: str | FilePath) -> Log:
     Returns
     -------
     log : Log
-        Equal to the one saved, bit for bit.
+        Equal to the one saved, bit for bit. Names of version 1 are replaced by today's.
 
     Raises
     ------
     InputError
-        If the file is no log, or one of another version.
+        If the file is not a log of version 1 or 2.
     """
     try:
         with np.load(path, allow_pickle=False) as file:
             content = {name: file[name] for name in file.files}
         meta = json.loads(content.pop("meta").tobytes())
-    except (OSError, ValueError, KeyError, AttributeError, EOFError, BadZipFile) as error:
+        version = meta.pop("version", None)
+        if version not in (1, _VERSION):
+            raise InputError(f"path must be a log of version 1 or {_VERSION}, {path} was of {version!r}")
+        if version == 1:
+            content, meta = _renamed(content), _renamed(meta)
+            meta["events"] = [(t, _VERSION_1.get(f"event {e}", e), name) for t, e, name in meta["events"]]
+        ends = np.cumsum(content.pop("received_sizes")).tolist()
+        blob, rows = content.pop("received_bytes").tobytes(), content.pop("received_rows").tolist()
+        meta["received"] = tuple(
+            (row, blob[begin:end]) for row, begin, end in zip(rows, [0, *ends][:-1], ends, strict=True)
+        )
+        meta["scenario"] = from_dict(Scenario, meta["scenario"])
+        meta |= {name: tuple(map(tuple, meta[name])) for name in ("decisions", "events")}
+        return Log(**content, **meta)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, BadZipFile) as error:
+        if isinstance(error, InputError):
+            raise
         raise InputError(f"path must be a file written by save_log, {path} was not: {error}") from None
-    if meta.pop("version", None) != _VERSION:
-        raise InputError(f"path must be a log of version {_VERSION}, {path} was not")
-    ends = np.cumsum(content.pop("received_sizes")).tolist()
-    blob, rows = content.pop("received_bytes").tobytes(), content.pop("received_rows").tolist()
-    received = tuple(
-        (row, blob[begin:end]) for row, begin, end in zip(rows, [0, *ends][:-1], ends, strict=True)
-    )
-    meta["scenario"] = from_dict(Scenario, meta["scenario"])
-    meta |= {name: tuple(map(tuple, meta[name])) for name in ("decisions", "events")}
-    return Log(received=received, **content, **meta)
+
+
+def _renamed(content: dict[str, Any]) -> dict[str, Any]:
+    return {_VERSION_1.get(name, name): value for name, value in content.items()}

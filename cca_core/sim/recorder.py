@@ -1,44 +1,38 @@
-"""What is worth telling of a run: changes of action, and events with their times."""
+"""Recording of a run: its decisions, its events, and the arrays of its log."""
 
 from collections.abc import Iterable, Sequence
 
-from cca_core.decide import Action
+import numpy as np
+
+from cca_core.errors import Status
 from cca_core.planner.command import Command
+from cca_core.sim.log import Log
+from cca_core.sim.plants.plant import Plant
 from cca_core.sim.scenarios.scenario import Scenario
-from cca_core.sim.world.traffic import Traffic
+from cca_core.sim.world.radio import Radio
+from cca_core.sim.world.traffic import CYCLE_TIME, Traffic
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
-__all__ = ["EventRecorder"]
-
-_BRAKES = -1.0  # acceleration that counts as braking [m/s^2]
-_STANDS = 0.05  # [m/s]
+__all__ = ["EventRecorder", "LogBuilder"]
 
 
 class EventRecorder:
-    """Collects decisions and the first time of each event.
+    """Collect each change of action, and the first time of each event of `Log.events`."""
 
-    Parameters
-    ----------
-    scenario : Scenario
-        What is run.
-
-    Attributes
-    ----------
-    decisions : list of (float, str, str)
-        Time [s], action and reason at each change of action.
-    events : list of (float, str, str)
-        Time [s], what, and the vehicle concerned, each once: ``"seen"``, ``"heard"``, ``"hazard_heard"`` (its
-        first message of hard braking), ``"brakes"``, ``"stands"``, ``"swerves"``, ``"released"`` (the ego's
-        gap), ``"contact"``.
-    """
-
-    def __init__(self, scenario: Scenario) -> None:
-        self._names = [user.id for user in scenario.road_users]
-        self._pinned = scenario.fixed_gap is not None
+    def __init__(
+        self, scenario: Scenario, *, braking: float = -1.0, standstill_speed: float = 0.05
+    ) -> None:  # braking [m/s^2]: beyond drag and speed control
+        self._braking, self._standstill_speed = braking, standstill_speed
+        self._user_ids = [user.id for user in scenario.road_users]
+        self._has_fixed_gap = scenario.fixed_gap is not None
+        self._initially_moving = {u.id for u in scenario.road_users if u.v_x > standstill_speed}
+        self._first: dict[tuple[str, str], float] = {}
         self.decisions: list[tuple[float, str, str]] = []
-        self.events: list[tuple[float, str, str]] = []
-        self._told: set[tuple[str, str]] = set()
-        self._moved = {user.id for user in scenario.road_users if user.v_x > _STANDS}
+
+    @property
+    def events(self) -> list[tuple[float, str, str]]:
+        """Time [s], kind and vehicle of each event, in order."""
+        return [(t, kind, vehicle_id) for (kind, vehicle_id), t in self._first.items()]
 
     def record(
         self,
@@ -46,64 +40,111 @@ class EventRecorder:
         state: VehicleState,
         command: Command,
         remotes: Iterable[RemoteVehicle],
-        seen: Sequence[bool],
+        visible: Sequence[bool],
         traffic: Traffic,
-        touched: str,
+        collided_with: str,
         *,
-        held: bool,
+        gap_held: bool,
     ) -> None:
-        """Look at one cycle.
-
-        Parameters
-        ----------
-        t : float
-            Now [s].
-        state : VehicleState
-            The ego.
-        command : Command
-            What it does.
-        remotes : iterable of RemoteVehicle
-            What it knows.
-        seen : sequence of bool
-            Who is in sight.
-        traffic : Traffic
-            The road users.
-        touched : str
-            Id of who touches the ego, empty if nobody does.
-        held : bool
-            Whether a pinned gap is held.
-        """
-        action = command.decision.action.value
-        if not self.decisions or self.decisions[-1][1] != action:
-            self.decisions.append((t, action, command.decision.reason))
-        for name, is_seen in zip(self._names, seen, strict=True):
-            if is_seen:
-                self._tell(t, "seen", name)
+        """Record one cycle."""
+        decision = command.decision
+        if not self.decisions or self.decisions[-1][1] != decision.action.value:
+            self.decisions.append((t, decision.action.value, decision.reason))
+        for vehicle_id, is_visible in zip(self._user_ids, visible, strict=True):
+            self._note(t, "first_visible", vehicle_id, is_visible)
         for remote in remotes:
             if remote.source == "v2v":
-                self._tell(t, "heard", remote.id)
-                if "hard_braking" in remote.events:
-                    self._tell(t, "hazard_heard", remote.id)
-        for mover in traffic.movers:
-            name = mover.user.id
-            if mover.a <= _BRAKES:
-                self._tell(t, "brakes", name)
-            if mover.v <= _STANDS and name in self._moved:
-                self._tell(t, "stands", name)
-            if mover.is_shifting:
-                self._tell(t, "swerves", name)
-        if self._pinned and not held:
-            self._tell(t, "released", "ego")
-        if not held and command.a_x <= _BRAKES:
-            self._tell(t, "brakes", "ego")
-        if state.v_x <= _STANDS:
-            self._tell(t, "stands", "ego")
-        if command.decision.action in (Action.EVADE_LEFT, Action.EVADE_RIGHT):
-            self._tell(t, "swerves", "ego")
-        if touched:
-            self._tell(t, "contact", touched)
+                self._note(t, "first_received", remote.id)
+                self._note(t, "hazard_received", remote.id, "hard_braking" in remote.events)
+        for agent in traffic.movers:
+            vehicle_id = agent.user.id
+            stopped = agent.v <= self._standstill_speed and vehicle_id in self._initially_moving
+            self._note(t, "brakes", vehicle_id, agent.a <= self._braking)
+            self._note(t, "stopped", vehicle_id, stopped)
+            self._note(t, "lateral_shift", vehicle_id, agent.is_shifting)
+        self._note(t, "gap_released", "ego", self._has_fixed_gap and not gap_held)
+        self._note(t, "brakes", "ego", not gap_held and command.a_x <= self._braking)
+        self._note(t, "stopped", "ego", state.v_x <= self._standstill_speed)
+        self._note(t, "lateral_shift", "ego", decision.action.is_evading)
+        self._note(t, "collision", collided_with, collided_with != "")
 
-    def _tell(self, t: float, what: str, who: str) -> None:
-        if (what, who) not in self._told:
-            self._told.add((what, who))
-            self.events.append((t, what, who))
+    def _note(self, t: float, kind: str, vehicle_id: str, happened: bool = True) -> None:
+        if happened:
+            self._first.setdefault((kind, vehicle_id), t)
+
+
+class LogBuilder:
+    """The log of a run while it is being driven; one `write` for each cycle."""
+
+    def __init__(self, scenario: Scenario, plant: str, seed: int) -> None:
+        self.max_cycles = n = round(scenario.duration / CYCLE_TIME) + 1
+        n_users = len(scenario.road_users)
+        self._scenario, self._plant, self._seed, self._n = scenario, plant, seed, 0
+        self._user_index = {user.id: i for i, user in enumerate(scenario.road_users)}
+        self._ego = np.empty((n, 15))  # columns as in `write`
+        self._users, self._user_frenet = np.empty((n, n_users, 6)), np.empty((n, n_users, 2))
+        self._visible, self._tracked = np.zeros((2, n, n_users), dtype=bool)
+        self._degraded, self._gap_held = np.zeros((2, n), dtype=bool)
+        self._cycle_us = np.zeros(n)
+        self._received: list[tuple[int, bytes]] = []
+        self._reference, self._s_reference = scenario.road.path, scenario.start
+        self._events = EventRecorder(scenario)
+
+    def write(
+        self,
+        t: float,
+        plant: Plant,
+        ego_frenet: tuple[float, float],
+        command: Command,
+        traffic: Traffic,
+        remotes: Sequence[RemoteVehicle],
+        visible: Sequence[bool],
+        messages: Iterable[bytes],
+        *,
+        collided_with: str,
+        gap_held: bool,
+        cycle_us: float,
+    ) -> None:
+        """Write the next cycle."""
+        k, state = self._n, plant.state
+        self._n += 1
+        self._ego[k] = (
+            t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x, plant.a_y,
+            command.delta, command.a_x, *ego_frenet, self._tracking_error(state, command, ego_frenet),
+        )  # fmt: skip
+        if traffic.movers:
+            self._users[k], self._user_frenet[k] = traffic.rows(), traffic.places()
+        self._visible[k], self._gap_held[k], self._cycle_us[k] = visible, gap_held, cycle_us
+        self._degraded[k] = command.status is not Status.OK
+        self._received += [(k, data) for data in messages]
+        for remote in remotes:
+            i = self._user_index.get(remote.id)
+            if i is not None and remote.source == "v2v":
+                self._tracked[k, i] = True
+        self._events.record(t, state, command, remotes, visible, traffic, collided_with, gap_held=gap_held)
+
+    def _tracking_error(
+        self, state: VehicleState, command: Command, ego_frenet: tuple[float, float]
+    ) -> float:
+        """Lateral error to the command's reference path [m], left positive."""
+        if command.reference is not self._reference:
+            self._reference, self._s_reference = command.reference, ego_frenet[0]
+        if self._reference is self._scenario.road.path:
+            return ego_frenet[1]
+        self._s_reference, error, _, _ = self._reference.foot_point(state.x, state.y, self._s_reference)
+        return error
+
+    def finish(self, radio: Radio, *, wall_s: float, missed_deadlines: int) -> Log:
+        """Return the log of all cycles written."""
+        n = self._n
+        ego, users = self._ego[:n], self._users[:n]
+        return Log(
+            scenario=self._scenario, plant=self._plant, seed=self._seed,
+            t=ego[:, 0], ego=ego[:, 1:9], a_y=ego[:, 9], command=ego[:, 10:12], ego_frenet=ego[:, 12:14],
+            tracking=ego[:, 14], road_users=users[:, :, :4], user_motion=users[:, :, 4:],
+            user_frenet=self._user_frenet[:n], visible=self._visible[:n], tracked=self._tracked[:n],
+            gap_held=self._gap_held[:n], decisions=tuple(self._events.decisions),
+            events=tuple(self._events.events), received=tuple(self._received), messages=dict(radio.counts),
+            degraded=self._degraded[:n], cycle_us=self._cycle_us[:n], wall_s=wall_s,
+            missed_deadlines=missed_deadlines,
+        )  # fmt: skip

@@ -1,10 +1,10 @@
-"""The planner once more, on what a log says that it was told."""
+"""Replay of a log: the controller on the recorded messages and detections."""
 
 import numpy as np
 
 from cca_core._checks import Array
 from cca_core.sim.log import Log
-from cca_core.sim.loop import EgoController, make_driver, make_planner
+from cca_core.sim.loop import EgoController, make_controller
 from cca_core.sim.world.perception import Perception
 from cca_core.vehicle import VehicleState
 
@@ -12,23 +12,23 @@ __all__ = ["replay"]
 
 
 def replay(log: Log, *, planner: EgoController | None = None) -> Array:
-    """Run the planner, or the driver, on the recorded bytes, sights and ego motion.
+    """Run the ego's controller on the recorded messages, visibility and ego motion.
 
     Parameters
     ----------
     log : Log
         The run, fresh or loaded.
-    planner : Pilot, optional
-        Another one to be told the same; the default is made from the scenario.
+    planner : EgoController, optional
+        Another controller; the default is made from the scenario.
 
     Returns
     -------
     command : ndarray, shape (n, 2)
-        Road-wheel angle [rad] and acceleration [m/s^2]. With the default these are the log's commands, bit
-        for bit, if it was driven with the default too.
+        Road-wheel angle [rad] and acceleration [m/s^2]. With the default controller these are the log's
+        commands, bit for bit, if the run used the default too.
     """
     scenario = log.scenario
-    pilot = planner or (make_driver(scenario) if scenario.ego_type == "driver" else make_planner(scenario))
+    controller = planner or make_controller(scenario)
     perception = Perception(scenario)
     messages: list[list[bytes]] = [[] for _ in log.t]
     for row, data in log.received:
@@ -39,6 +39,6 @@ def replay(log: Log, *, planner: EgoController | None = None) -> Array:
         x, y, psi, v_x, v_y, r, delta, a_x = ego
         state = VehicleState(x=x, y=y, psi=psi, v_x=v_x, v_y=v_y, r=r, delta=delta, a_x=a_x)
         remotes = perception.remotes(t, rows[k], log.visible[k].tolist(), messages[k], state)
-        given = pilot.step(t, state, remotes, awareness_range=perception.awareness_range(t))
-        command[k] = given.delta, given.a_x
+        replayed = controller.step(t, state, remotes, awareness_range=perception.awareness_range(t))
+        command[k] = replayed.delta, replayed.a_x
     return command

@@ -88,7 +88,7 @@ def test_recorded_drive_as_traffic(data_dir: Path) -> None:
     log = simulate(scenario, bsm_log=frames)
     due = sum(t <= log.t[-1] + 1e-9 for t, _ in frames)
     assert len(log.received) == due > 20
-    assert log.time_of("heard", first.id) < 0.2
+    assert log.time_of("first_received", first.id) < 0.2
     assert log.command.tobytes() == simulate(scenario, bsm_log=frames).command.tobytes()
     silent = simulate(replace(scenario, ego_type="sensor"), bsm_log=frames)
     assert silent.received == ()

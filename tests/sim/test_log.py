@@ -14,7 +14,7 @@ Run = Callable[..., Log]
 
 def test_a_log_prints_as_one_line() -> None:
     log = simulate(eebl("A"))
-    assert repr(log) == f"Log(eebl A, driver, single_track, seed 1, {log.t[-1]:.2f} s, contact with yellow)"
+    assert repr(log) == f"Log(eebl A, driver, single_track, seed 1, {log.t[-1]:.2f} s, collision with yellow)"
 
 
 def test_gaps_are_shapelys(run: Run) -> None:

@@ -41,7 +41,7 @@ def test_round_trip(log: Log, tmp_path: FilePath) -> None:
     assert same(log, again)
     assert again.summary() == log.summary()
     for field in dataclasses.fields(type(log.scenario)):
-        if field.name not in ("road", "scenery", "users"):
+        if field.name not in ("road", "other_roads", "road_users"):
             assert getattr(again.scenario, field.name) == getattr(log.scenario, field.name), field.name
     s = np.linspace(0.0, 300.0, 50)
     assert (again.scenario.road.path.position(s) == log.scenario.road.path.position(s)).all()

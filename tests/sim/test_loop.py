@@ -16,8 +16,8 @@ from cca_core.sim import Log, RoadUser, Scenario, make_planner, overtaking, simu
 
 Run = Callable[..., Log]
 ARRAYS = (
-    "t", "ego", "a_y", "command", "place", "tracking", "users", "user_motion", "user_frenet", "fallback",
-    "seen", "heard", "held",
+    "t", "ego", "a_y", "command", "ego_frenet", "tracking", "road_users", "user_motion", "user_frenet", "degraded",
+    "visible", "tracked", "gap_held",
 )  # fmt: skip
 EXACT = ("decisions", "events", "received", "messages", "seed", "plant")
 
@@ -66,7 +66,7 @@ def test_same_seed_same_log_bit_for_bit(run: Run, road: Callable[[str], Path], c
 
 def test_no_field_of_the_log_was_forgotten_above(run: Run) -> None:
     names = {f.name for f in dataclasses.fields(run("2"))}
-    assert names == {*ARRAYS, *EXACT, "scenario", "cycle_us", "wall_s", "missed"}
+    assert names == {*ARRAYS, *EXACT, "scenario", "cycle_us", "wall_s", "missed_deadlines"}
 
 
 @pytest.mark.parametrize("case", ["1-smooth", "2", "3"])
@@ -195,7 +195,7 @@ class TestTraffic:
     ("kwargs", "named"),
     [
         ({"v_x": -1.0}, "v_x"), ({"s": np.nan}, "s"), ({"d": np.inf}, "d"), ({"length": 0.0}, "length"),
-        ({"width": -1.0}, "width"), ({"direction": 0}, "direction"), ({"reaction": -0.1}, "reaction"),
+        ({"width": -1.0}, "width"), ({"direction": 0}, "direction"), ({"reaction_time": -0.1}, "reaction_time"),
         ({"deceleration": np.nan}, "deceleration"),
     ],
 )  # fmt: skip

@@ -145,7 +145,7 @@ class TestEebl:
 
     def test_order_of_events(self) -> None:
         log = drive("eebl", "C")
-        assert log.time_of("released") < log.time_of("brakes", "red") + 0.5
+        assert log.time_of("gap_released") < log.time_of("brakes", "red") + 0.5
         assert log.time_of("brakes") < log.time_of("brakes", "yellow") + 0.5
         hears = drive("eebl", "A", "driver")
         red, yellow = (hears.time_of("brakes", name) for name in ("red", "yellow"))
@@ -212,12 +212,12 @@ class TestIma:
     def test_is_hidden_from_the_driver_until_late(self) -> None:
         """He sees it 1.08 s before both would be at the conflict point, less than his reaction time."""
         log = drive("ima", "left-turn", "driver")
-        sees = int(np.searchsorted(log.t, log.time_of("seen", "red") - 1e-9))
+        sees = int(np.searchsorted(log.t, log.time_of("first_visible", "red") - 1e-9))
         assert (log.road_users[sees, 0, 0] - 1.29) / log.road_users[sees, 0, 3] == pytest.approx(
             1.08, abs=0.15
         )
         log = drive("ima", "crossing", "driver")
-        assert log.t[-1] - log.time_of("seen", "red") < 1.25
+        assert log.t[-1] - log.time_of("first_visible", "red") < 1.25
 
     def test_a_van_does_not_hide_it(self) -> None:
         log = simulate(ima(ego="driver", truck=(5.3, 2.0)))
@@ -304,7 +304,7 @@ class TestCurbside:
     def test_driver_sees_it_late(self, case: str, left: float) -> None:
         log = drive("curbside", case, "driver")
         v = log.scenario.v_x
-        sees = int(np.searchsorted(log.t, log.time_of("seen", "red")))
+        sees = int(np.searchsorted(log.t, log.time_of("first_visible", "red")))
         assert gap(log, 1, None)[sees] / v == pytest.approx(left, abs=0.2)
 
     def test_yellow_passes_it(self) -> None:
@@ -317,8 +317,8 @@ class TestCurbside:
 
     def test_parked_car_says_so(self) -> None:
         log = drive("curbside", "fast")
-        assert log.time_of("heard", "red") < 2.0
-        assert log.time_of("swerves") < log.time_of("seen", "red")
+        assert log.time_of("first_received", "red") < 2.0
+        assert log.time_of("lateral_shift") < log.time_of("first_visible", "red")
 
 
 class TestSensor:

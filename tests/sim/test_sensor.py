@@ -19,7 +19,7 @@ PI = math.pi
 
 def scenario(*users: RoadUser, **kwargs: Any) -> Scenario:
     path = interpolate_path([[0.0, 0.0], [400.0, 0.0]])
-    settings: dict[str, Any] = {"ego": "sensor", "sensor_delay": 0.4} | kwargs
+    settings: dict[str, Any] = {"ego_type": "sensor", "sensor_delay": 0.4} | kwargs
     return Scenario(
         name="test", case=None, road=Road(path, [Lane(d=0.0), Lane(d=3.5)]), vehicle=CAR, start=50.0,
         v_x=10.0, cruise_speed=10.0, road_users=users, **settings,

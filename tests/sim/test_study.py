@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import cca_core.sim.study.study as study_module
 from cca_core.errors import InputError
 from cca_core.sim import (
     BrakeAction,
@@ -30,7 +31,6 @@ from cca_core.sim import (
     make_planner,
     simulate,
 )
-from cca_core.sim import study as study_module
 from cca_core.sim.scenarios.scenario import EGO_TYPES
 from cca_core.sim.study.counterfactual import avoiding_action, first_hazard_cycle
 from cca_core.sim.study.parameters import ParameterRanges, nominal_scenario, sample_scenario, without_v2v
@@ -116,7 +116,7 @@ class TestVariation:
             )  # fmt: skip
             assert scenario.vehicle.mu == drawn["friction"]
             assert scenario.vehicle.m == pytest.approx(1093.3 * drawn["mass"])
-            assert scenario.reaction_time == drawn["own_reaction"]
+            assert scenario.reaction_time == drawn["own_reaction_time"]
             for user in scenario.road_users:
                 assert user.deceleration <= most
                 acts = [act for act in user.actions if isinstance(act, BrakeAction | ReactToLeadAction)]
@@ -216,7 +216,7 @@ class TestAvoidable:
         assert hazard is not None
         # red brakes at 2 s and has 0.4 g at 2.31 s; then up to 0.1 s until it sends
         assert 2.31 + 0.3 - 0.02 <= log.t[hazard] <= 2.31 + 0.1 + 0.3 + 0.04
-        assert hazard == min(k for k, _ in log.received if log.t[k] >= log.time_of("hazard_heard", "red"))
+        assert hazard == min(k for k, _ in log.received if log.t[k] >= log.time_of("hazard_received", "red"))
 
     def test_until_then_the_run_is_repeated_exactly(self, monkeypatch: pytest.MonkeyPatch) -> None:
         import cca_core.sim.study.counterfactual as module
@@ -268,7 +268,7 @@ def pretend(variation: ParameterRanges, seed: int, index: int, plant: str) -> di
     """Stand in for a run: takes a little time, a third of them cannot be avoided."""
     time.sleep(0.001 * (7 * index % 5))
     means = "" if index % 3 == 1 else "brake"
-    egos = {f"{ego}_hit": "red" if index % (3 + k) == 1 else "" for k, ego in enumerate(EGO_TYPES)}
+    egos = {f"{ego}_collided_with": "red" if index % (3 + k) == 1 else "" for k, ego in enumerate(EGO_TYPES)}
     return {"index": index, "avoiding_action": means, "value": 0.1 * index, **egos}
 
 
@@ -370,7 +370,10 @@ class TestRunStudy:
             table = run_study(Study(variation=SHORT, runs=24), tmp_path / "a", executor=threads)
         among = [row for row in table.rows if row["avoiding_action"]]
         rate = table.rate("driver")
-        assert (rate.n_events, rate.n) == (sum(row["driver_hit"] != "" for row in among), len(among))
+        assert (rate.n_events, rate.n) == (
+            sum(row["driver_collided_with"] != "" for row in among),
+            len(among),
+        )
         assert table.rate("v2v").n_events == 0
         assert table.rate("v2v", np.ones(24, dtype=bool)).n_events == 8
         table.write_csv(tmp_path / "t.csv")
@@ -428,10 +431,10 @@ RUNS = 4
 SCRIPT = f"""
 import sys
 from cca_core.sim.study.study import Study, run_study
-from cca_core.sim.study.parameters import Variation
+from cca_core.sim.study.parameters import ParameterRanges
 
 if __name__ == "__main__":
-    study = Study(variation=Variation(scenario="eebl", loss=(0.0, 0.3)), runs={RUNS})
+    study = Study(variation=ParameterRanges(scenario="eebl", loss=(0.0, 0.3)), runs={RUNS})
     run_study(study, sys.argv[1], in_flight=2)
 """
 
@@ -526,8 +529,8 @@ class TestSmallStudy:
         rows = (simulate_run(ParameterRanges(scenario=name), 1, i) for i in range(SMALL[name]))
         table = StudyTable(scenario=name, rows=tuple(rows))
         assert table.rate("v2v").n >= 1
-        assert [row for row in table.rows if row["avoiding_action"] and row["v2v_hit"]] == []
-        assert not any("internal error" in row["v2v_last"] for row in table.rows)
+        assert [row for row in table.rows if row["avoiding_action"] and row["v2v_collided_with"]] == []
+        assert not any("internal error" in row["v2v_last_decision"] for row in table.rows)
         if name == "eebl":
             assert table.rate("driver").n_events >= 4
 
@@ -540,7 +543,7 @@ class TestFigure:
         for i in range(400):
             latency, loss = rng.uniform(0.0, 0.5), rng.uniform(0.0, 0.8)
             hits = {"v2v": loss > 0.7, "driver": i % 2 == 0, "sensor": False}
-            told = {f"{ego}_hit": "red" if hit else "" for ego, hit in hits.items()}
+            told = {f"{ego}_collided_with": "red" if hit else "" for ego, hit in hits.items()}
             rows.append({"index": i, "latency": latency, "loss": loss, "avoiding_action": "", **told})
         return StudyTable(scenario="ima", rows=tuple(rows))
 

@@ -42,13 +42,13 @@ def car(name: str = "R", **kwargs: Any) -> RoadUser:
 
 
 def test_brakes() -> None:
-    log = run(car(acts=(BrakeAction(t=2.0, deceleration=7.0),)))
+    log = run(car(actions=(BrakeAction(t=2.0, deceleration=7.0),)))
     v, a = log.road_users[:, 0, 3], log.user_motion[:, 0, 0]
     assert (v[log.t <= 2.0] == 20.0).all()
     assert a.min() == -7.0
     assert np.abs(np.diff(a)[:200]).max() <= 12.65 * 0.02 + 1e-9
     # ramp of 0.553 s, then 7 m/s^2
-    assert log.time_of("stands", "R") == pytest.approx(2.0 + 20.0 / 7.0 + 0.5 * 7.0 / 12.65, abs=0.04)
+    assert log.time_of("stopped", "R") == pytest.approx(2.0 + 20.0 / 7.0 + 0.5 * 7.0 / 12.65, abs=0.04)
     way = log.user_frenet[-1, 0, 0] - 200.0 - 40.0
     assert way == pytest.approx(400.0 / 14.0 + 20.0 * 0.5 * 7.0 / 12.65, abs=0.6)
     assert v[-1] == 0.0
@@ -56,7 +56,7 @@ def test_brakes() -> None:
 
 
 def test_swerves_along_a_quintic() -> None:
-    log = run(car(acts=(LateralShiftAction(s_start=240.0, offset=3.0, duration=2.0),)))
+    log = run(car(actions=(LateralShiftAction(s_start=240.0, offset=3.0, duration=2.0),)))
     s, d = log.user_frenet[:, 0].T
     t = log.t - log.t[np.argmax(s >= 240.0)]
     z = np.clip(t / 2.0, 0.0, 1.0)
@@ -69,11 +69,11 @@ def test_swerves_along_a_quintic() -> None:
 @pytest.mark.parametrize(("gap", "reaction"), [(8.0, 0.3), (15.0, 0.3), (15.0, 0.7), (40.0, 0.7)])
 @pytest.mark.parametrize("deceleration", [4.0, 7.0])
 def test_a_follower_does_not_hit_its_leader(gap: float, reaction: float, deceleration: float) -> None:
-    leader = car("L", s=300.0, acts=(BrakeAction(t=1.0),))
+    leader = car("L", s=300.0, actions=(BrakeAction(t=1.0),))
     follower = car(
         "F",
         s=300.0 - gap - 4.5,
-        acts=(ReactToLeadAction(lead_id="L", reaction_time=reaction, deceleration=deceleration),),
+        actions=(ReactToLeadAction(lead_id="L", reaction_time=reaction, deceleration=deceleration),),
     )
     log = run(leader, follower)
     assert (log.user_frenet[:, 0, 0] - log.user_frenet[:, 1, 0] - 4.5).min() > 0.2
@@ -82,9 +82,9 @@ def test_a_follower_does_not_hit_its_leader(gap: float, reaction: float, deceler
 
 
 def test_a_warned_follower_brakes_on_the_message() -> None:
-    leader = car("L", s=300.0, acts=(BrakeAction(t=1.0),))
+    leader = car("L", s=300.0, actions=(BrakeAction(t=1.0),))
     late, warned = (
-        car("F", s=260.0, acts=(ReactToLeadAction(lead_id="L", warning_delay=after),))
+        car("F", s=260.0, actions=(ReactToLeadAction(lead_id="L", warning_delay=after),))
         for after in (math.inf, 0.12)
     )
     slow, fast = run(leader, late), run(leader, warned)
@@ -115,18 +115,18 @@ def test_yaw_rate_on_a_bend() -> None:
     ("make", "named"),
     [
         (lambda: BrakeAction(t=-1.0), "t"), (lambda: BrakeAction(t=1.0, deceleration=-1.0), "deceleration"),
-        (lambda: ReactToLeadAction(lead_id="L", reaction_time=-1.0), "reaction"),
-        (lambda: LateralShiftAction(s_start=np.nan, offset=1.0), "at"),
+        (lambda: ReactToLeadAction(lead_id="L", reaction_time=-1.0), "reaction_time"),
+        (lambda: LateralShiftAction(s_start=np.nan, offset=1.0), "s_start"),
         (lambda: LateralShiftAction(s_start=0.0, offset=1.0, duration=0.0), "duration"),
-        (lambda: car(jerk=0.0), "jerk"), (lambda: car(acts=(1,)), "acts"), (lambda: car(route=1), "route"),
-        (lambda: FixedTimeGap(leader="R", time_gap=0.0), "time_gap"),
-        (lambda: run(car(), car()), "users"), (lambda: run(car(acts=(ReactToLeadAction(lead_id="?"),))), "leader"),
-        (lambda: run(pinned=FixedTimeGap(leader="?", time_gap=1.0)), "leader"),
+        (lambda: car(jerk=0.0), "jerk"), (lambda: car(actions=(1,)), "actions"), (lambda: car(route=1), "route"),
+        (lambda: FixedTimeGap(lead_id="R", time_gap=0.0), "time_gap"),
+        (lambda: run(car(), car()), "road_users"), (lambda: run(car(actions=(ReactToLeadAction(lead_id="?"),))), "lead_id"),
+        (lambda: run(fixed_gap=FixedTimeGap(lead_id="?", time_gap=1.0)), "lead_id"),
         (lambda: run(visibility=-1.0), "visibility"), (lambda: run(field_of_view=7.0), "field_of_view"),
-        (lambda: run(sensor_delay=-1.0), "sensor_delay"), (lambda: run(reaction=-1.0), "reaction"),
+        (lambda: run(sensor_delay=-1.0), "sensor_delay"), (lambda: run(reaction_time=-1.0), "reaction_time"),
         (lambda: run(origin=(100.0, 0.0)), "origin"), (lambda: run(stop_line=np.nan), "stop_line"),
         (lambda: run(occluders=((1.0, 2.0),)), "occluders"),
-        (lambda: replace(run().scenario, ego_type="cat"), "ego"),
+        (lambda: replace(run().scenario, ego_type="cat"), "ego_type"),
     ],
 )  # fmt: skip
 def test_bad_arguments(make: Callable[[], object], named: str) -> None:

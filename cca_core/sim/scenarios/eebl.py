@@ -106,5 +106,5 @@ def eebl(
         ),
         duration=brakes_at + 12.0, ego_type=_EGO.get(case, "v2v"), reaction_time=reaction, channel=channel,
         shared_modem=True, visibility=visibility, paper_figures=(5, 6, 7),
-        fixed_gap=FixedTimeGap(leader="yellow", time_gap=time_gap),
+        fixed_gap=FixedTimeGap(lead_id="yellow", time_gap=time_gap),
     )  # fmt: skip

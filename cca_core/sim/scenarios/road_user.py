@@ -175,4 +175,6 @@ class RoadUser:
         if not all(
             isinstance(act, BrakeAction | ReactToLeadAction | LateralShiftAction) for act in self.actions
         ):
-            raise InputError(f"acts must be Brakes, Follows or Swerves, were {self.actions!r}")
+            raise InputError(
+                f"actions must be BrakeAction, ReactToLeadAction or LateralShiftAction, were {self.actions!r}"
+            )

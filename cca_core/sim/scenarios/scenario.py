@@ -26,8 +26,8 @@ class FixedTimeGap:
 
     Parameters
     ----------
-    leader : str
-        Id of the vehicle in front.
+    lead_id : str
+        Id of the lead vehicle.
     time_gap : float
         Gap between the bumpers by the own speed [s].
 
@@ -37,7 +37,7 @@ class FixedTimeGap:
         If `time_gap` is not positive.
     """
 
-    leader: str
+    lead_id: str
     time_gap: float
 
     def __post_init__(self) -> None:
@@ -160,20 +160,20 @@ class Scenario:
         check_real("origin", self.origin[1], ge=-180.0, le=180.0)
         check_array("occluders", self.occluders or np.empty((0, 5)), (None, 5))
         if self.ego_type not in EGO_TYPES:
-            raise InputError(f"ego must be one of {', '.join(EGO_TYPES)}, was {self.ego_type!r}")
+            raise InputError(f"ego_type must be one of {', '.join(EGO_TYPES)}, was {self.ego_type!r}")
         names = [user.id for user in self.road_users]
         if len(set(names)) < len(names):
-            raise InputError(f"users must have different ids, had {', '.join(names)}")
+            raise InputError(f"road_users must have different ids, had {', '.join(names)}")
         leaders = [
             act.lead_id
             for user in self.road_users
             for act in user.actions
             if isinstance(act, ReactToLeadAction)
         ]
-        leaders += [] if self.fixed_gap is None else [self.fixed_gap.leader]
+        leaders += [] if self.fixed_gap is None else [self.fixed_gap.lead_id]
         for leader in leaders:
             if leader not in names:
-                raise InputError(f"leader must be the id of one of users, was {leader!r}")
+                raise InputError(f"lead_id must be the id of a road user, was {leader!r}")
 
     @property
     def v2v(self) -> bool:

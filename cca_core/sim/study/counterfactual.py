@@ -132,7 +132,7 @@ def _avoids(log: Log, pilot: _ReplayThenAct) -> bool:
     road, half = log.scenario.road, 0.5 * log.scenario.vehicle.width
     d = again.ego_frenet[:, 1]
     stays = bool((d >= road.right_edge + half).all() and (d <= road.left_edge - half).all())
-    return stays and not any(what == "contact" for _, what, _ in again.events)
+    return stays and not again.collided_with
 
 
 def _swerves(log: Log, cycle: int) -> Iterator[Path]:

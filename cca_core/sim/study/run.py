@@ -41,12 +41,11 @@ def simulate_run(
     for ego in EGO_TYPES:
         if ego != "v2v":
             log = _drive(without_v2v(scenario, ego), plant)
-        hit = next((who for _, what, who in log.events if what == "contact"), "")
-        row[f"{ego}_hit"] = hit
-        row[f"{ego}_speed"] = log.closing_speed() if hit else 0.0
+        row[f"{ego}_collided_with"] = log.collided_with
+        row[f"{ego}_speed"] = log.closing_speed() if log.collided_with else 0.0
         row[f"{ego}_gap"] = float(log.gaps().min())
         row[f"{ego}_deceleration"] = max(0.0, -float(log.ego[:, 7].min()))
-        row[f"{ego}_last"] = ": ".join(log.decisions[-1][1:])
+        row[f"{ego}_last_decision"] = ": ".join(log.decisions[-1][1:])
     return row
 
 

@@ -160,7 +160,7 @@ class StudyTable:
         """
         if ego not in EGO_TYPES:
             raise InputError(f"ego must be one of {', '.join(EGO_TYPES)}, was {ego!r}")
-        return np.array([row[f"{ego}_hit"] != "" for row in self.rows], dtype=bool)
+        return np.array([row[f"{ego}_collided_with"] != "" for row in self.rows], dtype=bool)
 
     def rate(self, ego: str, among: Mask | None = None, *, confidence: float = 0.95) -> Rate:
         """Share of runs that ended in a contact.
