@@ -1,12 +1,11 @@
-"""Choice of action: keep the lane, follow the leader, evade on a side, or brake; with the reason in words."""
+"""Choice of action: keep the lane, follow the lead vehicle, evade to a side, or brake."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-_BEYOND = 20.0  # no brakes give this [m/s^2]
-_RELEASE = 0.7  # share of the deceleration from which on it brakes below which it no longer does
+_BRAKE_RELEASE_FRACTION = 0.7  # of the brake threshold: below it braking ends, so that it does not chatter
 
 
 class Action(Enum):
@@ -26,25 +25,25 @@ class Action(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LeadVehicle:
-    """The road user in the way that demands most of the ego.
+    """Vehicle that limits the ego's speed most.
 
     Parameters
     ----------
     id : str
-        Its id.
+        Id of the vehicle.
     gap : float
         Bumper-to-bumper gap along the road [m].
     v_x : float
-        Its speed along the road [m/s].
+        Speed along the road [m/s].
     required_deceleration : float
-        What the ego must brake to stay behind it [m/s^2], not negative.
+        Deceleration with which the ego stays behind it [m/s^2], not negative.
     follow_acceleration : float
-        What following it asks for now [m/s^2].
+        Acceleration of the ego that follows it [m/s^2].
     kind : {"direct", "downstream", "crossing"}
-        Whether it is next in front, hidden behind others (known by its messages), or crosses the route.
+        Next vehicle ahead, vehicle farther ahead (known by message), or vehicle that crosses the route.
     comfort_stop_deceleration : float
-        Deceleration that stops behind a standing one within the horizon of the decision [m/s^2]; infinite if
-        it is to be passed wherever a lane is free.
+        Deceleration that stops behind a stationary vehicle within the horizon of the decision [m/s^2];
+        infinite if the ego passes it wherever a lane is free.
     """
 
     id: str
@@ -58,24 +57,24 @@ class LeadVehicle:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Candidate:
-    """A way around the leader.
+    """A maneuver around the lead vehicle.
 
     Parameters
     ----------
     side : {"left", "right"}
-        Side on which the leader is passed.
+        Side on which the lead vehicle is passed.
     rejection : str
-        Why it cannot be driven, in words; empty if it can.
+        Why the maneuver is not feasible; empty if it is.
     available_distance : float
-        Distance to drive until the ego must be beside the leader [m].
+        Distance until the ego must be alongside the lead vehicle [m].
     required_distance : float
-        Distance that the swerve needs in comfort [m].
+        Distance that the maneuver takes at the comfort limits [m].
     t_maneuver : float
-        Time until the ego's body is back in its own lane [s]; 0 if it never leaves it.
+        Time until the ego's body is back in its own lane [s]; 0 if it never leaves the lane.
     danger_zone : tuple of float, optional
         Danger zone that came nearest to blocking, relative to the ego [m].
     cost : float
-        Preference between candidates [-], least wins.
+        Cost of the candidate [-]; the lowest cost wins.
     """
 
     side: str
@@ -94,11 +93,11 @@ class Decision:
     Parameters
     ----------
     action : Action
-        What to do.
+        What the ego does.
     reason : str
-        Why, in words.
+        Why, with numbers and limits.
     lead_id : str, optional
-        Id of the road user in the way.
+        Id of the lead vehicle.
     danger_zone : tuple of float, optional
         Rear and front end of the danger zone that was compared [m], relative to the ego.
     """
@@ -122,18 +121,18 @@ def choose_action(
 
     Parameters
     ----------
-    lead : Leader, optional
-        The road user in the way that demands most, None if the lane ahead is free.
+    lead : LeadVehicle, optional
+        Vehicle that limits the ego's speed most; None if there is none.
     candidates : sequence of Candidate
-        Ways around it, usable or not.
+        Maneuvers around it, feasible or rejected.
     previous : Action
-        Last cycle's action.
+        Action of the last cycle.
     follow_threshold : float
-        Acceleration that following must ask for before KEEP becomes FOLLOW [m/s^2].
+        Acceleration of following [m/s^2]: a lower one turns KEEP into FOLLOW.
     brake_threshold : float
-        Deceleration needed to stay behind the leader from which on FOLLOW becomes BRAKE [m/s^2].
+        Required deceleration [m/s^2]: a higher one turns FOLLOW into BRAKE.
     comfort_deceleration : float
-        Deceleration up to which stopping behind a standing vehicle is preferred to passing it [m/s^2].
+        Deceleration [m/s^2] up to which a stop behind a stationary vehicle is preferred to passing it.
 
     Returns
     -------
@@ -142,10 +141,15 @@ def choose_action(
 
     Notes
     -----
-    With a usable candidate the ego evades: when following already (it has waited long enough), when the
-    swerve is due (the lead-in has shrunk to what it needs), or when only hard braking would do
-    instead; before that it keeps its speed. Without one it follows as soon as following asks for a lower
-    speed, and brakes when following in comfort has become impossible, or to stop behind a standing vehicle.
+    With a feasible candidate the ego evades
+
+    - if it already follows or brakes: it has waited long enough;
+    - if the maneuver is due: the available distance has shrunk to the required distance;
+    - if following would need hard braking.
+
+    Until then it keeps its speed. Without a feasible candidate the ego follows as soon as following needs a
+    lower speed. It brakes if following in comfort is no longer possible, or to stop behind a stationary
+    vehicle.
 
     Examples
     --------
@@ -153,54 +157,61 @@ def choose_action(
     'KEEP'
     """
     if lead is None:
-        return Decision(action=Action.KEEP, reason="the lane ahead is free")
-    released = _RELEASE if previous is Action.BRAKE else 1.0
-    hard = lead.required_deceleration > brake_threshold * released
-    usable = sorted((c for c in candidates if not c.rejection), key=lambda c: c.cost)
+        return Decision(action=Action.KEEP, reason="keeping lane: no blocking vehicle")
+    limit = brake_threshold * (_BRAKE_RELEASE_FRACTION if previous is Action.BRAKE else 1.0)
+    hard, waited = lead.required_deceleration > limit, previous in (Action.FOLLOW, Action.BRAKE)
+    feasible = sorted((c for c in candidates if not c.rejection), key=lambda c: c.cost)
     stops = lead.comfort_stop_deceleration <= comfort_deceleration
-    if usable and not stops:
-        best = usable[0]
-        evade = Action.EVADE_LEFT if best.side == "left" else Action.EVADE_RIGHT
-        way = f"{best.side} is free for {best.t_maneuver:.1f} s"
-        if previous in (Action.FOLLOW, Action.BRAKE):
-            return Decision(
-                action=evade,
-                reason=f"passing {lead.id}: {way}",
-                lead_id=lead.id,
-                danger_zone=best.danger_zone,
-            )
-        if best.available_distance <= best.required_distance or hard:
-            return Decision(
-                action=evade,
-                reason=f"passing {lead.id}: {way}, {best.available_distance:.0f} m ahead, {best.required_distance:.0f} m needed",
-                lead_id=lead.id, danger_zone=best.danger_zone,
-            )  # fmt: skip
-        return Decision(
-            action=Action.KEEP,
-            reason=f"closing in on {lead.id}: {way}",
-            lead_id=lead.id,
-            danger_zone=best.danger_zone,
-        )
-    zone = candidates[0].danger_zone if candidates else None
-    why = "; ".join(f"{c.side}: {c.rejection}" for c in candidates) or "no way around was looked for"
-    if lead.kind == "crossing":
-        why = "it crosses the route"
-    elif stops:
-        why = f"{lead.comfort_stop_deceleration:.1f} m/s^2 stop behind it in comfort"
+    if feasible and not stops:
+        best = feasible[0]
+        if not (waited or hard or best.available_distance <= best.required_distance):
+            action = Action.KEEP
+            ahead = best.available_distance - best.required_distance
+            reason = f"approaching {lead.id}: {best.side} maneuver feasible, starts in {ahead:.0f} m"
+        else:
+            action = Action.EVADE_LEFT if best.side == "left" else Action.EVADE_RIGHT
+            reason = f"passing {lead.id} on the {best.side}: {_start(lead, best, waited, limit)}"
+        return Decision(action=action, reason=reason, lead_id=lead.id, danger_zone=best.danger_zone)
+    why = _why_not_passing(lead, candidates)
+    need = lead.required_deceleration
     if hard:
-        need = lead.required_deceleration
-        needed = f"{need:.1f} m/s^2" if need < _BEYOND else "all brakes"
-        reason = f"{needed} needed behind {lead.id}; {why}"
-        return Decision(action=Action.BRAKE, reason=reason, lead_id=lead.id, danger_zone=zone)
-    if stops:
-        reason = f"stopping behind {lead.id}; {why}"
-        return Decision(action=Action.BRAKE, reason=reason, lead_id=lead.id, danger_zone=zone)
-    if lead.follow_acceleration < follow_threshold or previous in (Action.FOLLOW, Action.BRAKE):
-        return Decision(
-            action=Action.FOLLOW,
-            reason=f"waiting behind {lead.id}; {why}",
-            lead_id=lead.id,
-            danger_zone=zone,
-        )
-    reason = f"{lead.id} is far ahead ({lead.gap:.0f} m)" + (f"; {why}" if candidates else "")
-    return Decision(action=Action.KEEP, reason=reason, lead_id=lead.id, danger_zone=zone)
+        action = Action.BRAKE
+        if need < 20.0:  # no brakes give more
+            reason = f"braking for {lead.id}: needs {need:.1f} m/s² (limit {limit:.1f} m/s²); {why}"
+        else:
+            reason = f"full braking for {lead.id}: braking insufficient; {why}"
+    elif stops:
+        action, comfort = Action.BRAKE, lead.comfort_stop_deceleration
+        numbers = f"{comfort:.1f} m/s² (comfort limit {comfort_deceleration:.1f} m/s²)"
+        reason = f"stopping behind {lead.id} ({lead.gap:.0f} m): {numbers}"
+    elif lead.kind == "crossing" and (waited or lead.follow_acceleration < follow_threshold):
+        action, reason = Action.FOLLOW, f"yielding to {lead.id} ({lead.gap:.0f} m ahead): {why}"
+    elif waited or lead.follow_acceleration < follow_threshold:
+        action = Action.FOLLOW
+        reason = f"following {lead.id} (gap {lead.gap:.0f} m, {lead.v_x:.1f} m/s): {why}"
+    else:
+        action = Action.KEEP
+        reason = f"keeping lane: {lead.id} {lead.gap:.0f} m ahead, no action needed yet"
+        reason += f"; {why}" if candidates else ""
+    zone = candidates[0].danger_zone if candidates else None
+    return Decision(action=action, reason=reason, lead_id=lead.id, danger_zone=zone)
+
+
+def _start(lead: LeadVehicle, best: Candidate, waited: bool, limit: float) -> str:
+    """Why a maneuver starts now, and how long its lane is clear."""
+    clear = f"{best.side} lane clear for {best.t_maneuver:.1f} s"
+    if waited:
+        return clear
+    if best.available_distance <= best.required_distance:
+        numbers = f"available {best.available_distance:.0f} m, required {best.required_distance:.0f} m"
+        return f"latest comfort start reached ({numbers}); {clear}"
+    need = lead.required_deceleration
+    needs = f"{need:.1f} m/s²" if need < 20.0 else "all brakes"
+    return f"following needs {needs} (limit {limit:.1f} m/s²); {clear}"
+
+
+def _why_not_passing(lead: LeadVehicle, candidates: Sequence[Candidate]) -> str:
+    """Rejections of all candidates."""
+    if lead.kind == "crossing":
+        return "it crosses the route"
+    return "; ".join(f"{c.side}: {c.rejection}" for c in candidates) or "no maneuver was planned"

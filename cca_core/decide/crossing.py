@@ -1,4 +1,4 @@
-"""Crossing conflicts: where the ego's path meets that of another vehicle, and who is there when."""
+"""Crossing conflicts: conflict areas of the ego and another vehicle, and when each is inside."""
 
 import math
 from dataclasses import dataclass
@@ -17,22 +17,22 @@ __all__ = ["Conflict", "CrossingSettings", "find_conflict"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CrossingSettings:
-    """What the other vehicle may do, and what counts as crossing. The values are this project's own.
+    """Limits assumed for the other vehicle, and what counts as crossing; defaults are this project's own.
 
     Parameters
     ----------
     a_max : float
-        Largest acceleration of the other vehicle [m/s^2].
+        Assumed maximum acceleration of the other vehicle [m/s^2].
     b_max : float
-        Largest deceleration of the other vehicle [m/s^2], positive.
+        Assumed maximum deceleration of the other vehicle [m/s^2], positive.
     min_pet : float
-        Time that must lie between two bodies in the conflict area [s].
+        Least post-encroachment time: time between two bodies in the conflict area [s].
     clearance : float
-        Distance by which the ego's body grows on each side [m].
+        Margin around the ego's body on each side [m].
     min_angle : float
-        Angle between the headings from which on paths cross [rad]; below it they follow or merge.
+        Angle between the headings [rad]. Paths at a smaller angle run parallel or merge, and do not cross.
     standstill_speed : float
-        Speed below which a vehicle is taken to stay where it is [m/s].
+        A slower vehicle is assumed to stay where it is [m/s].
 
     Raises
     ------
@@ -56,27 +56,26 @@ class CrossingSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Conflict:
-    """A stretch of the ego's path on which another vehicle could meet it.
+    """Conflict area on the ego's path, and when the ego and another vehicle are inside.
 
     Parameters
     ----------
     vehicle_id : str
         Id of the other vehicle.
     s_enter, s_exit : float
-        Path coordinates of the ego's center of gravity between which the bodies could overlap [m].
+        Stations of the ego's center of gravity between which the bodies could overlap [m].
     distance : float
-        Distance from the ego to `s_enter` [m]: to the place where it must stop in order to wait. Not positive if
-        its body may already be in the area.
+        Distance from the ego to `s_enter` [m], where it must stop in order to yield. Not positive if its body
+        may already be in the area.
     t_ego : tuple of float
-        When the ego enters and leaves, as intended [s] from now; infinite if it does not do so within the
-        horizon.
+        Times from now at which the ego intends to enter and to exit [s]; infinite beyond the horizon.
     t_other : tuple of float
-        Earliest time at which the other vehicle could enter and latest at which it could have left [s];
-        infinite if it could stop before it has left.
+        Earliest time at which the other vehicle could enter, and latest at which it could exit [s]; infinite
+        if it could stop inside.
     t_other_nominal : tuple of float
-        The same at the speed that it has now [s].
+        The same at its present speed [s].
     min_pet : float
-        Time that must lie between them [s].
+        Least time between the first exit and the second entry [s].
     """
 
     vehicle_id: str
@@ -90,12 +89,12 @@ class Conflict:
 
     @property
     def ego_first(self) -> bool:
-        """Whether the ego has left the area a margin before the other vehicle could enter."""
+        """Whether the ego exits at least `min_pet` before the other vehicle could enter."""
         return self.t_ego[1] + self.min_pet <= self.t_other[0]
 
     @property
     def other_first(self) -> bool:
-        """Whether the other vehicle has left for certain a margin before the ego enters."""
+        """Whether the other vehicle exits for certain at least `min_pet` before the ego enters."""
         return self.t_other[1] + self.min_pet <= self.t_ego[0]
 
     @property
@@ -105,9 +104,9 @@ class Conflict:
 
     @property
     def must_yield(self) -> bool:
-        """Whether the ego must stop before the area; if it is neither free nor to be waited for, clear it.
+        """Whether the ego must stop before the area; an ego that is inside must clear it instead.
 
-        It does not ask whether it still can stop. Where it cannot, the planner compares both answers.
+        The property does not check whether the ego can still stop. If it cannot, the planner compares both.
         """
         return not self.is_clear and self.distance > 0.0
 
@@ -128,27 +127,27 @@ def find_conflict(
     Parameters
     ----------
     path : Path
-        What the ego's center of gravity follows.
+        Path of the ego's center of gravity.
     s : float
-        Its path coordinate now [m].
+        Station of the ego now [m].
     stations : array_like, shape (n,)
-        Path coordinates that it intends to pass [m], increasing from `s`.
+        Stations that the ego intends to pass [m], increasing from `s`.
     times : array_like, shape (n,)
-        When it intends to be there [s] from now, increasing; linear between them.
+        Times from now at these stations [s], increasing; linear between them.
     vehicle : VehicleParams
         The ego.
     remote : RemoteVehicle
         The other vehicle.
     horizon : float
-        How far to look ahead [s].
+        Length of the prediction [s].
     settings : CrossingSettings, optional
-        Bounds and margins.
+        Assumed limits and margins.
 
     Returns
     -------
     conflict : Conflict or None
-        None if the bodies cannot meet within the horizon, if the vehicle stands or cannot be used, or if it
-        drives along the ego's path, in the same direction or the opposite one.
+        None if the bodies cannot overlap within the horizon, if the vehicle is stationary or invalid, or if it
+        drives along the ego's path in either direction.
 
     Raises
     ------
@@ -157,16 +156,16 @@ def find_conflict(
 
     Notes
     -----
-    The other vehicle goes on straight, or on the circle given by its yaw rate up to a right angle. Along this
-    way it may have any acceleration within the bounds; its box grows by two standard deviations of its place
-    and by what it may have done since it was measured. The area is bounded by the first and the last place
-    of each body at which any place of the other one could touch it.
+    The other vehicle is predicted straight ahead, or on the circle given by its yaw rate up to a right angle.
+    Along this path it may have any acceleration within the limits. Its box grows by two standard deviations
+    of its position, and by the distance that it may have gained or lost since it was measured. The conflict
+    area reaches from the first to the last position of each body at which it could overlap the other.
     """
     settings = CrossingSettings() if settings is None else settings
     s, horizon = check_real("s", s), check_real("horizon", horizon, gt=0.0, le=60.0)
     at, t = check_array("stations", stations, (None,)), check_array("times", times, (None,))
     if at.shape != t.shape or len(at) < 2 or np.diff(at).min() <= 0.0 or np.diff(t).min() <= 0.0:
-        raise InputError("stations and times must have the same length, at least 2, and increase")
+        raise InputError("stations and times must have the same length of at least 2, and increase")
     if remote.invalid_reason is not None or t[0] >= horizon:
         return None
     end = float(np.interp(horizon, t, at))
@@ -183,14 +182,14 @@ def find_conflict_for_sweep(
     horizon: float,
     settings: CrossingSettings,
 ) -> Conflict | None:
-    """Find the conflict for a swept ego; arguments as for `crossing`, checked there."""
+    """Find the conflict of a swept ego; `find_conflict` checks the arguments."""
     v = abs(remote.v_x)
     if v < settings.standstill_speed:
         return None
-    late = max(settings.a_max, settings.b_max) * remote.age
-    fast, slow = v + late, max(v - late, 0.0)
+    speed_change = max(settings.a_max, settings.b_max) * remote.age
+    fast, slow = v + speed_change, max(v - speed_change, 0.0)
     reach = fast * horizon + 0.5 * settings.a_max * horizon**2
-    along = 2.0 * remote.sigma_along + 0.5 * late * remote.age
+    along = 2.0 * remote.sigma_along + 0.5 * speed_change * remote.age
     if always_parallel(body.headings, heading_range(remote, reach), settings.min_angle):
         return None
     start = complex(body.center[0]) - complex(remote.x, remote.y)
@@ -198,10 +197,10 @@ def find_conflict_for_sweep(
     if abs(start) > float(body.station[-1] - body.station[0]) + reach + sizes + 2.0 * remote.sigma_across:
         return None
     other = Sweep.from_remote(remote, reach, along, 2.0 * remote.sigma_across)
-    places = body.find_overlap(other, settings.min_angle)
-    if places is None:
+    overlap = body.find_overlap(other, settings.min_angle)
+    if overlap is None:
         return None
-    first, last, first_other, last_other = places
+    first, last, first_other, last_other = overlap
     s_enter, s_exit = (
         float(body.station[first]) - 0.5 * body.step,
         float(body.station[last]) + 0.5 * body.step,
@@ -221,7 +220,7 @@ def find_conflict_for_sweep(
 
 
 def _time(distance: float, v: float, a: float) -> float:
-    """Time in which a distance is covered from speed v at constant acceleration; infinite if never."""
+    """Time to cover a distance from speed v at constant acceleration [s]; infinite if never."""
     squared = v * v + 2.0 * a * distance
     if squared < 0.0 or (v == 0.0 and squared == 0.0):
         return math.inf if distance > 0.0 else 0.0

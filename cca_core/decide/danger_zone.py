@@ -1,4 +1,4 @@
-"""Danger zone of a vehicle on the lane beside: eq 11 as printed, and its general form."""
+"""Danger zone of a vehicle in the adjacent lane: eq 11 as printed, and its general form."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,8 +36,8 @@ def danger_zone_end(
 
     Notes
     -----
-    Right only for a faster vehicle in the same direction with its front bumper at X_1; use `danger_zone`
-    for decisions.
+    This form holds only for a faster vehicle in the same direction whose front bumper is at X_1. Decisions
+    use `danger_zone`.
 
     Examples
     --------
@@ -63,31 +63,31 @@ def danger_zone(
     acceleration: float = 0.0,
     age: ArrayLike = 0.0,
 ) -> Array:
-    """Stretch of road in which the ego may not begin a maneuver because of a vehicle on the lane beside.
+    """Interval of the road in which a vehicle of the adjacent lane blocks a maneuver.
 
     Parameters
     ----------
     rear, front : array_like, shape (...)
         Least and largest path coordinate of the adjacent vehicle's body now, relative to the ego [m].
     v_adj : array_like, shape (...)
-        Its speed along the path [m/s], negative if it comes toward the ego.
+        Speed of that vehicle along the path [m/s], negative if it is oncoming.
     times : array_like, shape (n,)
-        Times from now [s] from the beginning of the maneuver until the ego's body has left the lane again.
+        Times from now [s], from the start of the maneuver until the ego's body has left the lane again.
     ego_travel : array_like, shape (n,)
-        Distance that the ego will have driven at those times [m].
+        Distance that the ego has driven at those times [m].
     x_safety : float
         Distance kept in front of and behind the vehicle [m].
     margin : array_like, shape (...)
         Further distance for position error [m].
     braking, acceleration : float
-        Largest deceleration and acceleration of the vehicle that are provided for [m/s^2].
+        Assumed maximum deceleration and acceleration of the vehicle [m/s^2].
     age : array_like, shape (...)
-        Age of the message [s], in which it may have braked or accelerated already.
+        Age of the report [s], in which the vehicle may have braked or accelerated already.
 
     Returns
     -------
     zone : ndarray, shape (..., 2)
-        Rear and front end of the zone [m], relative to the ego: the ego's body must not touch it.
+        Rear and front end of the zone [m], relative to the ego; the ego's body must stay outside.
 
     Raises
     ------
@@ -96,11 +96,13 @@ def danger_zone(
 
     Notes
     -----
-    Eq (11) of the paper made general: the vehicle's body as the ego sees it during the whole maneuver,
-    [min_t (rear + low - travel) - x_s, max_t (front + high - travel) + x_s] with the reach [low, high] of
-    `predict.reach`. For constant speeds the extremes lie at both ends; for a faster vehicle behind the front
-    end is X_2 of eq 11. The zone is the union of what is covered at each time, which is one piece: the ego is
-    outside it if and only if the vehicle can reach its body at none of the times.
+    Eq (11) of the paper in general form. The zone holds the vehicle's body relative to the ego during the
+    whole maneuver: [min_t (rear + low - travel) - x_s, max_t (front + high - travel) + x_s]. Here [low, high]
+    is `predict.reachable_interval`. For constant speeds both extremes are at an end of the maneuver. For a
+    faster vehicle behind the ego the front end is X_2 of eq 11.
+
+    The zone is the union of the intervals that are covered at each time, and this union has no holes. The ego
+    is outside if and only if the vehicle can reach its body at none of the times.
 
     Examples
     --------

@@ -20,30 +20,30 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RssSettings:
-    """How a road user is taken to react; the defaults are those of the ad-rss library for the ego.
+    """Assumed reaction of a vehicle; the defaults are those of the ad-rss library for the ego.
 
     Parameters
     ----------
     response_time : float
-        Time until it reacts [s].
+        Time until the vehicle reacts [s].
     a_max : float
-        Acceleration in that time [m/s^2].
+        Acceleration during the response time [m/s^2].
     b_min : float
-        Deceleration that it brakes with at least, once it reacts [m/s^2], positive.
+        Least deceleration after the response time [m/s^2], positive.
     b_max : float
-        Deceleration that it brakes with at most [m/s^2], positive.
+        Largest deceleration [m/s^2], positive.
     b_correct : float
-        As `b_min`, for one that is met by oncoming traffic on its own lane [m/s^2].
+        Least deceleration of a vehicle in its own lane that faces oncoming traffic [m/s^2], positive.
     a_lateral : float
-        Lateral acceleration in the response time [m/s^2].
+        Lateral acceleration during the response time [m/s^2].
     b_lateral : float
-        Lateral deceleration at least, once it reacts [m/s^2], positive.
+        Least lateral deceleration after the response time [m/s^2], positive.
     fluctuation : float
-        Lateral movement without meaning [m].
+        Unintended lateral movement [m].
     standstill_gap : float
-        Distance kept along the road in any case [m].
+        Distance along the road that is always kept [m].
     v_max : float
-        Speed above which it does not accelerate in the response time [m/s].
+        Speed above which the vehicle does not accelerate in the response time [m/s].
 
     Raises
     ------
@@ -71,23 +71,23 @@ class RssSettings:
 
 
 RSS_EGO = RssSettings()
-"""The ego: it reacts in 1 s."""
+"""The ego: response time 1 s."""
 
 RSS_OTHER = RssSettings(response_time=2.0)
-"""Another road user: it reacts in 2 s."""
+"""Another vehicle: response time 2 s."""
 
 
 def rss_same_direction(
     v_rear: ArrayLike, v_front: ArrayLike, *, rear: RssSettings = RSS_EGO, front: RssSettings = RSS_OTHER
 ) -> Array:
-    """Distance behind a vehicle at which even its hardest braking is survived.
+    """Least distance behind a vehicle that avoids a collision even if it brakes fully.
 
     Parameters
     ----------
     v_rear, v_front : array_like, shape (...)
         Speeds along the road [m/s], not negative.
     rear, front : RssSettings
-        How they react.
+        Assumed reactions.
 
     Returns
     -------
@@ -101,8 +101,8 @@ def rss_same_direction(
 
     Notes
     -----
-    The one behind accelerates for its response time and then brakes with `b_min`, the one in front brakes
-    with `b_max` from now. The distance compares where both stand.
+    The rear vehicle accelerates for its response time and then brakes with `b_min`. The front vehicle brakes
+    with `b_max` from now on. The distance compares the points at which both stop.
 
     Examples
     --------
@@ -124,16 +124,16 @@ def rss_opposite_direction(
     correct: RssSettings = RSS_EGO,
     opposite: RssSettings = RSS_OTHER,
 ) -> Array:
-    """Distance at which two vehicles that drive toward each other both come to rest before they meet.
+    """Least distance at which two vehicles that approach each other both stop in time.
 
     Parameters
     ----------
     v_correct : array_like, shape (...)
-        Speed of the one that is on its own lane [m/s].
+        Speed of the vehicle in its own lane [m/s]; the sign does not count.
     v_opposite : array_like, shape (...)
-        Speed of the other [m/s]. Of both speeds only the amount counts.
+        Speed of the vehicle in the opposing lane [m/s]; the sign does not count.
     correct, opposite : RssSettings
-        How they react: the first brakes with `b_correct`, the other with `b_min`.
+        Assumed reactions: the first brakes with `b_correct`, the other with `b_min`.
 
     Returns
     -------
@@ -150,10 +150,10 @@ def rss_opposite_direction(
     >>> round(float(rss_opposite_direction(20.0, -20.0)), 3)
     251.917
     """
-    own, other = np.abs(check_any("v_correct", v_correct)), np.abs(check_any("v_opposite", v_opposite))
+    v_own, v_other = np.abs(check_any("v_correct", v_correct)), np.abs(check_any("v_opposite", v_opposite))
     gap = max(correct.standstill_gap, opposite.standstill_gap)
     distance: Array = (
-        _stopping(own, correct, correct.b_correct) + _stopping(other, opposite, opposite.b_min) + gap
+        _stopping(v_own, correct, correct.b_correct) + _stopping(v_other, opposite, opposite.b_min) + gap
     )
     return distance
 
@@ -161,14 +161,14 @@ def rss_opposite_direction(
 def rss_lateral(
     v_left: ArrayLike, v_right: ArrayLike, *, left: RssSettings = RSS_EGO, right: RssSettings = RSS_OTHER
 ) -> Array:
-    """Lateral distance at which two vehicles beside each other do not touch before they have reacted.
+    """Least lateral distance at which two vehicles alongside each other react in time.
 
     Parameters
     ----------
     v_left, v_right : array_like, shape (...)
-        Lateral speeds of the one on the left and the one on the right [m/s], to the left positive.
+        Lateral speeds of the left and of the right vehicle [m/s], left positive.
     left, right : RssSettings
-        How they react.
+        Assumed reactions.
 
     Returns
     -------
@@ -182,9 +182,9 @@ def rss_lateral(
 
     Notes
     -----
-    Both accelerate toward each other for their response times and then brake. As in ad-rss 5.0, one that
-    still moves away after its response time does not brake in this reckoning, and the fluctuation margin can
-    be used up by a movement apart (the publication adds it in any case).
+    Both vehicles accelerate toward each other for their response times and then brake. Two details are those
+    of ad-rss 5.0. A vehicle that still moves away after its response time does not brake. A movement apart
+    reduces the fluctuation margin, while the publication always adds the margin.
 
     Examples
     --------
@@ -199,17 +199,17 @@ def rss_lateral(
 
 
 def _stopping(v: Array, settings: RssSettings, braking: float) -> Array:
-    """Distance driven by one that accelerates for its response time, up to v_max, and then brakes."""
+    """Distance [m] of a vehicle that accelerates for its response time, up to v_max, and then brakes."""
     rho, a = settings.response_time, settings.a_max
     top = np.maximum(v, np.minimum(v + rho * a, settings.v_max))
-    # the time at the top speed, if it is reached within the response time
+    # time at the top speed, if the vehicle reaches it within the response time
     lost = rho - (top - v) / a if a > 0.0 else np.zeros_like(v)
     distance: Array = 0.5 * (v + top) * (rho - lost) + top * lost + top * top / (2.0 * braking)
     return distance
 
 
 def _shift(v: Array, settings: RssSettings) -> Array:
-    """Distance moved toward the other by one that accelerates toward it and then brakes."""
+    """Lateral distance [m] of a vehicle that accelerates toward the other and then brakes."""
     rho, b = settings.response_time, settings.b_lateral
     after = v + rho * settings.a_lateral
     distance: Array = 0.5 * (v + after) * rho + np.maximum(after, 0.0) ** 2 / (2.0 * b)

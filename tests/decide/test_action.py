@@ -1,4 +1,4 @@
-"""Choice of action: every branch, its hysteresis, and that it always says why."""
+"""Choice of action: every branch, hysteresis, reasons."""
 
 import math
 from typing import Any
@@ -12,20 +12,22 @@ from cca_core.decide import Action, Candidate, LeadVehicle, choose_action
 K, F, L, R, B = Action.KEEP, Action.FOLLOW, Action.EVADE_LEFT, Action.EVADE_RIGHT, Action.BRAKE
 
 
-def leader(need: float = 0.5, follow: float = -1.0, gap: float = 30.0) -> LeadVehicle:
+def make_lead(need: float = 0.5, follow: float = -1.0, gap: float = 30.0) -> LeadVehicle:
     return LeadVehicle(id="R1", gap=gap, v_x=12.0, required_deceleration=need, follow_acceleration=follow)
 
 
-def free(side: str = "left", **kwargs: Any) -> Candidate:
-    return Candidate(side=side, **({"available_distance": 20.0, "needed": 50.0, "duration": 6.0} | kwargs))
+def candidate(side: str = "left", **kwargs: Any) -> Candidate:
+    return Candidate(
+        side=side, **({"available_distance": 20.0, "required_distance": 50.0, "t_maneuver": 6.0} | kwargs)
+    )
 
 
 BLOCKED = Candidate(side="left", rejection="A is in the way", danger_zone=(-50.0, 10.0))
-DUE, EARLY = free(), free(available_distance=80.0)
-CALM, SLOWING, HARD = leader(0.1, -0.1), leader(1.0, -1.0), leader(5.0, -5.0)
+DUE, EARLY = candidate(), candidate(available_distance=80.0)
+CALM, SLOWING, HARD = make_lead(0.1, -0.1), make_lead(1.0, -1.0), make_lead(5.0, -5.0)
 
 TABLE = [
-    # leader, candidates, previous -> action
+    # lead, candidates, previous -> action
     (None, [], K, K),
     (None, [], F, K),
     (None, [DUE], B, K),
@@ -36,7 +38,7 @@ TABLE = [
     (CALM, [BLOCKED], K, K),
     (SLOWING, [BLOCKED], K, F),
     (HARD, [BLOCKED], K, B),
-    (CALM, [BLOCKED], F, F),  # once waiting it waits, though following asks for nothing now
+    (CALM, [BLOCKED], F, F),  # a waiting ego waits on, although following needs no braking now
     (CALM, [BLOCKED], B, F),
     (SLOWING, [BLOCKED], B, F),
     (HARD, [BLOCKED], F, B),
@@ -45,20 +47,20 @@ TABLE = [
     (SLOWING, [BLOCKED], R, F),
     (SLOWING, [DUE], K, L),
     (CALM, [DUE], K, L),
-    (SLOWING, [EARLY], K, K),  # the swerve is not due: drive on
+    (SLOWING, [EARLY], K, K),  # the maneuver is not due
     (SLOWING, [EARLY], L, K),
     (HARD, [EARLY], K, L),  # better than braking hard
-    (CALM, [EARLY], F, L),  # it has waited long enough
+    (CALM, [EARLY], F, L),  # the ego has waited long enough
     (CALM, [EARLY], B, L),
     (HARD, [DUE], B, L),
-    (SLOWING, [free("right")], K, R),
-    (SLOWING, [BLOCKED, free("right")], K, R),
-    (SLOWING, [BLOCKED, free("right", available_distance=80.0)], K, K),
+    (SLOWING, [candidate("right")], K, R),
+    (SLOWING, [BLOCKED, candidate("right")], K, R),
+    (SLOWING, [BLOCKED, candidate("right", available_distance=80.0)], K, K),
 ]
 
 
 @pytest.mark.parametrize(("ahead", "candidates", "previous", "expected"), TABLE)
-def test_table(
+def test_action_matches_table(
     ahead: LeadVehicle | None, candidates: list[Candidate], previous: Action, expected: Action
 ) -> None:
     decision = choose_action(ahead, candidates, previous=previous)
@@ -71,17 +73,17 @@ def test_table(
     ("left", "right", "expected"), [(1.0, 2.0, L), (2.0, 1.0, R), (3.0, 3.0 - 1e-9, R), (-1.0, 0.0, L)]
 )
 @pytest.mark.parametrize("swapped", [False, True])
-def test_cost_decides_between_sides(left: float, right: float, expected: Action, swapped: bool) -> None:
-    both = [free("left", cost=left), free("right", cost=right)]
+def test_cheaper_side_is_chosen(left: float, right: float, expected: Action, swapped: bool) -> None:
+    both = [candidate("left", cost=left), candidate("right", cost=right)]
     assert choose_action(SLOWING, both[::-1] if swapped else both).action is expected
 
 
-def test_blocked_side_loses_whatever_it_costs() -> None:
+def test_rejected_side_is_not_chosen_at_any_cost() -> None:
     blocked = Candidate(side="left", rejection="there is no lane", cost=-100.0)
-    assert choose_action(SLOWING, [blocked, free("right", cost=9.0)]).action is R
+    assert choose_action(SLOWING, [blocked, candidate("right", cost=9.0)]).action is R
 
 
-def test_reason_names_leader_and_every_obstruction() -> None:
+def test_reason_names_lead_and_every_rejection() -> None:
     two = [BLOCKED, Candidate(side="right", rejection="there is no lane")]
     for ahead in (CALM, SLOWING, HARD):
         reason = choose_action(ahead, two).reason
@@ -90,37 +92,42 @@ def test_reason_names_leader_and_every_obstruction() -> None:
         assert "right: there is no lane" in reason
 
 
-def test_reason_without_candidates_says_so() -> None:
-    assert "no way around was looked for" in choose_action(SLOWING, []).reason
+def test_reason_without_candidates_mentions_missing_maneuver() -> None:
+    assert "no maneuver was planned" in choose_action(SLOWING, []).reason
 
 
-def test_zone_is_that_of_the_chosen_side() -> None:
-    a, b = free("left", cost=2.0, zone=(1.0, 2.0)), free("right", cost=1.0, zone=(3.0, 4.0))
+def test_danger_zone_is_that_of_chosen_side() -> None:
+    a, b = (
+        candidate("left", cost=2.0, danger_zone=(1.0, 2.0)),
+        candidate("right", cost=1.0, danger_zone=(3.0, 4.0)),
+    )
     assert choose_action(SLOWING, [a, b]).danger_zone == (3.0, 4.0)
     assert choose_action(SLOWING, [BLOCKED]).danger_zone == BLOCKED.danger_zone
 
 
 def test_thresholds_are_strict_and_adjustable() -> None:
-    assert choose_action(leader(4.0, -0.5), []).action is K
-    assert choose_action(leader(4.0, -0.501), []).action is F
-    assert choose_action(leader(4.001, 0.0), []).action is B
-    assert choose_action(leader(4.001, -1.0), [], brake_threshold=5.0).action is F
-    assert choose_action(leader(1.0, -1.0), [], follow_threshold=-1.5).action is K
+    assert choose_action(make_lead(4.0, -0.5), []).action is K
+    assert choose_action(make_lead(4.0, -0.501), []).action is F
+    assert choose_action(make_lead(4.001, 0.0), []).action is B
+    assert choose_action(make_lead(4.001, -1.0), [], brake_threshold=5.0).action is F
+    assert choose_action(make_lead(1.0, -1.0), [], follow_threshold=-1.5).action is K
 
 
-def test_due_at_equality() -> None:
-    assert choose_action(CALM, [free(available_distance=50.0, needed=50.0)]).action is L
-    assert choose_action(CALM, [free(available_distance=50.0 + 1e-9, needed=50.0)]).action is K
+def test_maneuver_is_due_at_equal_distances() -> None:
+    assert choose_action(CALM, [candidate(available_distance=50.0, required_distance=50.0)]).action is L
+    assert (
+        choose_action(CALM, [candidate(available_distance=50.0 + 1e-9, required_distance=50.0)]).action is K
+    )
 
 
-def test_infinite_need_brakes() -> None:
-    assert choose_action(leader(math.inf, -7.0), []).action is B
+def test_infinite_required_deceleration_brakes() -> None:
+    assert choose_action(make_lead(math.inf, -7.0), []).action is B
 
 
-def test_following_does_not_chatter_round_its_threshold() -> None:
+def test_following_does_not_chatter_around_threshold() -> None:
     previous, seen = K, []
     for follow in (-0.4, -0.6, -0.4, -0.6, 0.3, -0.6):
-        previous = choose_action(leader(0.2, follow), [BLOCKED], previous=previous).action
+        previous = choose_action(make_lead(0.2, follow), [BLOCKED], previous=previous).action
         seen.append(previous)
     assert seen == [K, F, F, F, F, F]
 
@@ -128,18 +135,18 @@ def test_following_does_not_chatter_round_its_threshold() -> None:
 @given(
     st.one_of(
         st.none(),
-        st.builds(leader, st.floats(0.0, 20.0), st.floats(-7.0, 3.0), st.floats(-5.0, 200.0)),
+        st.builds(make_lead, st.floats(0.0, 20.0), st.floats(-7.0, 3.0), st.floats(-5.0, 200.0)),
     ),
     st.lists(
         st.builds(
-            Candidate, side=st.sampled_from(["left", "right"]), obstruction=st.sampled_from(["", "no lane"]),
-            available_distance=st.floats(0.0, 200.0), needed=st.floats(0.0, 100.0), cost=st.floats(0.0, 5.0),
+            Candidate, side=st.sampled_from(["left", "right"]), rejection=st.sampled_from(["", "no lane"]),
+            available_distance=st.floats(0.0, 200.0), required_distance=st.floats(0.0, 100.0), cost=st.floats(0.0, 5.0),
         ),
         max_size=3,
     ),
     st.sampled_from(list(Action)),
 )  # fmt: skip
-def test_never_evades_to_an_obstructed_side_and_never_ignores_danger(
+def test_random_cases_evade_only_to_feasible_side(
     ahead: LeadVehicle | None, candidates: list[Candidate], previous: Action
 ) -> None:
     decision = choose_action(ahead, candidates, previous=previous)

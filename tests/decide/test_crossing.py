@@ -20,7 +20,7 @@ CAR = VehicleParams(
 )
 STRAIGHT = Path([-100.0, 300.0], [[[0, 0, 400, -100], [0, 0, 0, 0]]])
 HORIZON = 8.0
-COUNT = 4000 if os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full" else 250
+ENCOUNTERS = 4000 if os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full" else 250
 
 
 def turn(radius: float = 10.0, sign: float = 1.0, before: float = 60.0, after: float = 60.0) -> Path:
@@ -59,7 +59,7 @@ class TestScripted:
         ("y", "v", "before", "after"),
         [(-40.0, 10.0, False, False), (-80.0, 10.0, True, False), (-8.0, 15.0, False, True)],
     )
-    def test_order(self, y: float, v: float, before: bool, after: bool) -> None:
+    def test_order_of_passing_follows_from_times(self, y: float, v: float, before: bool, after: bool) -> None:
         found = drive(
             STRAIGHT, 0.0, 10.0, car(30.0, y, math.pi / 2.0, v), settings=CrossingSettings(min_pet=0.5)
         )
@@ -68,13 +68,13 @@ class TestScripted:
             before, after, before or after, not (before or after),
         )  # fmt: skip
 
-    def test_one_that_may_stop_in_the_area_never_leaves_it_for_certain(self) -> None:
+    def test_vehicle_that_may_stop_inside_has_no_exit_time(self) -> None:
         found = drive(STRAIGHT, 0.0, 10.0, car(30.0, -20.0, math.pi / 2.0, 8.0))
         assert found is not None
         assert found.t_other[1] == math.inf
         assert math.isfinite(found.t_other_nominal[1])
 
-    def test_inside_the_area_it_is_to_be_cleared(self) -> None:
+    def test_ego_inside_area_does_not_yield(self) -> None:
         found = drive(STRAIGHT, 28.0, 5.0, car(30.0, -15.0, math.pi / 2.0, 10.0))
         assert found is not None
         assert found.distance <= 0.0
@@ -85,17 +85,17 @@ class TestScripted:
         s = float(path.project((-20.0, 0.0))[0])
         found = drive(path, s, 6.0, car(60.0, 7.0, math.pi, 16.0))
         assert found is not None
-        place = path.position(0.5 * (found.s_enter + found.s_exit))
-        assert place[1] == pytest.approx(7.0, abs=2.0)
+        middle = path.position(0.5 * (found.s_enter + found.s_exit))
+        assert middle[1] == pytest.approx(7.0, abs=2.0)
         assert found.distance > 20.0
 
-    def test_a_turning_vehicle_is_seen_to_turn(self) -> None:
-        # oncoming on the lane beside, turning left across the ego's lane
+    def test_turning_oncoming_vehicle_conflicts(self) -> None:
+        # oncoming in the adjacent lane, turning left across the ego lane
         ahead = car(40.0, 3.5, math.pi, 6.0)
         assert drive(STRAIGHT, 0.0, 10.0, ahead) is None
         assert drive(STRAIGHT, 0.0, 10.0, replace(ahead, r=0.6)) is not None
 
-    def test_uncertainty_widens_the_windows(self) -> None:
+    def test_uncertainty_widens_time_windows(self) -> None:
         remote = car(30.0, -40.0, math.pi / 2.0, 10.0)
         base = drive(STRAIGHT, 0.0, 10.0, remote)
         for more in ({"sigma_along": 1.0}, {"age": 0.5}, {"length": 9.0}):
@@ -126,8 +126,8 @@ class TestScripted:
             car(30.0, math.nan, math.pi / 2.0, 10.0),
         ],
         ids=(
-            "leader", "beside", "behind", "head-on", "oncoming", "merging", "too far", "gone",
-            "crosses behind", "stands", "not a number",
+            "lead", "adjacent", "behind", "head-on", "oncoming", "merging", "too far", "gone",
+            "crosses behind", "stationary", "not a number",
         ),
     )  # fmt: skip
     def test_no_conflict(self, remote: RemoteVehicle) -> None:
@@ -137,7 +137,7 @@ class TestScripted:
     @pytest.mark.parametrize("sign", [1.0, -1.0])
     @pytest.mark.parametrize("d", [-3.5, 0.0, 3.5])
     @pytest.mark.parametrize("direction", [1.0, -1.0])
-    def test_same_lane_and_parallel_traffic_in_a_bend(
+    def test_parallel_traffic_on_curve_has_no_conflict(
         self, radius: float, sign: float, d: float, direction: float
     ) -> None:
         phi = np.arange(-1.5, 1.5, 2.0 / radius)
@@ -153,8 +153,8 @@ class TestScripted:
 
     @pytest.mark.parametrize("d", [-3.5, 3.5])
     @pytest.mark.parametrize("direction", [1.0, -1.0])
-    def test_parallel_traffic_before_a_wide_bend(self, d: float, direction: float) -> None:
-        """It does not turn yet, and would cross the ego's lane at a small angle."""
+    def test_parallel_traffic_before_wide_curve_has_no_conflict(self, d: float, direction: float) -> None:
+        """The vehicle does not turn yet; straight ahead it would cross the ego lane at a small angle."""
         path = turn(100.0, before=100.0)
         for ahead in (5.0, 20.0, 40.0):
             s = 40.0 if direction > 0.0 else 160.0
@@ -174,7 +174,7 @@ class TestScripted:
         ({"horizon": 0.0}, "horizon"),
     ],
 )
-def test_bad_arguments(changes: dict[str, Any], named: str) -> None:
+def test_invalid_arguments_raise(changes: dict[str, Any], named: str) -> None:
     good = {
         "path": STRAIGHT, "s": 0.0, "stations": [0.0, 100.0], "times": [0.0, 10.0], "vehicle": CAR,
         "remote": car(30.0, -40.0, math.pi / 2.0, 10.0),
@@ -183,8 +183,8 @@ def test_bad_arguments(changes: dict[str, Any], named: str) -> None:
         find_conflict(**{**good, **changes})
 
 
-@pytest.mark.parametrize("changes", [{"a_max": -1.0}, {"margin": math.nan}, {"min_angle": 2.0}])
-def test_bad_settings(changes: dict[str, float]) -> None:
+@pytest.mark.parametrize("changes", [{"a_max": -1.0}, {"min_pet": math.nan}, {"min_angle": 2.0}])
+def test_invalid_settings_raise(changes: dict[str, float]) -> None:
     with pytest.raises(InputError, match=next(iter(changes))):
         CrossingSettings(**changes)
 
@@ -199,8 +199,8 @@ def curve(rng: np.random.Generator) -> Path:
     return interpolate_path(np.column_stack((np.cumsum(np.cos(psi)) * 2.0, np.cumsum(np.sin(psi)) * 2.0)))
 
 
-def places(remote: RemoteVehicle, u: Any) -> tuple[Any, Any, Any]:
-    """Where a vehicle is after `u` meters: straight, or round a corner and then straight, by summation."""
+def positions(remote: RemoteVehicle, u: Any) -> tuple[Any, Any, Any]:
+    """Pose of a vehicle after `u` meters: straight, or around a corner and then straight, by summation."""
     step = 0.02
     grid = np.arange(0.0, float(u.max()) + 2.0 * step, step)
     kappa = remote.r / max(remote.v_x, 1.0)
@@ -218,7 +218,7 @@ def traveled(v: float, a: float, t: Any) -> Any:
 
 
 def encounter(rng: np.random.Generator) -> tuple[Path, float, Any, Any, RemoteVehicle]:
-    """An ego with a random speed profile, and a vehicle aimed at a place that it passes."""
+    """An ego with a random speed profile, and a vehicle aimed at a point of the path of the ego."""
     path, s = curve(rng), float(rng.uniform(0.0, 15.0))
     v, a = rng.uniform(2.0, 15.0), rng.uniform(-1.0, 2.0)
     times = np.arange(0.0, 12.0, 0.5)
@@ -229,12 +229,12 @@ def encounter(rng: np.random.Generator) -> tuple[Path, float, Any, Any, RemoteVe
     target, heading = path.position(target_s), float(path.heading(target_s))
     angle = heading + rng.choice([-1.0, 1.0]) * rng.uniform(0.6, 2.5)
     speed = rng.uniform(1.0, 20.0)
-    # straight back from the target, so that it arrives there at a random time; then turned by its own arc
+    # straight back from the target, for a random time of arrival; then turned by its own arc
     back = speed * rng.uniform(0.0, 7.0)
     kappa = rng.choice([0.0, rng.uniform(-0.08, 0.08)])
     kappa = 0.0 if abs(kappa) < 2e-3 else kappa
     start = car(0.0, 0.0, 0.0, speed, r=kappa * speed)
-    x, y, turned = (float(q[0]) for q in places(start, np.array([back])))
+    x, y, turned = (float(q[0]) for q in positions(start, np.array([back])))
     psi = float(wrap_angle(angle - turned))
     c, k = math.cos(psi), math.sin(psi)
     remote = replace(
@@ -249,7 +249,7 @@ def encounter(rng: np.random.Generator) -> tuple[Path, float, Any, Any, RemoteVe
 def sweep_gaps(
     path: Path, stations: Any, times: Any, remote: RemoteVehicle, a: float, late: float, shift: float
 ) -> tuple[Any, Any, Any, Any]:
-    """Gap between the bodies over time, angle between their headings, path coordinate, time.
+    """Gap between the bodies over time, angle between their headings, station, time.
 
     The vehicle has accelerated by `a` since its message, and is off by `shift` (of two standard deviations).
     """
@@ -258,14 +258,11 @@ def sweep_gaps(
     point, psi = path.position(s), path.heading(s)
     v = max(remote.v_x + a * late, 0.0)
     u = traveled(v, a, t) + 0.5 * a * late**2 + shift * 2.0 * remote.sigma_along
-    x, y, heading = places(remote, np.maximum(u, 0.0))
+    x, y, heading = positions(remote, np.maximum(u, 0.0))
     x, y = x + np.minimum(u, 0.0) * np.cos(remote.psi), y + np.minimum(u, 0.0) * np.sin(remote.psi)
     across = shift * 2.0 * remote.sigma_across
     x, y = x - across * np.sin(heading), y + across * np.cos(heading)
-    ego = boxes(
-        point[:, 0] + CAR.box_offset * np.cos(psi), point[:, 1] + CAR.box_offset * np.sin(psi), psi,
-        CAR.length, CAR.width,
-    )  # fmt: skip
+    ego = CAR.body_at(point[:, 0], point[:, 1], psi)
     return (
         box_gap(ego, boxes(x, y, heading, remote.length, remote.width)),
         np.abs(np.sin(heading - psi)),
@@ -274,11 +271,11 @@ def sweep_gaps(
     )
 
 
-def test_never_free_where_the_boxes_meet() -> None:
+def test_random_conflicts_cover_every_box_overlap() -> None:
     rng = np.random.default_rng(2024)
     settings = CrossingSettings(min_pet=0.0, clearance=0.0)
     met = free = conflicts = 0
-    for _ in range(COUNT):
+    for _ in range(ENCOUNTERS):
         path, s, stations, times, remote = encounter(rng)
         found = find_conflict(path, s, stations, times, CAR, remote, horizon=HORIZON, settings=settings)
         conflicts += found is not None
@@ -286,26 +283,26 @@ def test_never_free_where_the_boxes_meet() -> None:
         for a in np.linspace(-settings.b_max, settings.a_max, 5):
             shift, late = rng.choice([-1.0, 1.0, rng.uniform(-1.0, 1.0)]), remote.age * rng.choice([0.5, 1.0])
             gap, sine, at, t = sweep_gaps(path, stations, times, remote, float(a), late, shift)
-            touch = (gap < 0.0) & (sine > math.sin(settings.min_angle))
-            if not touch.any():
+            overlap = (gap < 0.0) & (sine > math.sin(settings.min_angle))
+            if not overlap.any():
                 continue
             met += 1
             assert found is not None
             assert not found.is_clear
-            touch = gap < 0.0
-            assert found.s_enter <= at[touch].min()
-            assert found.s_exit >= at[touch].max()
-            assert found.t_ego[0] <= t[touch].min() + 1e-6
-            assert found.t_ego[1] >= t[touch].max() - 1e-6
-            assert found.t_other[0] <= t[touch].min() + 1e-6
-            assert found.t_other[1] >= t[touch].max() - 1e-6
-    assert met > COUNT // 5
-    assert conflicts > COUNT // 3
-    assert free > COUNT // 50
+            overlap = gap < 0.0
+            assert found.s_enter <= at[overlap].min()
+            assert found.s_exit >= at[overlap].max()
+            assert found.t_ego[0] <= t[overlap].min() + 1e-6
+            assert found.t_ego[1] >= t[overlap].max() - 1e-6
+            assert found.t_other[0] <= t[overlap].min() + 1e-6
+            assert found.t_other[1] >= t[overlap].max() - 1e-6
+    assert met > ENCOUNTERS // 5
+    assert conflicts > ENCOUNTERS // 3
+    assert free > ENCOUNTERS // 50
 
 
-def test_not_much_larger_than_needed() -> None:
-    """At exact knowledge the area is at most 3 m longer than what the bodies sweep at constant speed."""
+def test_conflict_area_exceeds_sweep_by_3_m_only() -> None:
+    """Reports are exact and speeds constant here."""
     rng = np.random.default_rng(5)
     settings = CrossingSettings(min_pet=0.0, clearance=0.0, a_max=0.0, b_max=0.0)
     for _ in range(12):
@@ -315,20 +312,22 @@ def test_not_much_larger_than_needed() -> None:
         assert found is not None
         s = np.arange(40.0, 80.0, 0.2)
         u = np.arange(20.0, 60.0, 0.2)[:, None]
-        ego = boxes(s + CAR.box_offset, 0.0, 0.0, CAR.length, CAR.width)
+        ego = CAR.body_at(s, 0.0, 0.0)
         x, y = remote.x + u * math.cos(angle), remote.y + u * math.sin(angle)
-        touch = box_gap(ego, boxes(x, y, angle, remote.length, remote.width)) < 0.0
-        reached, beside = s[touch.any(axis=0)], u[touch.any(axis=1), 0]
+        overlap = box_gap(ego, boxes(x, y, angle, remote.length, remote.width)) < 0.0
+        reached, reached_other = s[overlap.any(axis=0)], u[overlap.any(axis=1), 0]
         assert found.s_enter <= reached.min()
         assert found.s_exit >= reached.max()
         assert found.s_exit - found.s_enter <= np.ptp(reached) + 3.0
-        assert found.t_other_nominal[1] - found.t_other_nominal[0] <= (np.ptp(beside) + 3.0) / 10.0
+        assert found.t_other_nominal[1] - found.t_other_nominal[0] <= (np.ptp(reached_other) + 3.0) / 10.0
 
 
 @given(
     st.integers(0, 10_000), st.floats(-3.1, 3.1), st.floats(-500.0, 500.0), st.sampled_from([1.0, -1.0])
 )  # fmt: skip
-def test_turned_shifted_mirrored(seed: int, angle: float, shift: float, mirror: float) -> None:
+def test_conflict_is_invariant_to_rotation_shift_mirror(
+    seed: int, angle: float, shift: float, mirror: float
+) -> None:
     path, s, stations, times, remote = encounter(np.random.default_rng(seed))
     found = find_conflict(path, s, stations, times, CAR, remote)
     c, k = math.cos(angle), math.sin(angle)
@@ -340,6 +339,6 @@ def test_turned_shifted_mirrored(seed: int, angle: float, shift: float, mirror: 
     again = find_conflict(Path(path.breaks, coefficients), s, stations, times, CAR, other)
     assert (found is None) == (again is None)
     if found is not None and again is not None:
-        for name in ("s_enter", "s_exit", "distance", "ego", "other", "expected"):
-            # a body that only just touches a sample may do so or not
+        for name in ("s_enter", "s_exit", "distance", "t_ego", "t_other", "t_other_nominal"):
+            # a body that only just overlapes a sample may do so or not
             assert getattr(again, name) == pytest.approx(getattr(found, name), abs=1e-6)

@@ -1,4 +1,4 @@
-"""Danger zone: eq 11 as printed; the general form against the notes' figures and a simulation."""
+"""Danger zone: eq 11 as printed; the general form against hand values and a simulation."""
 
 import math
 from typing import Any
@@ -15,75 +15,75 @@ LENGTH = 4.5
 
 
 def zone(rear: float, front: float, v_adj: float, v_ego: float, t: float, **kwargs: Any) -> Any:
-    """Zone for an ego at constant speed."""
+    """Zone for an ego at constant speed_st."""
     return danger_zone(rear, front, v_adj, times=[0.0, t], ego_travel=[0.0, v_ego * t], **kwargs)
 
 
 class TestEquation11:
-    def test_is_the_printed_sum(self) -> None:
+    def test_end_is_printed_sum(self) -> None:
         assert float(danger_zone_end(-40.0, 33.0, 21.0, 5.0, 7.0)) == -40.0 + 12.0 * 5.0 + 7.0
 
-    def test_lethal_example_of_the_notes(self) -> None:
-        # 20 / -20 m/s, 4 s, x_s 10: printed with a signed speed -150 m, read unsigned +10 m
+    def test_signed_and_unsigned_speed_differ_by_160_m(self) -> None:
+        # 20 / -20 m/s, 4 s, x_s 10: printed with a signed speed_st -150 m, read unsigned +10 m
         assert float(danger_zone_end(0.0, -20.0, 20.0, 4.0, 10.0)) == -150.0
         assert float(danger_zone_end(0.0, 20.0, 20.0, 4.0, 10.0)) == 10.0
 
-    def test_broadcasts(self) -> None:
+    def test_end_broadcasts(self) -> None:
         end = danger_zone_end([[0.0], [10.0]], [30.0, 25.0, 20.0], 20.0, 4.0, 10.0)
         assert end.tolist() == [[50.0, 30.0, 10.0], [60.0, 40.0, 20.0]]
 
     @pytest.mark.parametrize("t", [-1.0, math.nan, math.inf, "soon", None])
-    def test_bad_duration(self, t: Any) -> None:
+    def test_invalid_duration_raises(self, t: Any) -> None:
         with pytest.raises(InputError, match="t_maneuver"):
             danger_zone_end(0.0, 30.0, 20.0, t, 10.0)
 
     @pytest.mark.parametrize("bad", [math.nan, math.inf])
-    def test_bad_safety_distance(self, bad: float) -> None:
+    def test_invalid_safety_distance_raises(self, bad: float) -> None:
         with pytest.raises(InputError, match="x_safety"):
             danger_zone_end(0.0, 30.0, 20.0, 4.0, bad)
 
 
 class TestSingleCases:
-    def test_front_end_is_x2_for_a_faster_car_behind(self) -> None:
+    def test_front_end_is_x2_for_faster_vehicle_behind(self) -> None:
         front = -40.0
         z = zone(front - LENGTH, front, 30.0, 20.0, 4.0, x_safety=10.0)
         assert z[1] == pytest.approx(float(danger_zone_end(front, 30.0, 20.0, 4.0, 10.0)))
-        assert z[0] == pytest.approx(front - LENGTH - 10.0)  # it only comes closer
+        assert z[0] == pytest.approx(front - LENGTH - 10.0)  # the vehicle only comes closer
 
-    def test_oncoming_reaches_170_m_toward_the_ego(self) -> None:
-        # its front, nearest to the ego, is the least path coordinate of its body
+    def test_oncoming_zone_reaches_170_m_toward_ego(self) -> None:
+        # its front, nearest to the ego, is the min_gap path coordinate of its body
         z = zone(0.0, LENGTH, -20.0, 20.0, 4.0, x_safety=10.0)
         assert z[0] == pytest.approx(-170.0)
         assert z[1] == pytest.approx(LENGTH + 10.0)
 
-    def test_oncoming_170_m_ahead_just_touches_the_ego(self) -> None:
+    def test_oncoming_170_m_ahead_just_reaches_ego(self) -> None:
         assert zone(170.0 - 1e-6, 175.0, -20.0, 20.0, 4.0, x_safety=10.0)[0] < 0.0
         assert zone(170.0 + 1e-6, 175.0, -20.0, 20.0, 4.0, x_safety=10.0)[0] > 0.0
 
-    def test_slower_car_ahead_counts_with_its_rear(self) -> None:
+    def test_slower_vehicle_ahead_counts_with_its_rear(self) -> None:
         z = zone(50.0, 50.0 + LENGTH, 12.0, 20.0, 5.0, x_safety=7.0)
         assert z[0] == pytest.approx(50.0 - 8.0 * 5.0 - 7.0)
         assert z[1] == pytest.approx(50.0 + LENGTH + 7.0)
 
-    def test_abreast_at_equal_speed_contains_the_body(self) -> None:
+    def test_alongside_at_equal_speed_zone_contains_body(self) -> None:
         z = zone(-1.0, 3.5, 20.0, 20.0, 6.0, x_safety=7.0)
         assert z.tolist() == pytest.approx([-8.0, 10.5])
 
-    def test_abreast_is_contained_even_without_safety_distance(self) -> None:
+    def test_alongside_without_safety_distance_zone_is_body(self) -> None:
         z = zone(-1.0, 3.5, 20.0, 20.0, 6.0, x_safety=0.0)
         assert z.tolist() == pytest.approx([-1.0, 3.5])
 
-    def test_standing_car_passed_in_the_middle_of_the_maneuver(self) -> None:
+    def test_stationary_vehicle_is_passed_within_maneuver(self) -> None:
         z = zone(30.0, 34.5, 0.0, 20.0, 4.0, x_safety=0.0)
         assert z[0] == pytest.approx(-50.0)
         assert z[1] == pytest.approx(34.5)
 
-    def test_extreme_in_the_middle_is_found(self) -> None:
+    def test_extreme_within_maneuver_is_found(self) -> None:
         # the ego first falls back, then catches up: the zone's front end is reached half-way
         z = danger_zone(0.0, 4.0, 20.0, times=[0.0, 2.0, 4.0], ego_travel=[0.0, 30.0, 90.0], x_safety=0.0)
         assert z.tolist() == pytest.approx([-10.0, 14.0])
 
-    def test_acceleration_bound_grows_with_time_squared(self) -> None:
+    def test_acceleration_limit_grows_with_time_squared(self) -> None:
         z = zone(0.0, 4.0, 20.0, 20.0, 4.0, x_safety=1.0, braking=2.0, acceleration=2.0)
         assert z.tolist() == pytest.approx([-1.0 - 16.0, 4.0 + 1.0 + 16.0])
 
@@ -93,16 +93,27 @@ class TestSingleCases:
         )
 
 
-place = st.floats(-300.0, 300.0)
-size = st.floats(0.5, 25.0)
-speed = st.floats(-40.0, 40.0)
-grow = st.floats(0.0, 20.0)
-duration = st.floats(0.1, 15.0)
+position_st = st.floats(-300.0, 300.0)
+size_st = st.floats(0.5, 25.0)
+speed_st = st.floats(-40.0, 40.0)
+growth_st = st.floats(0.0, 20.0)
+duration_st = st.floats(0.1, 15.0)
 
 
 class TestProperties:
-    @given(place, size, speed, st.floats(0.0, 40.0), duration, grow, grow, grow, grow, st.floats(0.0, 5.0))
-    def test_more_caution_never_shrinks_it(
+    @given(
+        position_st,
+        size_st,
+        speed_st,
+        st.floats(0.0, 40.0),
+        duration_st,
+        growth_st,
+        growth_st,
+        growth_st,
+        growth_st,
+        st.floats(0.0, 5.0),
+    )
+    def test_larger_margins_never_shrink_zone(
         self, x: float, length: float, v: float, v_ego: float, t: float,
         x_safety: float, more: float, margin: float, longer: float, a: float,
     ) -> None:  # fmt: skip
@@ -123,8 +134,8 @@ class TestProperties:
             assert wider[0] <= base[0] + 1e-9
             assert wider[1] >= base[1] - 1e-9
 
-    @given(place, size, speed, st.floats(0.0, 40.0), st.floats(-2.0, 2.0), duration, grow)
-    def test_holds_the_body_at_every_sampled_moment(
+    @given(position_st, size_st, speed_st, st.floats(0.0, 40.0), st.floats(-2.0, 2.0), duration_st, growth_st)
+    def test_zone_contains_body_at_every_sample(
         self, x: float, length: float, v: float, v_ego: float, a: float, t: float, x_safety: float
     ) -> None:
         times = np.linspace(0.0, t, 13)
@@ -141,8 +152,8 @@ class TestProperties:
             max(x + length + v * k - e for k, e in zip(times, travel, strict=True)) + x_safety
         )
 
-    @given(place, size, speed, st.floats(0.0, 40.0), duration, grow)
-    def test_mirrored_along_the_road(
+    @given(position_st, size_st, speed_st, st.floats(0.0, 40.0), duration_st, growth_st)
+    def test_zone_is_mirrored_along_road(
         self, x: float, length: float, v: float, v_ego: float, t: float, x_safety: float
     ) -> None:
         """Everything with its sign reversed gives the zone reversed: neither direction is special."""
@@ -151,8 +162,10 @@ class TestProperties:
         m = danger_zone(-x - length, -x, -v, times=times, ego_travel=-v_ego * times, x_safety=x_safety)
         assert m.tolist() == pytest.approx([-z[1], -z[0]])
 
-    @given(place, size, speed, st.floats(0.0, 40.0), duration, st.randoms(use_true_random=False))
-    def test_order_of_the_samples_does_not_matter(
+    @given(
+        position_st, size_st, speed_st, st.floats(0.0, 40.0), duration_st, st.randoms(use_true_random=False)
+    )
+    def test_order_of_samples_has_no_effect(
         self, x: float, length: float, v: float, v_ego: float, t: float, random: Any
     ) -> None:
         times = np.linspace(0.0, t, 7)
@@ -172,16 +185,16 @@ class TestProperties:
         )
         assert z.tolist() == w.tolist()
 
-    @given(place, size, speed, st.floats(0.0, 40.0), duration)
-    def test_constant_speeds_need_the_two_ends_only(
+    @given(position_st, size_st, speed_st, st.floats(0.0, 40.0), duration_st)
+    def test_constant_speeds_need_only_both_ends(
         self, x: float, length: float, v: float, v_ego: float, t: float
     ) -> None:
         times = np.linspace(0.0, t, 50)
         fine = danger_zone(x, x + length, v, times=times, ego_travel=v_ego * times)
         assert fine.tolist() == pytest.approx(zone(x, x + length, v, v_ego, t).tolist())
 
-    @given(st.floats(-200.0, 200.0), st.floats(-35.0, 35.0), st.floats(5.0, 35.0), duration)
-    def test_blocks_exactly_where_bodies_come_closer_than_the_safety_distance(
+    @given(st.floats(-200.0, 200.0), st.floats(-35.0, 35.0), st.floats(5.0, 35.0), duration_st)
+    def test_zone_blocks_exactly_below_safety_distance(
         self, x: float, v: float, v_ego: float, t: float
     ) -> None:
         """Against a simulation in small steps: touching the zone is coming within x_s, and sweeping past."""
@@ -190,13 +203,13 @@ class TestProperties:
         moments = np.linspace(0.0, t, 4001)
         other = x + (v - v_ego) * moments
         gap = np.maximum(other - half, -half - (other + LENGTH))
-        least = float(gap.min())
-        if abs(least - x_s) > 0.1:
+        min_gap = float(gap.min())
+        if abs(min_gap - x_s) > 0.1:
             blocked = rear <= half and front >= -half
-            assert blocked == (least < x_s)
+            assert blocked == (min_gap < x_s)
 
 
-def test_many_vehicles_equal_one_by_one() -> None:
+def test_batch_equals_scalar() -> None:
     rng = np.random.default_rng(7)
     rear = rng.uniform(-200.0, 200.0, (4, 3))
     length, v, margin = (
@@ -251,7 +264,7 @@ def test_one_margin_for_many_vehicles() -> None:
         ({"rear": 5.0, "front": 1.0}, "rear|front"),
     ],
 )
-def test_bad_input_names_the_argument(kwargs: dict[str, Any], named: str) -> None:
+def test_invalid_input_names_argument(kwargs: dict[str, Any], named: str) -> None:
     good = {"rear": 0.0, "front": 4.0, "v_adj": 20.0, "times": [0.0, 4.0], "ego_travel": [0.0, 80.0]}
     args = good | kwargs
     with pytest.raises(InputError, match=named):

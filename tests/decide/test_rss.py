@@ -1,4 +1,4 @@
-"""RSS distances: the anchors of the notes, the ad-rss library, and the worst case in small time steps."""
+"""RSS distances: hand values, the ad-rss library, and the worst case in small time steps."""
 
 import math
 import warnings
@@ -33,7 +33,7 @@ SLOW = RssSettings(response_time=2.0)
         (rss_same_direction(0.0, 40.0, rear=RssSettings(standstill_gap=2.0)), 2.0),
     ],
 )
-def test_anchor(distance: Any, expected: float) -> None:
+def test_distance_equals_hand_value(distance: Any, expected: float) -> None:
     assert float(distance) == pytest.approx(expected, abs=5e-4)
 
 
@@ -60,7 +60,7 @@ class Oracle:
         d.lateral_fluctuation_margin = p.Distance(s.fluctuation)
         d.response_time, d.max_speed_on_acceleration = p.Duration(s.response_time), p.Speed(s.v_max)
         d.min_longitudinal_safety_distance = p.Distance(s.standstill_gap)
-        # what follows has no effect on these distances, but must be there
+        # these have no effect on the distances, but are required
         unused = d.unstructured_settings
         unused.pedestrian_turning_radius, unused.drive_away_max_angle = p.Distance(2.0), p.Angle(2.4)
         unused.vehicle_yaw_rate_change = p.AngularAcceleration(0.3)
@@ -70,18 +70,18 @@ class Oracle:
             if name.endswith("steps"):
                 setattr(unused, name, 1)
         vehicle.dynamics = d
-        place = vehicle.unstructured_object_state
-        place.yaw = place.steering_angle = p.Angle(0.0)
-        place.yaw_rate = p.AngularVelocity(0.0)
-        place.dimension.length, place.dimension.width = p.Distance(4.5), p.Distance(1.8)
-        place.center_point.x = place.center_point.y = p.Distance(0.0)
-        place.speed_range.minimum, place.speed_range.maximum = p.Speed(0.0), p.Speed(50.0)
-        seen = vehicle.structured_object_state
-        seen.velocity.speed_lon_min = seen.velocity.speed_lon_max = p.Speed(v_x)
-        seen.velocity.speed_lat_min = seen.velocity.speed_lat_max = p.Speed(v_right)
-        seen.has_priority, seen.is_in_correct_lane = False, True
-        seen.distance_to_enter_intersection = p.Distance(0.0)
-        seen.distance_to_leave_intersection = p.Distance(1000.0)
+        unstructured = vehicle.unstructured_object_state
+        unstructured.yaw = unstructured.steering_angle = p.Angle(0.0)
+        unstructured.yaw_rate = p.AngularVelocity(0.0)
+        unstructured.dimension.length, unstructured.dimension.width = p.Distance(4.5), p.Distance(1.8)
+        unstructured.center_point.x = unstructured.center_point.y = p.Distance(0.0)
+        unstructured.speed_range.minimum, unstructured.speed_range.maximum = p.Speed(0.0), p.Speed(50.0)
+        structured = vehicle.structured_object_state
+        structured.velocity.speed_lon_min = structured.velocity.speed_lon_max = p.Speed(v_x)
+        structured.velocity.speed_lat_min = structured.velocity.speed_lat_max = p.Speed(v_right)
+        structured.has_priority, structured.is_in_correct_lane = False, True
+        structured.distance_to_enter_intersection = p.Distance(0.0)
+        structured.distance_to_leave_intersection = p.Distance(1000.0)
         return vehicle
 
     def distance(self, name: str, first: Any, second: Any) -> float:
@@ -106,7 +106,7 @@ def random_settings(rng: np.random.Generator) -> RssSettings:
 
 
 @pytest.mark.parametrize("default", [True, False])
-def test_equals_ad_rss(oracle: Oracle, default: bool) -> None:
+def test_distances_equal_ad_rss(oracle: Oracle, default: bool) -> None:
     rng = np.random.default_rng(11)
     for _ in range(400):
         one, two = (RSS_EGO, RSS_OTHER) if default else (random_settings(rng), random_settings(rng))
@@ -127,7 +127,7 @@ def test_equals_ad_rss(oracle: Oracle, default: bool) -> None:
 
 
 def driven(v: float, s: RssSettings, braking: float, react: bool = True) -> Any:
-    """Places of a vehicle in the worst case, in steps of 1 ms."""
+    """Positions of a vehicle in the worst case, in steps of 1 ms."""
     t = np.arange(0.0, 40.0, 1e-3)
     end = v + s.a_max * s.response_time if react else v
     speed = np.minimum(v + s.a_max * t, end) - braking * np.maximum(t - s.response_time * react, 0.0)
@@ -135,7 +135,7 @@ def driven(v: float, s: RssSettings, braking: float, react: bool = True) -> Any:
 
 
 @given(st.floats(0.0, 40.0), st.floats(0.0, 40.0))
-def test_survives_the_worst_case_and_is_not_too_long(v_rear: float, v_front: float) -> None:
+def test_distance_equals_simulated_worst_case(v_rear: float, v_front: float) -> None:
     rear, front = driven(v_rear, RSS_EGO, RSS_EGO.b_min), driven(v_front, RSS_OTHER, RSS_OTHER.b_max, False)
     needed = max(float((rear - front)[-1]), 0.0)
     distance = float(rss_same_direction(v_rear, v_front))
@@ -145,15 +145,13 @@ def test_survives_the_worst_case_and_is_not_too_long(v_rear: float, v_front: flo
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
-def test_lateral_is_mirrored(v_left: float, v_right: float) -> None:
+def test_lateral_distance_is_mirrored(v_left: float, v_right: float) -> None:
     mirrored = rss_lateral(-v_right, -v_left, left=RSS_OTHER, right=RSS_EGO)
     assert float(mirrored) == pytest.approx(float(rss_lateral(v_left, v_right)), abs=1e-12)
 
 
 @given(st.floats(0.0, 40.0), st.floats(0.0, 40.0), st.floats(0.0, 5.0))
-def test_faster_behind_or_slower_in_front_never_needs_less(
-    v_rear: float, v_front: float, more: float
-) -> None:
+def test_larger_closing_speed_never_needs_less_distance(v_rear: float, v_front: float, more: float) -> None:
     base = float(rss_same_direction(v_rear, v_front + more))
     assert float(rss_same_direction(v_rear + more, v_front + more)) >= base - 1e-9
     assert float(rss_same_direction(v_rear, v_front)) >= base - 1e-9
@@ -161,7 +159,7 @@ def test_faster_behind_or_slower_in_front_never_needs_less(
     assert float(faster) >= float(rss_opposite_direction(v_rear, v_front)) - 1e-9
 
 
-def test_broadcasts() -> None:
+def test_distances_broadcast() -> None:
     table = rss_same_direction([[10.0], [20.0]], [5.0, 10.0, 20.0])
     assert table.shape == (2, 3)
     assert table[1, 2] == pytest.approx(65.781, abs=5e-4)
@@ -170,14 +168,14 @@ def test_broadcasts() -> None:
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, "fast", None])
-def test_bad_speed(bad: Any) -> None:
+def test_invalid_speed_raises(bad: Any) -> None:
     for function in (rss_same_direction, rss_opposite_direction, rss_lateral):
         with pytest.raises(InputError):
             function(bad, 1.0)  # type: ignore[operator]
 
 
 @pytest.mark.parametrize("speeds", [(-1.0, 0.0), (0.0, [1.0, -1.0])])
-def test_backwards(speeds: Any) -> None:
+def test_negative_speed_raises(speeds: Any) -> None:
     with pytest.raises(InputError, match="negative"):
         rss_same_direction(*speeds)
 
@@ -185,6 +183,6 @@ def test_backwards(speeds: Any) -> None:
 @pytest.mark.parametrize(
     "changes", [{"b_max": 3.0}, {"response_time": 0.0}, {"a_max": math.nan}, {"b_lateral": -0.8}]
 )
-def test_bad_settings(changes: dict[str, float]) -> None:
+def test_invalid_settings_raise(changes: dict[str, float]) -> None:
     with pytest.raises(InputError, match=next(iter(changes))):
         RssSettings(**changes)
