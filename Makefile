@@ -8,7 +8,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 export MPLBACKEND ?= Agg
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test lint docs bench table1 validate package clean
+.PHONY: help demo test lint docs bench table1 validate trials package clean
 
 help:
 	@echo "make demo      drive the paper's scenarios; report, figures and summary.json in out/"
@@ -18,6 +18,7 @@ help:
 	@echo "make bench     run times and budgets, into docs/performance.md (10 minutes)"
 	@echo "make table1    the planning methods of the paper's Table 1 compared, into docs/table1.md (10 minutes)"
 	@echo "make validate  the tests with the full number of random cases, into docs/validation.md (hours, resumable)"
+	@echo "make trials    measure the library in cases and traffic from outside (4 minutes)"
 	@echo "make package   check that wheel and sdist build, install and pass the tests in clean environments;"
 	@echo "               keeps neither (needs the network)"
 	@echo "make clean     remove what was built; .venv stays"
@@ -55,6 +56,10 @@ table1: .venv/bench.stamp
 
 validate: .venv/dev.stamp
 	$(BIN)/python tests/validate.py
+
+trials: .venv/dev.stamp
+	$(ONE_THREAD) $(BIN)/python -m tests.trials.faults
+	$(ONE_THREAD) $(BIN)/python -m tests.trials.closed_loop --seeds 0:60
 
 package:
 	$(PYTHON) tests/packaging.py

@@ -18,7 +18,7 @@ REFUSED = frozenset(
     ours draws drawn rerun swerve swerves detour retreat shortcut renew place places way ways neighbour neighbours
     leader leaders least most colour colours centre centres room rooms nobody somebody sight heard abeam""".split()
 )
-FOREIGN = {"least_squares", "most_common", "hasMost"}  # names of other libraries
+FOREIGN = {"least_squares", "most_common", "hasMost", "getLeader"}  # names of other libraries
 PROSE = re.compile(
     r"\b(he|him|his|nobody|somebody|everybody|reckon\w*|held capable|bent anew|lane beside|rungs?)\b",
     re.IGNORECASE,

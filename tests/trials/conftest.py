@@ -1,0 +1,3 @@
+"""Runs in SUMO are no tests, and import packages that tests do without."""
+
+collect_ignore = ["sumo"]

@@ -1,0 +1,145 @@
+"""One episode in SUMO: the planner's ego in traffic whose lead brakes hard, or SUMO's own driver."""
+
+import math
+import random
+import time
+from pathlib import Path
+from typing import Any
+
+import libsumo
+import numpy as np
+
+from cca_core import Planner, VehicleState
+from cca_core.sim import SingleTrackPlant
+from tests.trials.sumo.glue import CAR, Radio, SumoVehicle, move_ego, road_of, vehicle, vehicles_near
+from tests.trials.sumo.metrics import min_gap, needed_deceleration, summarize
+from tests.trials.sumo.nets import SCENARIOS, write_net, write_traffic
+
+STEP = 0.1  # of SUMO; the ego is driven five times as often [s]
+CYCLE = 0.02  # of the ego [s]
+OPTIONS = (
+    *("--no-step-log", "--no-warnings", "--collision.action", "none", "--time-to-teleport", "-1"),
+    *("--lanechange.duration", "3", "--default.speeddev", "0", "--end", "1000"),
+)
+
+
+class LeadBraker:
+    """Makes the ego's lead brake hard three times in an episode."""
+
+    def __init__(self, seed: int) -> None:
+        self.rng = random.Random(seed + 77)
+        self.times = [self.rng.uniform(*span) for span in ((10.0, 20.0), (30.0, 42.0), (52.0, 64.0))]
+        self.braking: list[tuple[str, float]] = []
+
+    def step(self, t: float, lead: str | None) -> None:
+        """Begin or end a braking."""
+        for name, end in [b for b in self.braking if t > b[1]]:
+            self.braking.remove((name, end))
+            if name in libsumo.vehicle.getIDList():
+                libsumo.vehicle.setSpeed(name, -1)
+                libsumo.vehicle.setSpeedMode(name, 31)
+        if self.times and t > self.times[0]:
+            self.times.pop(0)
+            if lead and libsumo.vehicle.getSpeed(lead) > 0.5:
+                v = libsumo.vehicle.getSpeed(lead)
+                to = self.rng.choice([0.0, 5.0, 0.5 * v])
+                lasts = max((v - to) / self.rng.uniform(5.0, 7.0), 0.2)
+                libsumo.vehicle.setSpeedMode(lead, 1)
+                libsumo.vehicle.slowDown(lead, to, lasts)
+                self.braking.append((lead, t + lasts + self.rng.uniform(1.0, 5.0)))
+
+
+def begin(name: str, seed: int, folder: Path) -> None:
+    """Start SUMO with the net and traffic of a seed."""
+    net, size = folder / f"{name}.net.xml", f'length="{CAR.length}" width="{CAR.width}"'
+    traffic = write_traffic(name, seed, folder, size)
+    files = "-n", str(net if net.exists() else write_net(name, folder)), "-r", str(traffic)
+    libsumo.start(["sumo", *files, "--step-length", str(STEP), "--seed", str(seed), *OPTIONS])
+    libsumo.simulationStep()
+
+
+def baseline(name: str, seed: int, folder: Path, duration: float) -> float:
+    """Mean speed of SUMO's own driver as the ego [m/s]."""
+    begin(name, seed, folder)
+    braker, speeds = LeadBraker(seed), []
+    for k in range(int(duration / STEP)):
+        if "ego" not in libsumo.vehicle.getIDList():
+            break
+        speeds.append(libsumo.vehicle.getSpeed("ego"))
+        lead = libsumo.vehicle.getLeader("ego", 150.0)
+        braker.step(STEP * k, lead[0] if lead and lead[1] < 120.0 else None)
+        libsumo.simulationStep()
+    libsumo.close()
+    return float(np.mean(speeds))
+
+
+class EgoDrive:
+    """The planner's ego on its plant in a running SUMO."""
+
+    def __init__(self, name: str, seed: int, by_radio: bool) -> None:
+        scenario, self.radio = SCENARIOS[name], Radio(seed) if by_radio else None
+        lanes = [(f"e_{i}", 1) for i in range(scenario.lanes) if i != scenario.ego_lane]
+        lanes += [("r_0", -1)] * bool(scenario.oncoming)
+        road, ego = road_of(f"e_{scenario.ego_lane}", lanes, scenario.limit), vehicle("ego")
+        self.plant = SingleTrackPlant(CAR, VehicleState(x=ego.x, y=ego.y, psi=ego.psi, v_x=ego.v))
+        self.planner, self.path = Planner(CAR, road, cruise_speed=scenario.cruise_speed), road.path
+        self.s, self.d, self.gap, self.needed = float(self.path.project((ego.x, ego.y))[0]), 0.0, 99.0, 0.0
+        self.rows: list[dict[str, Any]] = []
+        self.cpu: list[float] = []
+        libsumo.vehicle.setSpeedMode("ego", 0)
+        libsumo.vehicle.setLaneChangeMode("ego", 0)
+
+    def step(self, t: float, others: list[SumoVehicle]) -> None:
+        """Drive one step of SUMO."""
+        for j in range(5):
+            tau = CYCLE * j
+            self._cycle(t + tau, tau, [other.later(tau) for other in others], measure=j in (0, 3))
+            if self.gap < 0.0:
+                break
+
+    def _cycle(self, t: float, tau: float, near: list[SumoVehicle], measure: bool) -> None:
+        """Drive one cycle and record it; `measure` whether the needed deceleration is measured."""
+        state = self.plant.state
+        known = self.radio.known(t, near, state) if self.radio else [other.remote(age=tau) for other in near]
+        awareness_range = 0.0 if self.radio and self.radio.tracker.is_saturated(t) else math.inf
+        begun = time.thread_time()
+        command = self.planner.step(t, state, known, awareness_range=awareness_range)
+        self.cpu.append(time.thread_time() - begun)
+        self.s, self.d, _, _ = self.path.foot_point(state.x, state.y, self.s)
+        self.gap = min_gap(state.x, state.y, state.psi, near)
+        if command.a_x >= -2.5:
+            self.needed = 0.0
+        elif measure:
+            self.needed = needed_deceleration(self.path, self.s, self.d, state, near)
+        row = {"v": state.v_x, "a_x": state.a_x, "a_y": self.plant.a_y, "delta": state.delta}
+        row |= {"command": command.a_x, "gap": self.gap, "needed": self.needed}
+        row |= {"action": command.decision.action.name, "status": command.status.name}
+        self.rows.append(row)
+        if self.gap >= 0.0:
+            self.plant.step(command.delta, command.a_x, CYCLE)
+
+    def lead(self, others: list[SumoVehicle]) -> str | None:
+        """Id of the next vehicle ahead on the ego's lane, up to 120 m."""
+        ahead, x = [], self.plant.state.x
+        for other in others:
+            s, d, heading, _ = self.path.foot_point(other.x, other.y, self.s + max(other.x - x, 1.0))
+            if 0.0 < s - self.s < 120.0 and abs(d - self.d) < 1.5 and math.cos(other.psi - heading) > 0.0:
+                ahead.append((s, other.id))
+        return min(ahead)[1] if ahead else None
+
+
+def episode(name: str, seed: int, folder: Path, duration: float, by_radio: bool) -> dict[str, Any]:
+    """Figures of one episode."""
+    begin(name, seed, folder)
+    braker, ego = LeadBraker(seed), EgoDrive(name, seed, by_radio)
+    for k in range(int(duration / STEP)):
+        others = vehicles_near(ego.plant.state.x, ego.plant.state.y)
+        ego.step(STEP * k, others)
+        if ego.gap < 0.0 or ego.s > ego.path.length - 150.0:
+            break
+        if k % 5 == 0:
+            braker.step(STEP * k, ego.lead(others))
+        move_ego(ego.plant.state)
+        libsumo.simulationStep()
+    libsumo.close()
+    return summarize(ego.rows, ego.cpu)
