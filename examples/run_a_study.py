@@ -19,13 +19,13 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out"))
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    study = Study(variation=ParameterRanges(scenario=args.scenario), runs=args.runs)
+    study = Study(parameters=ParameterRanges(scenario=args.scenario), runs=args.runs)
     with tqdm(total=study.target_runs, unit="run", disable=None) as bar:
 
         def progress(done: int, wanted: int) -> None:
             bar.update(done - bar.n)
 
-        table = run_study(study, args.out / f"study_{args.scenario}.jsonl", progress=progress)
+        table = run_study(study, args.out / f"study_{args.scenario}.db", progress=progress)
     table.write_csv(args.out / f"study_{args.scenario}.csv")
     for ego in EGO_TYPES:
         rate = table.rate(ego)

@@ -119,8 +119,8 @@ def run(name: str) -> dict[str, int]:
 
 def study(name: str) -> StudyTable:
     """Drive what is left of the study of one scenario."""
-    plan = Study(variation=ParameterRanges(scenario=name), seed=SEED, avoidable=AVOIDABLE)
-    name_of_file = f"study_{name}_{hashlib.sha256(plan.fingerprint.encode()).hexdigest()[:12]}.jsonl"
+    plan = Study(parameters=ParameterRanges(scenario=name), seed=SEED, avoidable=AVOIDABLE)
+    name_of_file = f"study_{name}_{hashlib.sha256(plan.fingerprint.encode()).hexdigest()[:12]}.db"
     with tqdm(total=AVOIDABLE, desc=name, unit="avoidable run", disable=None) as bar:
 
         def progress(done: int, wanted: int) -> None:
@@ -162,13 +162,13 @@ def told(tables: list[StudyTable]) -> list[str]:
         "",
         "Every collision with V2V:",
         "",
-        "| scenario | run | with | at [m/s] | latency [s] | loss | reach [m] | why | last action |",
+        "| scenario | run | with | at [m/s] | latency [s] | loss | radio range [m] | why | last action |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for table in tables:
         for index in np.flatnonzero(table.collided("v2v")).tolist():
             row = table.rows[index]
-            numbers = (f"{row[key]:.2f}" for key in ("v2v_speed", "latency", "loss", "reach"))
+            numbers = (f"{row[key]:.2f}" for key in ("v2v_speed", "latency", "loss", "radio_range"))
             cells = (
                 table.scenario,
                 index,

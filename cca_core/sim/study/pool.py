@@ -1,4 +1,4 @@
-"""Processes of this machine that drive the runs of a study."""
+"""Pool of processes on this machine, one thread each."""
 
 import multiprocessing
 import os
@@ -10,29 +10,22 @@ from contextlib import contextmanager
 
 __all__ = ["local_processes"]
 
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-
 
 @contextmanager
-def local_processes() -> Iterator[ProcessPoolExecutor]:
-    """Open one process for each processor, with one thread of linear algebra each.
-
-    Yields
-    ------
-    pool : concurrent.futures.ProcessPoolExecutor
-        Its processes leave interrupts to this one, and end when it does, even if it is killed.
-    """
+def local_processes(max_workers: int | None = None) -> Iterator[ProcessPoolExecutor]:
+    """Open a pool of processes, by default one for each processor, that end with this one even if it is killed."""
     with _one_thread():
         context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(mp_context=context, initializer=_begin_worker) as pool:
+        with ProcessPoolExecutor(max_workers, mp_context=context, initializer=_begin_worker) as pool:
             yield pool
 
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Let processes that are started now have one thread: libraries read it when they are loaded."""
-    before = {name: os.environ.get(name) for name in _THREADS}
-    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    """Limit processes that start now to one thread of linear algebra each."""
+    names = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
+    before = {name: os.environ.get(name) for name in names}
+    os.environ.update(dict.fromkeys(names, "1"))
     try:
         yield
     finally:
@@ -44,6 +37,7 @@ def _one_thread() -> Iterator[None]:
 
 
 def _begin_worker() -> None:
+    # the parent handles interrupts
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

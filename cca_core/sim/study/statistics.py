@@ -1,4 +1,4 @@
-"""How often something happened, with its confidence interval; and the table of a study."""
+"""Rates of events with their confidence intervals, and the table of a study."""
 
 import csv
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from scipy.special import betaincinv
+from scipy.stats import binomtest
 
 from cca_core._checks import Mask, check_real
 from cca_core.errors import InputError
@@ -17,18 +17,18 @@ __all__ = ["Rate", "StudyTable", "estimate_rate"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rate:
-    """Share of runs in which something happened.
+    """Fraction of runs with an event.
 
     Parameters
     ----------
     n_events, n : int
-        In how many of how many runs.
+        Number of runs with the event, and of all runs.
     ci_low, ci_high : float
-        Two-sided interval (Clopper, Pearson) of the probability [-].
+        Two-sided interval of its probability (Clopper and Pearson) [-].
     upper_bound : float
-        One-sided upper bound of it at the same confidence [-].
+        One-sided upper bound of its probability at the same confidence [-].
     confidence : float
-        Probability with which the interval holds [-], at least.
+        Minimum probability that the interval holds [-].
     """
 
     n_events: int
@@ -40,52 +40,23 @@ class Rate:
 
     @property
     def value(self) -> float:
-        """The share itself [-]; 0 if there were no runs."""
+        """The fraction itself [-]; 0 without runs."""
         return self.n_events / self.n if self.n else 0.0
 
 
-def estimate_rate(hits: int, n: int, *, confidence: float = 0.95) -> Rate:
-    """Give a share its exact interval.
-
-    Parameters
-    ----------
-    hits, n : int
-        In how many of how many independent runs something happened.
-    confidence : float
-        Wanted confidence [-].
-
-    Returns
-    -------
-    rate : Rate
-        With the interval of Clopper and Pearson; without runs it is from 0 to 1.
-
-    Raises
-    ------
-    InputError
-        If `hits` is negative or above `n`, or `confidence` not between 0 and 1.
-
-    Examples
-    --------
-    >>> round(estimate_rate(0, 2000).bound, 5)
-    0.0015
-    """
-    if not 0 <= hits <= n:
-        raise InputError(f"hits must be from 0 to n, were {hits} of {n}")
+def estimate_rate(n_events: int, n: int, *, confidence: float = 0.95) -> Rate:
+    """Estimate the rate of an event in `n` independent runs; without runs the interval is 0 to 1."""
+    if not 0 <= n_events <= n:
+        raise InputError(f"n_events must be from 0 to n, was {n_events} of {n}")
     confidence = check_real("confidence", confidence, gt=0.0, le=1.0 - 1e-12)
-    rest = 1.0 - confidence
-
-    def upper(tail: float) -> float:
-        return float(betaincinv(hits + 1, n - hits, 1.0 - tail)) if hits < n else 1.0
-
-    low = float(betaincinv(hits, n - hits + 1, 0.5 * rest)) if hits else 0.0
+    low, high, bound = 0.0, 1.0, 1.0
+    if n:
+        low, high = binomtest(n_events, n).proportion_ci(confidence, method="exact")
+        _, bound = binomtest(n_events, n, alternative="less").proportion_ci(confidence, method="exact")
     return Rate(
-        n_events=hits,
-        n=n,
-        ci_low=low,
-        ci_high=upper(0.5 * rest),
-        upper_bound=upper(rest),
+        n_events=n_events, n=n, ci_low=float(low), ci_high=float(high), upper_bound=float(bound),
         confidence=confidence,
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -95,10 +66,10 @@ class StudyTable:
     Parameters
     ----------
     scenario : str
-        What was varied.
+        Scenario of all runs.
     rows : tuple of dict
-        What was drawn, and what came of it; all rows have the same keys. Nothing in it depends on the clock,
-        the machine's load or the executor.
+        Sampled parameters and results; all rows have the same keys. No value depends on the clock, the
+        machine's load or the executor.
     """
 
     scenario: str
@@ -113,12 +84,12 @@ class StudyTable:
         return tuple(self.rows[0]) if self.rows else ()
 
     def column(self, name: str) -> np.ndarray:
-        """One column.
+        """Return one column.
 
         Parameters
         ----------
         name : str
-            Which.
+            One of `names`.
 
         Returns
         -------
@@ -137,60 +108,59 @@ class StudyTable:
 
     @property
     def avoidable(self) -> Mask:
-        """Whether braking or swerving from the first hazard message on avoids any contact, by run."""
+        """Whether braking or evading from the first hazard message on avoids any collision, by run."""
         return np.array([row["avoiding_action"] != "" for row in self.rows], dtype=bool)
 
-    def collided(self, ego: str) -> Mask:
-        """Tell which runs ended in a contact.
+    def collided(self, ego_type: str) -> Mask:
+        """Return which runs ended in a collision.
 
         Parameters
         ----------
-        ego : {"v2v", "driver", "sensor"}
-            Who drove.
+        ego_type : {"v2v", "driver", "sensor"}
+            Type of the ego.
 
         Returns
         -------
-        hit : ndarray of bool, shape (n,)
+        collided : ndarray of bool, shape (n,)
             By run.
 
         Raises
         ------
         InputError
-            If nobody of that name drove.
+            If the type is unknown.
         """
-        if ego not in EGO_TYPES:
-            raise InputError(f"ego must be one of {', '.join(EGO_TYPES)}, was {ego!r}")
-        return np.array([row[f"{ego}_collided_with"] != "" for row in self.rows], dtype=bool)
+        if ego_type not in EGO_TYPES:
+            raise InputError(f"ego_type must be one of {', '.join(EGO_TYPES)}, was {ego_type!r}")
+        return np.array([row[f"{ego_type}_collided_with"] != "" for row in self.rows], dtype=bool)
 
-    def rate(self, ego: str, among: Mask | None = None, *, confidence: float = 0.95) -> Rate:
-        """Share of runs that ended in a contact.
+    def rate(self, ego_type: str, among: Mask | None = None, *, confidence: float = 0.95) -> Rate:
+        """Estimate the rate of collisions.
 
         Parameters
         ----------
-        ego : {"v2v", "driver", "sensor"}
-            Who drove.
+        ego_type : {"v2v", "driver", "sensor"}
+            Type of the ego.
         among : ndarray of bool, shape (n,), optional
-            The runs that count; the default is the `avoidable` ones.
+            Runs that count; the default is the `avoidable` ones.
         confidence : float
-            Of its interval [-].
+            Confidence of the interval [-], above 0 and below 1.
 
         Returns
         -------
         rate : Rate
-            The share with its interval.
+            The fraction of collisions with its interval.
 
         Raises
         ------
         InputError
-            If nobody of that name drove.
+            If the type is unknown, or the confidence out of range.
         """
         counted = self.avoidable if among is None else among
-        return estimate_rate(
-            int(np.sum(self.collided(ego) & counted)), int(np.sum(counted)), confidence=confidence
-        )
+        collided = int(np.sum(self.collided(ego_type) & counted))
+        return estimate_rate(collided, int(np.sum(counted)), confidence=confidence)
 
     def write_csv(self, path: str | FilePath) -> None:
-        """Write all columns; numbers are written so that they read back exactly.
+        """Write all columns to a CSV file; numbers read back exactly.
 
         Parameters
         ----------

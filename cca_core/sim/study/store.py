@@ -1,74 +1,70 @@
-"""The file of a study: a line for each finished run, whole or not at all."""
+"""Rows of a long computation on disk, so that it can be resumed."""
 
 import json
-import os
-import time
+import sqlite3
+from collections.abc import Mapping
 from pathlib import Path as FilePath
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Self
 
 from cca_core.errors import InputError
 
-__all__ = ["StudyFile"]
-
-_SYNC = 5.0  # longest time that a line is only in the operating system's memory while others follow [s]
+__all__ = ["Store"]
 
 
-class StudyFile:
-    """Finished runs of a study, kept on disk; use it in a ``with`` statement.
+class Store:
+    """Rows by key in an SQLite file that one process at a time opens, in a ``with`` statement.
 
-    Parameters
-    ----------
-    path : str or pathlib.Path
-        JSON lines: the study, then one run a line. A new file is begun if there is none.
-    fingerprint : str
-        The study that it must be of.
-
-    Attributes
-    ----------
-    rows : dict
-        Rows by the number of their run.
-
-    Raises
-    ------
-    InputError
-        If the file is of another study, or no such file.
-
-    Notes
-    -----
-    A last line without its end was being written when the process was killed: it is dropped, and its run is
-    driven again.
+    `fingerprint` describes the computation that the file belongs to. Once `add` has returned, its row
+    survives a kill of the process; numbers come back exactly.
     """
 
     def __init__(self, path: str | FilePath, fingerprint: str) -> None:
-        path = FilePath(path)
-        self._header = json.dumps({"study": fingerprint})
-        self.rows: dict[int, dict[str, Any]] = {}
-        data = path.read_bytes() if path.exists() else b""
-        whole = data.rfind(b"\n") + 1
-        if whole:
-            self._read(path, data[:whole].decode("utf-8", errors="replace").splitlines())
-        elif not self._header.encode().startswith(data):
-            raise InputError(f"path must be the file of a study, {path} was not")
-        self._file = path.open("r+b" if path.exists() else "x+b")
-        self._file.truncate(whole)
-        self._file.seek(whole)
-        self._synced = time.monotonic()
-        if not whole:
-            self._write(self._header)
-
-    def _read(self, path: FilePath, lines: list[str]) -> None:
         try:
-            header, *rows = (json.loads(line) for line in lines)
-            said = header["study"]
-            self.rows = {row["index"]: row for row in rows}
-        except (ValueError, KeyError, TypeError) as error:
-            raise InputError(f"path must be the file of a study, {path} was not: {error}") from None
-        if json.dumps({"study": said}) != self._header:
+            self._connection = sqlite3.connect(path, timeout=0.0, isolation_level=None)
+            try:
+                found, self._rows = self._open(fingerprint)
+            except BaseException:
+                self._connection.close()
+                raise
+        except (sqlite3.Error, ValueError, TypeError, RecursionError) as error:
+            raise InputError(f"path must be a file of rows, or new; {path} was not: {error}") from None
+        if found != fingerprint:
+            self._connection.close()
             raise InputError(
-                f"path must be of the same study, seed and source code as before; {path} is of another one: "
-                f"{said[:200]}"
+                f"path must be of the same computation and source code as before; {path} is of another one: "
+                f"{found[:200]}"
             )
+
+    def _open(self, fingerprint: str) -> tuple[str, dict[int | str, dict[str, Any]]]:
+        """Return the fingerprint and the rows in the file, which is made if it is new."""
+        run = self._connection.execute
+        run("pragma locking_mode = exclusive")  # a second process is refused
+        run("begin exclusive")
+        if not run("select count(*) from sqlite_master").fetchone()[0]:
+            run("create table meta (fingerprint text not null)")
+            run("create table rows (key primary key, row text not null)")
+            run("insert into meta values (?)", (fingerprint,))
+        run("commit")
+        broken = run("pragma quick_check").fetchone()[0]
+        if broken != "ok":
+            raise ValueError(broken)
+        (found,) = run("select fingerprint from meta").fetchone()
+        stored = run("select key, row from rows order by rowid").fetchall()
+        return found, {key: {**json.loads(text)} for key, text in stored}
+
+    @property
+    def rows(self) -> Mapping[int | str, dict[str, Any]]:
+        """All rows by key, in the order in which they were added."""
+        return MappingProxyType(self._rows)
+
+    def add(self, key: int | str, row: Mapping[str, Any]) -> None:
+        """Keep a row of numbers, text and None under a new key."""
+        if key in self._rows:
+            raise InputError(f"key must be new, was {key!r}")
+        text = json.dumps(dict(row))
+        self._connection.execute("insert into rows values (?, ?)", (key, text))
+        self._rows[key] = json.loads(text)
 
     def __enter__(self) -> Self:
         return self
@@ -76,27 +72,4 @@ class StudyFile:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._sync()
-        self._file.close()
-
-    def add(self, row: dict[str, Any]) -> None:
-        """Keep a finished run.
-
-        Parameters
-        ----------
-        row : dict
-            With its number as ``"index"``; numbers, text and None.
-        """
-        text = json.dumps(row)
-        self.rows[row["index"]] = json.loads(text)
-        self._write(text)
-
-    def _write(self, line: str) -> None:
-        self._file.write(line.encode() + b"\n")
-        self._file.flush()
-        if time.monotonic() - self._synced > _SYNC:
-            self._sync()
-
-    def _sync(self) -> None:
-        os.fsync(self._file.fileno())
-        self._synced = time.monotonic()
+        self._connection.close()

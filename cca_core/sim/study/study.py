@@ -1,9 +1,9 @@
-"""Studies: thousands of varied runs on any executor, resumed where they were stopped."""
+"""Studies: thousands of sampled runs on any executor, resumed where they were stopped."""
 
 import hashlib
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import asdict, dataclass
 from itertools import count, islice
@@ -16,37 +16,35 @@ from cca_core.sim.study.parameters import ParameterRanges
 from cca_core.sim.study.pool import local_processes
 from cca_core.sim.study.run import simulate_run
 from cca_core.sim.study.statistics import StudyTable
-from cca_core.sim.study.store import StudyFile
+from cca_core.sim.study.store import Store
 
 __all__ = ["Study", "run_study"]
-
-_NOT_DRIVEN = ("plot", "baselines")  # rooms that no run depends on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Study:
-    """What is studied, and how much of it.
+    """Runs of one scenario with sampled parameters.
 
     Parameters
     ----------
-    variation : Variation
-        The scenario and what is drawn.
+    parameters : ParameterRanges
+        The scenario and the ranges of its parameters.
     seed : int
-        Seed of everything.
+        Seed of all samples, not negative.
     runs : int, optional
         Number of runs.
     avoidable : int, optional
-        Instead: draw until so many runs were avoidable.
+        Number of avoidable runs; sampling goes on until there are so many. Give this or `runs`.
     plant : {"single_track", "multi_body"}
-        The ego's car.
+        The ego's plant.
 
     Raises
     ------
     InputError
-        If a value is out of range, or not just one of `runs` and `avoidable` is given.
+        If a value is out of range, or not exactly one of `runs` and `avoidable` is given.
     """
 
-    variation: ParameterRanges
+    parameters: ParameterRanges
     seed: int = 1
     runs: int | None = None
     avoidable: int | None = None
@@ -64,30 +62,30 @@ class Study:
 
     @property
     def target_runs(self) -> int:
-        """How many runs, or avoidable runs, make it complete."""
+        """Number of runs, or of avoidable runs, that completes the study."""
         return self.runs or self.avoidable or 0
 
     @property
     def fingerprint(self) -> str:
-        """Text that differs wherever a row could: what is drawn, the seed, and the library's source."""
+        """Text of everything that a row depends on: parameters, seed, plant and the library's source."""
         content = asdict(self)
         del content["runs"], content["avoidable"]
-        return json.dumps({**content, "source": _source()}, sort_keys=True)
+        return json.dumps({**content, "source": _source_digest()}, sort_keys=True)
 
-    def table(self, rows: dict[int, dict[str, Any]]) -> tuple[int, StudyTable | None]:
-        """Look at what has been driven.
+    def table(self, rows: Mapping[int | str, dict[str, Any]]) -> tuple[int, StudyTable | None]:
+        """Return the progress, and the table once the study is complete.
 
         Parameters
         ----------
-        rows : dict
+        rows : mapping
             Rows by the number of their run.
 
         Returns
         -------
         done : int
-            How many of `wanted` there are, without gaps.
+            Number of runs, or of avoidable runs, before the first run that is missing.
         table : StudyTable or None
-            The rows in order, those beyond the last wanted one left out; None until they are complete.
+            Rows in order, up to the last one that counts; None while runs are missing.
         """
         done, i = 0, 0
         while done < self.target_runs and i in rows:
@@ -95,7 +93,7 @@ class Study:
             i += 1
         if done < self.target_runs:
             return done, None
-        return done, StudyTable(scenario=self.variation.scenario, rows=tuple(rows[k] for k in range(i)))
+        return done, StudyTable(scenario=self.parameters.scenario, rows=tuple(rows[k] for k in range(i)))
 
 
 def run_study(
@@ -106,21 +104,21 @@ def run_study(
     in_flight: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> StudyTable:
-    """Drive what is left of a study.
+    """Simulate the runs of a study that are missing in its file.
 
     Parameters
     ----------
     study : Study
-        What to drive.
+        The study.
     path : str or pathlib.Path
-        File that keeps every finished run; if it exists the study is resumed. One process writes it.
+        SQLite file of all finished runs. If it exists, the study is resumed. One process writes it.
     executor : concurrent.futures.Executor, optional
-        What drives the runs; the default is one process for each processor, with one thread each.
+        Executor of the runs; the default is one process for each processor, with one thread each.
     in_flight : int, optional
-        How many runs are handed to it at a time; the default is four for each processor of this machine.
+        Number of runs submitted at a time; the default is four for each processor of this machine.
     progress : callable, optional
-        Called with how many runs (or avoidable runs) there are without gaps, and how many are wanted, at the
-        start and whenever a run ends.
+        Called with the number of runs (or avoidable runs) done without gaps and with their target, at the
+        start and whenever runs end.
 
     Returns
     -------
@@ -130,68 +128,68 @@ def run_study(
     Raises
     ------
     InputError
-        If the file is of another study or of other source code, or `in_flight` is not positive.
+        If the file belongs to another study or to other source code, or `in_flight` is not positive.
 
     Notes
     -----
-    When it is interrupted, runs that have ended stay in the file. Killed at any moment, only those runs are
-    driven again that were not written yet.
+    After an interruption or a kill, only runs that had not ended are repeated.
     """
-    most = in_flight if in_flight is not None else 4 * (os.cpu_count() or 1)
-    if most < 1:
-        raise InputError(f"in_flight must be at least 1, was {most}")
-    with StudyFile(path, study.fingerprint) as file:
-        table = _report_progress(study, file, progress)
+    in_flight = 4 * (os.cpu_count() or 1) if in_flight is None else in_flight
+    if in_flight < 1:
+        raise InputError(f"in_flight must be at least 1, was {in_flight}")
+    with Store(path, study.fingerprint) as store:
+        table = _report_progress(study, store, progress)
         if table is not None:
             return table
         if executor is not None:
-            return _finish(study, file, executor, most, progress)
+            return _finish(study, store, executor, in_flight, progress)
         with local_processes() as pool:
-            return _finish(study, file, pool, most, progress)
+            return _finish(study, store, pool, in_flight, progress)
 
 
 def _finish(
     study: Study,
-    file: StudyFile,
+    store: Store,
     executor: Executor,
-    most: int,
+    in_flight: int,
     progress: Callable[[int, int], None] | None,
 ) -> StudyTable:
     indices = count() if study.runs is None else range(study.runs)
-    missing = (i for i in indices if i not in file.rows)
-    flying: set[Future[dict[str, Any]]] = set()
+    missing = (i for i in indices if i not in store.rows)
+    running: set[Future[dict[str, Any]]] = set()
     try:
         while True:
-            flying |= {
-                executor.submit(simulate_run, study.variation, study.seed, i, study.plant)
-                for i in islice(missing, most - len(flying))
+            running |= {
+                executor.submit(simulate_run, study.parameters, study.seed, i, study.plant)
+                for i in islice(missing, in_flight - len(running))
             }
-            ended, flying = wait(flying, return_when=FIRST_COMPLETED)
+            ended, running = wait(running, return_when=FIRST_COMPLETED)
             for future in ended:
-                file.add(future.result())
-            table = _report_progress(study, file, progress)
+                row = future.result()
+                store.add(row["index"], row)
+            table = _report_progress(study, store, progress)
             if table is not None:
                 return table
     finally:
-        for future in flying:
+        for future in running:
             future.cancel()
 
 
 def _report_progress(
-    study: Study, file: StudyFile, progress: Callable[[int, int], None] | None
+    study: Study, store: Store, progress: Callable[[int, int], None] | None
 ) -> StudyTable | None:
-    done, table = study.table(file.rows)
+    done, table = study.table(store.rows)
     if progress is not None:
         progress(done, study.target_runs)
     return table
 
 
-def _source() -> str:
+def _source_digest() -> str:
     """Digest of all source files that a run may depend on."""
-    room = FilePath(__file__).resolve().parents[2]
+    package = FilePath(__file__).resolve().parents[2]
     digest = hashlib.sha256()
-    for file in sorted(room.rglob("*.py")):
-        name = file.relative_to(room)
-        if name.parts[0] not in _NOT_DRIVEN:
+    for file in sorted(package.rglob("*.py")):
+        name = file.relative_to(package)
+        if name.parts[0] not in ("plot", "report", "baselines"):  # no run depends on these
             digest.update(name.as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
     return digest.hexdigest()

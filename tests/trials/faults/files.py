@@ -1,7 +1,7 @@
 """Files and numbers from outside."""
 
 import dataclasses
-import json
+import sqlite3
 import tempfile
 import zipfile
 from dataclasses import replace
@@ -12,7 +12,7 @@ import numpy as np
 from cca_core import EvasionSettings, InputError, Lane, LocalFrame, Planner, VehicleState
 from cca_core.path import read_waypoints
 from cca_core.sim import load_log, read_bsm_log
-from cca_core.sim.study.store import StudyFile
+from cca_core.sim.study.store import Store
 from cca_core.v2x import TrackerSettings
 from tests.trials.driving import CAR, straight
 from tests.trials.faults.paths import WarningRecorder
@@ -112,16 +112,27 @@ def _():
     return only_input_error(*(lambda n=n, t=t: read_bsm_log(file(n, t)) for n, t in texts.items()))
 
 
-@TABLE.case("files", "study-bad-files", "StudyFile: a row nested 100 000 deep; invalid numbers of runs")
+@TABLE.case("files", "store-bad-rows", "Store: rows nested 100 000 deep, no object, no JSON, no text")
 def _():
-    head = json.dumps({"study": "x"})
-    rows = ["[" * 100_000, '{"index": "0"}', '{"index": NaN}', '{"index": -1}']
-    names = [file(f"study{i}.jsonl", f"{head}\n{row}\n") for i, row in enumerate(rows)]
-    taken = sum(not raised(lambda n=n: StudyFile(n, "x")) for n in names[1:])
+    rows = ["[" * 100_000, "[1]", "1", "{", b"\xff"]
+    stores = [spoiled_store(f"store{i}.db", row) for i, row in enumerate(rows)]
+    taken = sum(not raised(lambda path=path: Store(path, "x")) for path in stores)
     return [
-        *only_input_error(*(lambda n=n: StudyFile(n, "x") for n in names)),
-        ("odd rows taken", taken, "==", 0),
+        *only_input_error(*(lambda path=path: Store(path, "x") for path in stores)),
+        ("bad rows taken", taken, "==", 0),
     ]
+
+
+def spoiled_store(name: str, row: str | bytes) -> Path:
+    """Write a store whose only row is replaced."""
+    path = file(name, "")
+    with Store(path, "x") as store:
+        store.add(0, {})
+    connection = sqlite3.connect(path)
+    connection.execute("update rows set row = ?", (row,))
+    connection.commit()
+    connection.close()
+    return path
 
 
 @TABLE.case("files", "numbers-too-large", "10**400 in settings and states raises InputError")
