@@ -52,7 +52,7 @@ bench: .venv/bench.stamp
 	$(BIN)/python -m tests.bench.speed_page out/bench.json out/bench.xml && exit $$status
 
 table1: .venv/bench.stamp
-	$(ONE_THREAD) $(BIN)/python -m tests.bench.table1
+	$(ONE_THREAD) $(BIN)/python -m cca_core.baselines.table1
 
 validate: .venv/dev.stamp
 	$(BIN)/python tests/validate.py

@@ -1,13 +1,22 @@
-"""Other people's methods, and this library's, on the same problems."""
+"""Published planning methods and steering laws, and the problems on which they are compared."""
 
-from cca_core.baselines.band_methods import OneShotBand, RelaxedBand, SmoothedBand
-from cca_core.baselines.mpc import LinearMpc, MpcPlanner, MpcSettings, NonlinearMpc
-from cca_core.baselines.primitives import MotionPrimitives
-from cca_core.baselines.problem import Method, Plan, Problem
-from cca_core.baselines.rrt import Rrt
+from cca_core.baselines.methods.band_methods import OneShotBand, RelaxedBand, SmoothedBand
+from cca_core.baselines.methods.mpc.horizon import MpcSettings
+from cca_core.baselines.methods.mpc.linear import LinearMpc
+from cca_core.baselines.methods.mpc.nonlinear import NonlinearMpc
+from cca_core.baselines.methods.mpc.planner import MpcPlanner
+from cca_core.baselines.methods.primitives import MotionPrimitives
+from cca_core.baselines.methods.rrt import Rrt
+from cca_core.baselines.problems.compare import ComparisonRow, compare
+from cca_core.baselines.problems.drive import DriveResult, drive_plan
+from cca_core.baselines.problems.problem import Method, Plan, Problem
+from cca_core.baselines.problems.sampling import SampledProblem, SamplingSettings, sample_problem
+from cca_core.baselines.problems.verify import Tolerances, Verification, verify_plan
 from cca_core.baselines.steering import LqrSteering, PurePursuit, Stanley
 
 __all__ = [
+    "ComparisonRow",
+    "DriveResult",
     "LinearMpc",
     "LqrSteering",
     "Method",
@@ -21,6 +30,14 @@ __all__ = [
     "PurePursuit",
     "RelaxedBand",
     "Rrt",
+    "SampledProblem",
+    "SamplingSettings",
     "SmoothedBand",
     "Stanley",
+    "Tolerances",
+    "Verification",
+    "compare",
+    "drive_plan",
+    "sample_problem",
+    "verify_plan",
 ]

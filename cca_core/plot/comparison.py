@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cca_core.baselines.compare import ComparisonRow
-from cca_core.baselines.problem import Plan, Problem
-from cca_core.baselines.scaling import ScalingResult
+from cca_core.baselines.problems.compare import ComparisonRow
+from cca_core.baselines.problems.problem import Plan, Problem
+from cca_core.baselines.table1.scaling import ScalingResult
 from cca_core.plot.style import ASPHALT, EGO, PARKED, new_figure
 
 if TYPE_CHECKING:

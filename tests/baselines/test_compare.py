@@ -12,13 +12,13 @@ import pytest
 
 from cca_core import InputError, Status
 from cca_core.baselines import OneShotBand, RelaxedBand, SmoothedBand
-from cca_core.baselines.closed_loop import ClosedLoop, drive_closed
-from cca_core.baselines.compare import ComparisonRow, compare
-from cca_core.baselines.csv_rows import append_row, read_rows
-from cca_core.baselines.problem import Problem
-from cca_core.baselines.sampled_problems import parked, sample_problem
-from cca_core.baselines.scaling import ScalingPoint, measure_scaling
-from cca_core.baselines.verify import verify_plan
+from cca_core.baselines.problems.compare import ComparisonRow, compare
+from cca_core.baselines.problems.csv_rows import append_row, read_rows
+from cca_core.baselines.problems.problem import Problem
+from cca_core.baselines.problems.sampling import parked, sample_problem
+from cca_core.baselines.problems.verify import verify_plan
+from cca_core.baselines.table1.closed_loop import ClosedLoop, drive_closed
+from cca_core.baselines.table1.scaling import ScalingPoint, measure_scaling
 from cca_core.plot.comparison import plot_growth, plot_plans, plot_time_quality
 from cca_core.sim import paper_scenarios
 from cca_core.sim.loop import make_planner

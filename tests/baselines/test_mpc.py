@@ -9,11 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from cca_core import InputError, Lane, MissingExtraError, Path, RemoteVehicle, Road, Status, VehicleParams
-from cca_core.baselines.mpc.horizon import FrenetState, Horizon, MpcSettings
-from cca_core.baselines.mpc.linear import LinearMpc
-from cca_core.baselines.mpc.nonlinear import NonlinearMpc
-from cca_core.baselines.mpc.side_choice import side_choices
-from cca_core.baselines.problem import Plan, Problem
+from cca_core.baselines.methods.mpc.horizon import FrenetState, Horizon, MpcSettings
+from cca_core.baselines.methods.mpc.linear import LinearMpc
+from cca_core.baselines.methods.mpc.nonlinear import NonlinearMpc
+from cca_core.baselines.methods.mpc.side_choice import side_choices
+from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.geometry import Boxes, box_gap
 from cca_core.path import interpolate_path
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cca_core import Command, InputError, Lane, Path, RemoteVehicle, Road, Status, VehicleParams, VehicleState
-from cca_core.baselines.mpc.horizon import MpcSettings
-from cca_core.baselines.mpc.planner import MpcPlanner
+from cca_core.baselines.methods.mpc.horizon import MpcSettings
+from cca_core.baselines.methods.mpc.planner import MpcPlanner
 from cca_core.sim import Log, RoadUser, simulate
 from cca_core.sim.scenarios.scenario import Scenario
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cca_core import InputError, Status
-from cca_core.baselines.primitives import MotionPrimitives
-from cca_core.baselines.problem import Problem
+from cca_core.baselines.methods.primitives import MotionPrimitives
+from cca_core.baselines.problems.problem import Problem
 from tests.support.table1_problems import BLOCKED, CASES, SLALOM, judge, problem, road
 
 METHOD = MotionPrimitives()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cca_core import InputError, MissingExtraError, Status
-from cca_core.baselines.problem import Problem
-from cca_core.baselines.rrt import Rrt, Variant
+from cca_core.baselines.methods.rrt import Rrt, Variant
+from cca_core.baselines.problems.problem import Problem
 from tests.support.table1_problems import BLOCKED, CASES, SLALOM, judge, problem, road
 
 pytestmark = pytest.mark.requires("ompl")

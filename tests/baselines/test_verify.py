@@ -9,9 +9,9 @@ import pytest
 
 from cca_core import InputError, Status
 from cca_core.baselines import MotionPrimitives, Plan, Problem, RelaxedBand
-from cca_core.baselines.drive import drive_plan
-from cca_core.baselines.sampled_problems import KINDS, parked, sample_problem
-from cca_core.baselines.verify import Tolerances, jerk_of, reversals, verify_plan
+from cca_core.baselines.problems.drive import drive_plan
+from cca_core.baselines.problems.sampling import KINDS, parked, sample_problem
+from cca_core.baselines.problems.verify import Tolerances, count_reversals, max_jerk, verify_plan
 from tests.support import table1_problems as independent
 from tests.support.misbehaving_methods import Straight
 from tests.support.table1_problems import CAR, CASES, problem, road
@@ -91,9 +91,9 @@ def test_lateral_acceleration_in_a_bend(radius: float) -> None:
 def test_jerk_and_swings_of_a_sine() -> None:
     t = np.linspace(0.0, 4.0, 4001)
     a_y = 3.0 * np.sin(0.5 * np.pi * t)
-    assert jerk_of(t, a_y) == pytest.approx(3.0 * 0.5 * np.pi, rel=5e-3)
-    assert reversals(a_y) == 1
-    assert reversals(0.1 * a_y) == 0
+    assert max_jerk(t, a_y) == pytest.approx(3.0 * 0.5 * np.pi, rel=5e-3)
+    assert count_reversals(a_y) == 1
+    assert count_reversals(0.1 * a_y) == 0
 
 
 def test_each_fault_is_named() -> None:

@@ -9,7 +9,7 @@ import shapely
 from shapely import affinity
 
 from cca_core import Lane, RemoteVehicle, Road, VehicleParams
-from cca_core.baselines.problem import Plan, Problem
+from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.path import Path, fit_path
 
 CAR = replace(VehicleParams.bmw_320i(), length=4.5, width=1.8, box_offset=0.1)

@@ -1,0 +1,1 @@
+"""Planning methods: elastic bands, motion primitives, random trees, model predictive control, FISS."""

@@ -1,0 +1,1 @@
+"""Planning problems: sampled, verified, driven, compared."""

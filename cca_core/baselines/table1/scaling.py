@@ -1,0 +1,74 @@
+"""Time of a plan over the size of the problem: mesh, length, number of vehicles."""
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cca_core.baselines.problems.csv_rows import append_row, read_rows
+from cca_core.baselines.problems.problem import Problem
+from cca_core.baselines.problems.worker import PlanningMethod, Worker
+
+__all__ = ["ScalingPoint", "ScalingResult", "measure_scaling"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ScalingPoint:
+    """One method on one problem of a given size."""
+
+    method: str
+    axis: str  # the size that grows, in words
+    value: float  # in the unit of the axis
+    make: Callable[[], PlanningMethod]
+    problem: Problem
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScalingResult:
+    """Median processor time of up to five plans after the first, and the plan."""
+
+    method: str
+    axis: str
+    value: float
+    time_ms: float
+    status: str  # of the plan, or the reason why there is none
+    peak: float  # lateral offset of the plan with the largest magnitude [m]; NaN without plan
+
+
+def measure_scaling(
+    points: Iterable[ScalingPoint],
+    *,
+    out: Path | str,
+    limit: float = 10.0,
+    core: int | None = None,
+    progress: Callable[[ScalingResult], None] | None = None,
+) -> list[ScalingResult]:
+    """Time the plan of each point that the file does not hold yet."""
+    known = {(r.method, r.axis, r.value): r for r in read_rows(out, ScalingResult)}
+    results = []
+    for point in points:
+        result = known.get((point.method, point.axis, point.value))
+        if result is None:
+            result = _timed(point, limit, core)
+            append_row(out, result)
+            if progress is not None:
+                progress(result)
+        results.append(result)
+    return results
+
+
+def _timed(point: ScalingPoint, limit: float, core: int | None) -> ScalingResult:
+    """Time of one point."""
+    with Worker(point.make, limit=limit, core=core) as worker:
+        timed = worker.time(point.problem, repeats=5, enough=0.5)
+    plan, peak = timed.plan, math.nan
+    if plan is not None and len(plan.xy):
+        d = point.problem.road.path.project(plan.xy)[1]
+        peak = float(d[np.abs(d).argmax()])
+    return ScalingResult(
+        method=point.method, axis=point.axis, value=point.value, peak=peak,
+        time_ms=math.nan if plan is None else 1e3 * timed.median,
+        status=timed.failure if plan is None else plan.status.name,
+    )  # fmt: skip
