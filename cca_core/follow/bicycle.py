@@ -76,7 +76,7 @@ def single_track(vehicle: VehicleParams, v_x: float, l_s: float) -> SingleTrack:
 
 
 def discretized(model: SingleTrack, dt: float) -> SingleTrack:
-    """Exact discretization for inputs held over a cycle.
+    """Exact discretization for inputs that are held over a cycle.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def discretized(model: SingleTrack, dt: float) -> SingleTrack:
 def kinematic_rates(
     psi: ArrayLike, v_x: ArrayLike, delta: ArrayLike, vehicle: VehicleParams
 ) -> tuple[Array, Array, Array]:
-    """Motion of a car whose wheels roll without slip.
+    """Rates of a vehicle whose wheels roll without slip.
 
     Parameters
     ----------
@@ -208,14 +208,14 @@ def steady_yaw_rate(delta: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
 
 
 def steady_turn(path: Path, s: float, v_x: float, vehicle: VehicleParams) -> VehicleState:
-    """Motion of a car that follows a path without error and without transients, such as at a start.
+    """Motion of a vehicle that follows a path without error and without transients.
 
     Parameters
     ----------
     path : Path
         The path.
     s : float
-        Where on it the center of gravity is [m].
+        Station of the center of gravity [m].
     v_x : float
         Forward speed [m/s], not negative.
     vehicle : VehicleParams
@@ -224,7 +224,7 @@ def steady_turn(path: Path, s: float, v_x: float, vehicle: VehicleParams) -> Veh
     Returns
     -------
     state : VehicleState
-        The steady turn of the curvature there.
+        Steady turn at the curvature there.
 
     Raises
     ------

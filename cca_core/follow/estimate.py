@@ -1,4 +1,4 @@
-"""Where the car is between and despite noisy fixes: dead reckoning, corrected by each fix."""
+"""Pose estimate: dead reckoning, corrected by noisy position fixes."""
 
 import math
 from dataclasses import replace
@@ -11,18 +11,18 @@ __all__ = ["PoseEstimator"]
 
 
 class PoseEstimator:
-    """Position and heading from speed and yaw rate, with GPS fixes as correction.
+    """Position and heading from speed and yaw rate, corrected by GPS fixes.
 
     Parameters
     ----------
     state : VehicleState
-        Start.
+        Initial motion.
     fix_sigma : float
         Standard deviation of a fix along each axis [m].
     position_drift : float
-        How fast dead reckoning loses its position, as a random walk [m/s^0.5].
+        Random walk of the dead-reckoned position [m/s^0.5].
     heading_drift : float
-        The same for the heading [rad/s^0.5].
+        Random walk of the dead-reckoned heading [rad/s^0.5].
 
     Raises
     ------
@@ -31,8 +31,9 @@ class PoseEstimator:
 
     Notes
     -----
-    A Kalman filter in the car's own axes: the fix's sideways error corrects position and heading (a heading
-    error shows as sideways drift over the distance driven), its error along the heading the position alone.
+    The estimator is a Kalman filter in the axes of the vehicle. The lateral error of a fix corrects position
+    and heading, because a heading error causes a lateral drift over the distance driven. The longitudinal
+    error corrects the position alone.
     """
 
     def __init__(
@@ -47,29 +48,35 @@ class PoseEstimator:
         self._q_position = check_real("position_drift", position_drift, gt=0.0) ** 2
         self._q_heading = check_real("heading_drift", heading_drift, gt=0.0) ** 2
         self._state = state
-        # variances along; across, and across with heading, and of the heading
+        # variances along and across; covariance of across and heading; variance of the heading
         self._along = self._across = self._fix_variance
         self._cross, self._heading = 0.0, 1e-4
 
     def __repr__(self) -> str:
         s = self._state
+        along, across, heading = self.standard_deviations
         return (
-            f"PoseEstimator(x={s.x:.2f} m, y={s.y:.2f} m, psi={s.psi:.3f} rad, known within "
-            f"{math.sqrt(max(self._along, self._across)):.2f} m and {math.sqrt(self._heading):.4f} rad)"
+            f"PoseEstimator(x={s.x:.2f} m, y={s.y:.2f} m, psi={s.psi:.3f} rad, standard deviations "
+            f"{max(along, across):.2f} m and {heading:.4f} rad)"
         )
 
     @property
+    def standard_deviations(self) -> tuple[float, float, float]:
+        """Standard deviations along and across the heading [m], and of the heading [rad]."""
+        return math.sqrt(self._along), math.sqrt(self._across), math.sqrt(self._heading)
+
+    @property
     def state(self) -> VehicleState:
-        """Best knowledge of the motion now."""
+        """Estimated motion now."""
         return self._state
 
     def predict(self, measured: VehicleState, dt: float) -> VehicleState:
-        """Drive on by speed and yaw rate.
+        """Dead-reckon by speed and yaw rate.
 
         Parameters
         ----------
         measured : VehicleState
-            Speeds, yaw rate, steering angle and acceleration now; its position and heading are not used.
+            Speeds, yaw rate, steering angle and acceleration now; position and heading are ignored.
         dt : float
             Time since the last call [s].
 
@@ -95,12 +102,12 @@ class PoseEstimator:
         return self._state
 
     def correct(self, x: float, y: float) -> VehicleState:
-        """Take a fix into account.
+        """Correct the estimate by a fix.
 
         Parameters
         ----------
         x, y : float
-            Position of the center of gravity as measured now [m]; a fix that is not finite is ignored.
+            Measured position of the center of gravity now [m]; a fix that is not finite is ignored.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Steering that would keep a car exactly on a path: the single-track model solved backwards."""
+"""Feedforward of curvature: the single-track model inverted along a path."""
 
 import math
 from collections import deque
@@ -7,14 +7,12 @@ from cca_core.vehicle import GRAVITY, VehicleParams
 
 __all__ = ["InverseSteering"]
 
-_ROLLING = 3.0  # below this speed the tires roll without slip [m/s]
-_STEP = 0.005  # integration step [s]
-_REACH = 0.97  # share of the side force that is ever asked for
-_JUMP = 20.0  # a jump along the path that starts afresh [m]
+ROLLING_SPEED = 3.0
+"""Below this speed the tires roll without slip, and the sideslip is too small to measure [m/s]."""
 
 
 class InverseSteering:
-    """Dynamic feed-forward of curvature.
+    """Dynamic feedforward of curvature.
 
     Parameters
     ----------
@@ -23,14 +21,14 @@ class InverseSteering:
 
     Notes
     -----
-    A center of gravity that stays on the path has the lateral acceleration v^2 kappa, which fixes the sum of
-    the tires' side forces; the yaw balance then leaves two states, sideways speed and yaw rate,
+    If the center of gravity stays on the path, its lateral acceleration is v^2 kappa. This fixes the sum of
+    the tires' side forces. The yaw balance then leaves two states, lateral speed and yaw rate:
 
     ``I_z r' = l_f m v^2 kappa - L F_r``,  ``v_y' = v^2 kappa - v r``,
 
-    with the rear axle's force F_r from its slip angle. They are stable (the zeros of the path's lateral
-    position), so they can be integrated along the path, and the steering angle follows from the slip
-    that the front axle needs for the rest of the force (brush tire, solved for the slip angle). In a
+    with the rear axle's force F_r from its slip angle. These states are the zero dynamics of the lateral
+    position and are stable, so the class integrates them along the path. The steering angle follows from the
+    slip that the front axle needs for the rest of the force (brush tire, solved for the slip angle). In a
     steady turn this is the static law delta = kappa (L + K v^2).
     """
 
@@ -49,12 +47,12 @@ class InverseSteering:
         return f"InverseSteering(s={self._s:.1f} m, kappa={self._kappa:.4f} 1/m, r={self._r:.3f} rad/s)"
 
     def advance(self, s: float, kappa: float, v_x: float, dt: float) -> float:
-        """Move on along the path.
+        """Integrate to the next station and return the steering angle there.
 
         Parameters
         ----------
         s : float
-            Arc length of the point for which steering is wanted [m].
+            Station of the point [m].
         kappa : float
             Curvature there [1/m], left turn positive.
         v_x : float
@@ -68,41 +66,42 @@ class InverseSteering:
             Road-wheel angle [rad], left positive.
         """
         p, v = self._vehicle, max(v_x, 0.0)
-        if self._s is None or abs(s - self._s) > _JUMP or v < _ROLLING:
+        jump = self._s is None or abs(s - self._s) > 20.0  # [m]: another stretch of the path
+        if jump or v < ROLLING_SPEED:
             self._steady_state(kappa, v)
         else:
             self._integrate(kappa, v, dt)
         self._s, self._kappa = s, kappa
         self._trace.append((s, math.atan2(self._v_y, max(v, 0.1)), self._r))
-        if v < _ROLLING:
+        if v < ROLLING_SPEED:
             return math.atan(p.wheelbase * kappa)
         rest = p.m * v * v * kappa - self._rear_force(v)
         return math.atan2(self._v_y + p.l_f * self._r, v) + self.front_slip(rest / self._grip_f)
 
-    def front_slip(self, share: float) -> float:
-        """Slip at which the front tires carry a share of what they can (brush tire).
+    def front_slip(self, fraction: float) -> float:
+        """Slip angle at which the front tires carry a fraction of their grip (brush tire).
 
         Parameters
         ----------
-        share : float
-            Of the greatest side force, left positive [-]; never more than 0.97 of it.
+        fraction : float
+            Fraction of the largest side force, left positive [-]; limited to 0.97, where the slip is finite.
 
         Returns
         -------
         slip : float
-            Angle between the wheels and where they move to [rad], left positive.
+            Angle between the wheels and their direction of motion [rad], left positive.
         """
-        share = min(max(share, -_REACH), _REACH)
-        slip = 3.0 * (1.0 - (1.0 - abs(share)) ** (1.0 / 3.0)) * self._grip_f / self._vehicle.C_f
-        return math.copysign(math.atan(slip), share)
+        fraction = min(max(fraction, -0.97), 0.97)
+        slip = 3.0 * (1.0 - (1.0 - abs(fraction)) ** (1.0 / 3.0)) * self._grip_f / self._vehicle.C_f
+        return math.copysign(math.atan(slip), fraction)
 
     def motion_at(self, s: float) -> tuple[float, float]:
-        """Motion of the ideal car where it passed a place before.
+        """Motion of the ideal car at a station that it has passed.
 
         Parameters
         ----------
         s : float
-            Arc length [m], not ahead of the last `advance`.
+            Station [m], not ahead of the last `advance`.
 
         Returns
         -------
@@ -122,16 +121,16 @@ class InverseSteering:
         return beta + w * (beta1 - beta), r + w * (r1 - r)
 
     def _steady_state(self, kappa: float, v: float) -> None:
-        """Start in the steady turn of this curvature."""
+        """Set the states to the steady turn of this curvature."""
         p = self._vehicle
         self._trace.clear()
         self._r = v * kappa
-        rolling = 0.0 if v < _ROLLING else p.l_f * p.m * v * v / (p.C_r * p.wheelbase)
+        rolling = 0.0 if v < ROLLING_SPEED else p.l_f * p.m * v * v / (p.C_r * p.wheelbase)
         self._v_y = v * kappa * (p.l_r - rolling)
 
     def _integrate(self, kappa: float, v: float, dt: float) -> None:
         p = self._vehicle
-        n = max(1, math.ceil(dt / _STEP - 1e-9))
+        n = max(1, math.ceil(dt / 0.005 - 1e-9))  # steps of at most 5 ms
         h = dt / n
         for i in range(n):
             a_y = v * v * (self._kappa + (i + 0.5) / n * (kappa - self._kappa))

@@ -1,4 +1,4 @@
-"""Design of the preview gains by D-stability over a box of cars."""
+"""Design of the preview gains by D-stability over a range of vehicles."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,25 +13,22 @@ from cca_core.vehicle import VehicleParams
 
 __all__ = ["GainRegion", "StabilityRegion", "design_gains", "gain_region"]
 
-_FACTOR = 10.0  # a mass is not more times the vehicle's: kilogrammes are no factor
-_GRID = 40  # gains tried in each direction
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StabilityRegion:
-    """Where the poles of the steering loop must lie, and for which cars.
+    """Region in which the poles of the steering loop must lie, and the vehicles that count.
 
     Parameters
     ----------
     decay : float
-        Every pole is at least this far left of the imaginary axis [1/s]. A demand, not an aim: among the
-        gains that keep it the fastest are chosen, so a smaller value does not make the steering calmer.
+        Least distance of every pole to the left of the imaginary axis [1/s]. The design selects the fastest
+        of the admissible gains, so a smaller value does not make the steering calmer.
     damping : float
         Least damping ratio of every pole [-].
     mass : tuple of float
-        Range of the mass, as factors of the vehicle's [-]; the yaw inertia goes with it.
+        Range of the mass, as factors of the nominal mass [-]; the yaw inertia scales with it.
     friction : tuple of float
-        Range of both cornering stiffnesses, as factors [-].
+        Range of both cornering stiffnesses, as factors of the nominal values [-].
     delay : float
         Dead time of the loop [s], on top of the steering lag: computation, sample and hold.
 
@@ -54,24 +51,22 @@ class StabilityRegion:
         for name in ("mass", "friction"):
             pair: object = getattr(self, name)
             numbers = [check_real(name, each) for each in pair] if isinstance(pair, (tuple, list)) else []
-            if len(numbers) != 2 or not 0.0 < numbers[0] <= numbers[1] <= _FACTOR:
-                raise InputError(
-                    f"{name} must be a pair of factors (least, most), at most {_FACTOR:g}, was {pair!r}"
-                )
+            if len(numbers) != 2 or not 0.0 < numbers[0] <= numbers[1] <= 10.0:  # kilograms are no factor
+                raise InputError(f"{name} must be a pair of factors (min, max) of at most 10, was {pair!r}")
             object.__setattr__(self, name, tuple(numbers))
 
     def vehicles(self, vehicle: VehicleParams) -> list[VehicleParams]:
-        """Corners of the box of cars.
+        """Vehicles at the corners of the ranges.
 
         Parameters
         ----------
         vehicle : VehicleParams
-            The nominal car.
+            The nominal vehicle.
 
         Returns
         -------
         vehicles : list of VehicleParams
-            Lightest and heaviest on the most and the least grip.
+            Lightest and heaviest vehicle with the largest and the least grip.
         """
         return [
             replace(
@@ -85,7 +80,7 @@ class StabilityRegion:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GainRegion:
-    """Admissible gains at one speed: the parameter-space picture.
+    """Admissible gains at one speed, in the parameter space of k_p and k_d.
 
     Parameters
     ----------
@@ -94,15 +89,15 @@ class GainRegion:
     l_s : float
         Preview distance [m].
     k_p, k_d : ndarray, shape (n, n)
-        Gains tried [rad/m], [rad s/m].
+        Grid of gains [rad/m], [rad s/m].
     decay, damping : ndarray, shape (n, n)
-        Worst over the box of cars [1/s], [-].
+        Least values over all vehicles [1/s], [-].
     requested : tuple of float
-        Least decay [1/s] and damping [-] asked for at this speed.
+        Least decay [1/s] and damping [-] requested at this speed.
     admissible : ndarray of bool, shape (n, n)
-        Where both are as asked.
+        Where both are at least as requested.
     selected : tuple of float or None
-        k_p [rad/m] and k_d [rad s/m] with the greatest decay among the admissible; None without any.
+        Admissible k_p [rad/m] and k_d [rad s/m] with the largest decay; None if no gains are admissible.
     """
 
     v_x: float
@@ -129,11 +124,11 @@ def design_gains(
     Parameters
     ----------
     vehicle : VehicleParams
-        The car.
+        The vehicle.
     speeds : sequence of float
         Grid [m/s], positive, increasing.
     region : StabilityRegion, optional
-        Demands on the poles, uncertainty and delay.
+        Requirements on the poles, range of vehicles, delay.
     preview_time : float
         Preview distance per speed [s].
     min_preview : float
@@ -142,20 +137,20 @@ def design_gains(
     Returns
     -------
     gains : PreviewGains
-        At each speed the gains with the fastest decay that keep decay and damping for every car in the box.
+        At each speed the admissible gains with the fastest decay for every vehicle in the range.
 
     Raises
     ------
     InputError
         If an argument is out of range.
     InfeasibleError
-        If at some speed no gains satisfy the demands.
+        If no gains are admissible at some speed.
 
     Notes
     -----
-    Always the fastest decay is taken. Calmer steering comes from a longer `preview_time`, which lowers the
-    gains and the decay that can be reached, or from more damping, delay or a wider box of cars in `region`. A
-    steering without lag is designed for as if its lag were 1 ms.
+    The design always selects the fastest decay. Calmer steering comes from a longer `preview_time`, which
+    lowers the gains and the feasible decay. More damping, more delay or a wider range of vehicles in `region`
+    have the same effect. A steering lag of zero counts as 1 ms.
     """
     if not isinstance(vehicle, VehicleParams):
         raise InputError(f"vehicle must be VehicleParams, was {type(vehicle).__name__}")
@@ -165,7 +160,7 @@ def design_gains(
     region = region or StabilityRegion()
     preview_time = check_real("preview_time", preview_time, gt=0.0)
     min_preview = check_real("min_preview", min_preview, ge=0.0)
-    chosen = []
+    columns = []
     for v_x in grid.tolist():
         l_s = max(preview_time * check_real("speeds", v_x, gt=0.0), min_preview)
         found = gain_region(vehicle, v_x, l_s, region)
@@ -175,32 +170,32 @@ def design_gains(
                 f"and damping {region.damping:g} at once (alone they reach {found.decay.max():.2f} and "
                 f"{found.damping.max():.2f}) for {region.mass[0]:g} to {region.mass[1]:g} times the mass, "
                 f"{region.friction[0]:g} to {region.friction[1]:g} times the friction and a delay of "
-                f"{region.delay:g} s; ask for less in region",
+                f"{region.delay:g} s; lower the requirements in region",
                 found,
             )
-        chosen.append((*found.selected, l_s))
-    k_p, k_d, l_s_column = zip(*chosen, strict=True)
+        columns.append((*found.selected, l_s))
+    k_p, k_d, l_s_column = zip(*columns, strict=True)
     return PreviewGains(speeds=tuple(grid.tolist()), k_p=k_p, k_d=k_d, l_s=l_s_column)
 
 
 def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: StabilityRegion) -> GainRegion:
-    """Try gains at one speed.
+    """Evaluate a grid of gains at one speed.
 
     Parameters
     ----------
     vehicle : VehicleParams
-        The car.
+        The vehicle.
     v_x : float
         Speed [m/s], positive.
     l_s : float
         Preview distance [m].
     region : StabilityRegion
-        Demands on the poles.
+        Requirements on the poles.
 
     Returns
     -------
     found : GainRegion
-        Worst decay and damping over the box for each pair of gains, and the pair chosen.
+        Least decay and damping over all vehicles for each pair of gains, and the selected pair.
 
     Raises
     ------
@@ -209,14 +204,12 @@ def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: Stabilit
 
     Notes
     -----
-    Poles of the single-track model with steering lag, second-order Pade delay and the steering law. At low
-    speed the decay asked for is limited to nine tenths of the speed over the preview distance: a car cannot
-    return to its path faster than it moves.
+    The poles are those of the single-track model with steering lag, second-order Pade delay and the steering
+    law. At low speed the requested decay is limited to nine tenths of the speed over the preview distance: a
+    vehicle cannot return to its path faster than it moves.
     """
-    k_p, share = np.meshgrid(
-        np.geomspace(0.5, 60.0, _GRID) / max(v_x, 3.0) ** 2, np.linspace(0.0, 0.4, _GRID)
-    )
-    k_d = share * k_p
+    k_p, ratio = np.meshgrid(np.geomspace(0.5, 60.0, 40) / max(v_x, 3.0) ** 2, np.linspace(0.0, 0.4, 40))
+    k_d = ratio * k_p
     decay, damping = np.full(k_p.shape, np.inf), np.full(k_p.shape, np.inf)
     for car in region.vehicles(vehicle):
         A, B, C_p, C_d = steering_loop(car, v_x, l_s, region.delay)
@@ -226,11 +219,11 @@ def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: Stabilit
         damped = np.where(np.abs(poles.imag) > 1e-9 * size, -poles.real / size, np.sign(-poles.real))
         decay = np.minimum(decay, -poles.real.max(axis=-1))
         damping = np.minimum(damping, damped.min(axis=-1))
-    asked = min(region.decay, 0.9 * v_x / max(l_s, 1e-9))
-    admissible = (decay >= asked) & (damping >= region.damping)
+    requested = min(region.decay, 0.9 * v_x / max(l_s, 1e-9))
+    admissible = (decay >= requested) & (damping >= region.damping)
     best = np.unravel_index(int(np.argmax(np.where(admissible, decay, -np.inf))), decay.shape)
-    chosen = (float(k_p[best]), float(k_d[best])) if admissible.any() else None
+    selected = (float(k_p[best]), float(k_d[best])) if admissible.any() else None
     return GainRegion(
         v_x=v_x, l_s=l_s, k_p=k_p, k_d=k_d, decay=decay, damping=damping,
-        requested=(asked, region.damping), admissible=admissible, selected=chosen,
+        requested=(requested, region.damping), admissible=admissible, selected=selected,
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Margins of the steering loop, and the loop itself."""
+"""Stability margins of the steering loop, and its open-loop model."""
 
 import math
 from dataclasses import dataclass
@@ -12,9 +12,6 @@ from cca_core.vehicle import VehicleParams
 
 __all__ = ["Margins", "stability_margins"]
 
-_LEAST_LAG = 1e-3  # a steering that obeys at once is taken to be as fast as this [s]
-_FREQUENCIES = np.geomspace(1e-2, 1e2, 4000)  # [rad/s]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Margins:
@@ -25,16 +22,16 @@ class Margins:
     v_x : float
         Speed [m/s].
     gain : float
-        Factor on the steering gain up to which the loop is stable [-]; 0 if it is not.
+        Factor on the steering gain up to which the loop is stable [-]; 0 if it is unstable.
     phase : float
-        Phase margin [rad]; negative if the loop is not stable.
+        Phase margin [rad]; negative if the loop is unstable.
     delay : float
-        Further dead time up to which the loop is stable [s]; negative if it is not.
+        Further dead time up to which the loop is stable [s]; negative if it is unstable.
     disk : float
         Symmetric disk margin alpha [-], 0 to 2: gain and phase may vary together by
-        (2 - alpha)/(2 + alpha) to (2 + alpha)/(2 - alpha) and +-2 atan(alpha/2); 0 if it is not stable.
+        (2 - alpha)/(2 + alpha) to (2 + alpha)/(2 - alpha) and +-2 atan(alpha/2); 0 if the loop is unstable.
     crossover : float
-        Frequency at which the phase margin is taken [rad/s].
+        Frequency of the phase margin [rad/s].
     """
 
     v_x: float
@@ -53,9 +50,9 @@ def stability_margins(
     Parameters
     ----------
     vehicle : VehicleParams
-        The car.
+        The vehicle.
     gains : PreviewGains
-        Schedule.
+        Schedule of gains.
     v_x : float
         Speed [m/s], positive.
     delay : float
@@ -79,7 +76,7 @@ def stability_margins(
     delay = check_real("delay", delay, ge=0.0)
     k_p, k_d, l_s = gains.at(v_x)
     A, B, C_p, C_d = steering_loop(vehicle, v_x, l_s, 0.0)
-    w = _FREQUENCIES
+    w = np.geomspace(1e-2, 1e2, 4000)  # [rad/s]
     state = np.linalg.solve(
         1j * w[:, None, None] * np.eye(len(A)) - A, np.broadcast_to(B[:, None], (len(w), len(B), 1))
     )
@@ -107,12 +104,12 @@ def stability_margins(
 def steering_loop(
     vehicle: VehicleParams, v_x: float, l_s: float, delay: float
 ) -> tuple[Array, Array, Array, Array]:
-    """Plant from steering command to the error at the preview point and its rate: A, B, C_p, C_d."""
+    """Return A, B, C_p, C_d from steering command to the error at the preview point and its rate."""
     model = single_track(vehicle, v_x, l_s)
     n = 7 if delay > 0.0 else 5
     A, B = np.zeros((n, n)), np.zeros(n)
     A[:4, :4], A[:4, 4] = model.A, model.B
-    lag = max(vehicle.steering_lag, _LEAST_LAG)
+    lag = max(vehicle.steering_lag, 1e-3)  # [s]: an ideal actuator is a fast one
     A[4, 4] = -1.0 / lag
     B[4] = 1.0 / lag
     if delay > 0.0:  # (s^2 - 6 s/T + 12/T^2) / (s^2 + 6 s/T + 12/T^2)

@@ -1,11 +1,11 @@
-"""Preview steering: PD on the lateral error ahead, and the steering that the path ahead asks for."""
+"""Preview steering: PD control of the lateral error ahead, and feedforward of curvature."""
 
 import math
 from typing import Literal
 
 from cca_core._checks import check_real
 from cca_core.errors import InputError
-from cca_core.follow.feedforward import InverseSteering
+from cca_core.follow.feedforward import ROLLING_SPEED, InverseSteering
 from cca_core.follow.schedule import SIDESLIP_FRACTION, PreviewGains, shipped_gains
 from cca_core.geometry import wrap_angle
 from cca_core.path.path import Path
@@ -13,11 +13,8 @@ from cca_core.vehicle import GRAVITY, VehicleParams, VehicleState
 
 __all__ = ["PreviewController"]
 
-_GRIP_USED = 0.8  # by a front axle that is turned in; with more a car on less grip than told would spin
-_INTEGRAL_TIME = 3.0  # of the slow correction of what the model does not know [s]
-_INTEGRAL_LIMIT = 0.02  # of that correction [rad]
-_SLIP_KNOWN = 3.0  # above this speed the sideslip is worth measuring [m/s]
-_SMALL = 0.1  # only errors below this are integrated [m]
+_INTEGRAL_TIME = 3.0  # slow: it corrects what the model omits, such as load and alignment [s]
+_INTEGRAL_LIMIT = 0.02  # [rad]
 
 
 class PreviewController:
@@ -26,17 +23,17 @@ class PreviewController:
     Parameters
     ----------
     vehicle : VehicleParams
-        The car that is steered.
+        The controlled vehicle.
     gains : PreviewGains, optional
-        Schedule over speed; the default is the one shipped for this car (`shipped_gains`).
+        Schedule over speed; the default is the shipped schedule of this vehicle (`shipped_gains`).
     delay : float
         Known dead time between command and road wheel [s], on top of the steering lag.
     a_y_max : float
-        Lateral acceleration that the command may ask for [m/s^2]: in a steady turn, or of the front tires
-        before the car has begun to turn, then with at most 80 % of their grip.
+        Limit of the commanded lateral acceleration [m/s^2]. It limits the steady turn. Before the vehicle has
+        begun to turn it limits the force of the front tires instead, to 80 % of their grip at most.
     error : {"tangent", "ahead"}
-        What the error at the preview point is taken to: the tangent at the foot point of the center of
-        gravity, or the path itself at the preview point.
+        Reference of the error at the preview point: the tangent at the foot point of the center of gravity,
+        or the path itself at the preview point.
 
     Raises
     ------
@@ -45,12 +42,11 @@ class PreviewController:
 
     Notes
     -----
-    The feed-forward is the steering that keeps an ideal car exactly on the path, taken from the curvature
-    where the car will be when the wheels have answered (`InverseSteering`). The ideal car has a sideslip
-    and a yaw rate in bends; e_ref is what its preview point shows, so that the feedback only acts
-    on what the model does not explain; three tenths of the sideslip are taken from the car itself, which
-    knows its load and tires better than the model. With the tangent that is e_ref = -l_s sin(beta); with the
-    path itself additionally the bend of the path over the preview distance.
+    The feedforward delta_ff keeps an ideal car exactly on the path (`InverseSteering`). It uses the curvature
+    at the point that the car reaches when the wheels have responded. The ideal car has a sideslip and a yaw
+    rate on curves; e_ref is the error of its preview point. The feedback therefore acts only on deviations
+    from the model. Three tenths of the sideslip are measured, because load and tires differ from the model.
+    For the tangent e_ref is -l_s sin(beta); for the path itself the curvature over the preview distance adds.
     """
 
     def __init__(
@@ -85,14 +81,14 @@ class PreviewController:
         Parameters
         ----------
         state : VehicleState
-            Motion of the car now.
+            Motion of the vehicle now.
         path : Path
             Path to follow.
         dt : float
             Time since the last call [s].
         s_guess : float, optional
-            Arc length close to where the car is on a path that was not followed before [m]; without it the
-            whole path is searched.
+            Station close to the vehicle on a path that is new to the controller [m]; the default searches the
+            whole path.
 
         Returns
         -------
@@ -107,9 +103,9 @@ class PreviewController:
         s, d, heading, kappa = path.foot_point(float(state.x), float(state.y), s_guess)
         self._foot = path, s
         ahead = s + v * (self.delay + p.steering_lag)
-        feed_forward = self._inverse.advance(ahead, path.curvature_at(ahead), v, dt)
+        feedforward = self._inverse.advance(ahead, path.curvature_at(ahead), v, dt)
         beta, r = self._inverse.motion_at(s)
-        if v > _SLIP_KNOWN:
+        if v > ROLLING_SPEED:
             beta += SIDESLIP_FRACTION * (math.atan2(state.v_y, v) - beta)
         k_p, k_d, l_s = self.gains.at(v)
         e_psi = wrap_angle(state.psi - heading)
@@ -118,11 +114,11 @@ class PreviewController:
         if self._ahead:
             error = self._error_ahead(state, path, s, l_s) + l_s * math.sin(beta) + 0.5 * kappa * l_s * l_s
         rate = v * sin + state.v_y * cos + l_s * (state.r - r)
-        wanted = feed_forward - k_p * error - k_d * rate - self._integral
-        delta = self._limited(wanted, state, dt)
-        if delta == wanted and abs(d) < _SMALL and v > 1.0:
-            grown = self._integral + k_p * d * dt / _INTEGRAL_TIME
-            self._integral = min(max(grown, -_INTEGRAL_LIMIT), _INTEGRAL_LIMIT)
+        target = feedforward - k_p * error - k_d * rate - self._integral
+        delta = self._limited(target, state, dt)
+        if delta == target and abs(d) < 0.1 and v > 1.0:  # only small errors: large ones are transients
+            integral = self._integral + k_p * d * dt / _INTEGRAL_TIME
+            self._integral = min(max(integral, -_INTEGRAL_LIMIT), _INTEGRAL_LIMIT)
         self._delta = float(delta)
         return self._delta
 
@@ -133,11 +129,14 @@ class PreviewController:
     def _limited(self, delta: float, state: VehicleState, dt: float) -> float:
         p, v = self.vehicle, max(state.v_x, 1.0)
         turn = p.wheelbase + max(p.understeer_gradient, 0.0) * v * v
-        most = math.atan(turn * self.a_y_max / (v * v))
-        # where the front wheels move to, and the slip at which they carry their share
-        to = math.atan2(state.v_y + p.l_f * state.r, v)
-        slip = self._inverse.front_slip(min(self.a_y_max / (p.mu * GRAVITY), _GRIP_USED))
-        low, high = max(min(-most, to - slip), -p.delta_max), min(max(most, to + slip), p.delta_max)
+        steady = math.atan(turn * self.a_y_max / (v * v))
+        # direction of motion of the front wheels; with more than 80 % of the grip a car on a slippery road spins
+        motion = math.atan2(state.v_y + p.l_f * state.r, v)
+        slip = self._inverse.front_slip(min(self.a_y_max / (p.mu * GRAVITY), 0.8))
+        low, high = (
+            max(min(-steady, motion - slip), -p.delta_max),
+            min(max(steady, motion + slip), p.delta_max),
+        )
         delta = min(max(delta, low), high)
         if self._delta is not None:
             step = p.delta_rate_max * dt

@@ -1,4 +1,4 @@
-"""Gains of the preview steering law over speed, and the schedules that ship with the library."""
+"""Schedules of the preview gains over speed, and those that ship with the library."""
 
 from bisect import bisect_right
 from dataclasses import dataclass
@@ -10,9 +10,9 @@ from cca_core.vehicle import VehicleParams
 __all__ = ["SIDESLIP_FRACTION", "PreviewGains", "shipped_gains"]
 
 SIDESLIP_FRACTION = 0.3
-"""Share of the measured sideslip in the reference of the error at the preview point [-]."""
+"""Fraction of the measured sideslip in the reference of the error at the preview point [-]."""
 SPEEDS = (2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0)
-"""Default grid of a schedule, and that of the shipped ones [m/s]."""
+"""Default grid of a schedule, and grid of the shipped schedules [m/s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,50 +78,45 @@ class PreviewGains:
 
 
 def shipped_gains(vehicle: VehicleParams) -> PreviewGains:
-    """Schedule designed in advance.
+    """Return the schedule that ships for a vehicle.
 
     Parameters
     ----------
     vehicle : VehicleParams
-        The car; its body and limits do not matter.
+        The vehicle; only inertia, axles and tires count.
 
     Returns
     -------
     gains : PreviewGains
-        What `design_gains` gives for the presets of `VehicleParams`; for any other car that of the BMW
-        320i: design your own for it.
+        Result of `design_gains` for the presets of `VehicleParams`. Any other vehicle gets the schedule of the
+        BMW 320i; use `design_gains` for it.
     """
-    name = next((n for n, preset in _PRESETS.items() if _same(vehicle, preset)), "bmw_320i")
-    k_p, k_d = _TABLES[name]
+    dynamics = _dynamics(vehicle)
+    preset = next((preset for preset in _SHIPPED if _dynamics(preset()) == dynamics), VehicleParams.bmw_320i)
+    k_p, k_d = _SHIPPED[preset]
     return PreviewGains(speeds=SPEEDS, k_p=k_p, k_d=k_d, l_s=tuple(max(1.1 * v, 4.4) for v in SPEEDS))
 
 
-def _same(a: VehicleParams, b: VehicleParams) -> bool:
-    return (a.m, a.I_z, a.l_f, a.l_r, a.C_f, a.C_r) == (b.m, b.I_z, b.l_f, b.l_r, b.C_f, b.C_r)
+def _dynamics(vehicle: VehicleParams) -> tuple[float, ...]:
+    return vehicle.m, vehicle.I_z, vehicle.l_f, vehicle.l_r, vehicle.C_f, vehicle.C_r
 
 
-_PRESETS = {
-    "bmw_320i": VehicleParams.bmw_320i(),
-    "ford_escort": VehicleParams.ford_escort(),
-    "vw_vanagon": VehicleParams.vw_vanagon(),
-}
-
-# k_p [rad/m] and k_d [rad s/m] as design_gains gives them with its defaults
+# k_p [rad/m] and k_d [rad s/m] of design_gains with its defaults
 # fmt: off
-_TABLES = {
-    "bmw_320i": (
+_SHIPPED = {
+    VehicleParams.bmw_320i: (
         (0.3503, 0.3098, 0.2848, 0.1431, 0.08049, 0.05151, 0.03446,
          0.02572, 0.01861, 0.01347, 0.01195, 0.01123, 0.009718),
         (0.01078, 0, 0, 0.004403, 0.002477, 0.002113, 0.003534,
          0.003957, 0.0042, 0.004006, 0.003065, 0.002418, 0.001994),
     ),
-    "ford_escort": (
+    VehicleParams.ford_escort: (
         (0.3098, 0.3098, 0.2848, 0.1266, 0.07119, 0.05151, 0.03446,
          0.02275, 0.01646, 0.01347, 0.01057, 0.00993, 0.008596),
         (0, 0.01589, 0.01168, 0.001298, 0.0007301, 0.00317, 0.004241,
          0.003267, 0.003377, 0.003591, 0.002711, 0.002139, 0.001763),
     ),
-    "vw_vanagon": (
+    VehicleParams.vw_vanagon: (
         (0.3503, 0.3098, 0.2848, 0.1266, 0.08049, 0.05151, 0.03446,
          0.02572, 0.01861, 0.01347, 0.01195, 0.01123, 0.008596),
         (0.01796, 0.003178, 0.002921, 0, 0.004128, 0.00317, 0.004241,

@@ -1,4 +1,4 @@
-"""Speed: cruise, stop, limits along a path and of the tires; and when the ego arrives where."""
+"""Speed: cruise, stop, limits along a path and of the tires, arrival times."""
 
 import math
 from dataclasses import dataclass
@@ -8,8 +8,6 @@ import numpy as np
 from cca_core._checks import Array, check_real
 from cca_core.path.path import Path
 from cca_core.vehicle import GRAVITY
-
-_TAIL = 200.0  # the profile goes on falling behind the end [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,15 +23,15 @@ class SpeedSettings:
     b_max : float
         Largest deceleration [m/s^2], positive.
     standstill_gap : float
-        Bumper-to-bumper gap behind a standing leader [m].
+        Bumper-to-bumper gap behind a stationary lead vehicle [m].
     time_gap : float
-        Additional gap behind a moving leader [s].
+        Additional gap behind a moving lead vehicle, per speed [s].
     approach_rate : float
-        Rate at which the last meters to the wanted gap are closed [1/s].
+        Rate at which the last meters to the target gap are closed [1/s].
     jerk : float
-        Largest change of acceleration in normal driving [m/s^3].
+        Largest rate of change of acceleration in normal driving [m/s^3].
     jerk_emergency : float
-        Largest change of acceleration when braking hard [m/s^3].
+        Largest rate of change of acceleration during hard braking [m/s^3].
 
     Raises
     ------
@@ -56,12 +54,12 @@ class SpeedSettings:
 
 
 def cruise_acceleration(v_x: float, v_target: float, settings: SpeedSettings) -> float:
-    """Acceleration toward a wanted speed.
+    """Acceleration toward a target speed.
 
     Parameters
     ----------
     v_x, v_target : float
-        Speed now and wanted [m/s].
+        Speed and target speed [m/s].
     settings : SpeedSettings
         Limits.
 
@@ -74,21 +72,21 @@ def cruise_acceleration(v_x: float, v_target: float, settings: SpeedSettings) ->
 
 
 def stop_acceleration(v_x: float, distance: float, settings: SpeedSettings) -> float:
-    """Deceleration that brings the car to rest at a point.
+    """Acceleration that stops the vehicle at a point.
 
     Parameters
     ----------
     v_x : float
-        Own speed [m/s].
+        Speed of the ego [m/s].
     distance : float
-        Distance to the point [m]; behind it the car brakes as hard as it can.
+        Distance to the point [m]; behind the point the vehicle brakes fully.
     settings : SpeedSettings
         Limits.
 
     Returns
     -------
     a_x : float
-        Acceleration [m/s^2]: -v^2 / (2 distance) once that is comfortable braking or more, else `a_max`.
+        Acceleration [m/s^2]: -v^2 / (2 distance) if that is at least `b_comfort`, else `a_max`.
     """
     if v_x <= 0.0:
         return 0.0
@@ -99,12 +97,12 @@ def stop_acceleration(v_x: float, distance: float, settings: SpeedSettings) -> f
 def jerk_limited(
     target: float, previous: float, dt: float, settings: SpeedSettings, *, emergency: bool = False
 ) -> float:
-    """Acceleration on its way to the wanted one.
+    """Acceleration that approaches a target with limited jerk.
 
     Parameters
     ----------
     target, previous : float
-        Acceleration asked for now and in the last cycle [m/s^2].
+        Target acceleration, and acceleration of the last cycle [m/s^2].
     dt : float
         Time between them [s].
     settings : SpeedSettings
@@ -115,51 +113,51 @@ def jerk_limited(
     Returns
     -------
     a_x : float
-        Acceleration [m/s^2], at most jerk dt away from `last`.
+        Acceleration [m/s^2], at most jerk dt away from `previous`.
     """
     step = (settings.jerk_emergency if emergency else settings.jerk) * dt
     return min(max(target, previous - step), previous + step)
 
 
-def friction_limited(a_x: float, a_y: float, mu: float, *, share: float = 0.9) -> float:
-    """Longitudinal acceleration that the tires have left beside a lateral one.
+def friction_limited(a_x: float, a_y: float, mu: float, *, grip_fraction: float = 0.9) -> float:
+    """Longitudinal acceleration that the tires can carry besides a lateral one.
 
     Parameters
     ----------
     a_x : float
-        Acceleration asked for [m/s^2].
+        Target acceleration [m/s^2].
     a_y : float
-        Lateral acceleration in use [m/s^2].
+        Lateral acceleration [m/s^2].
     mu : float
         Friction coefficient [-].
-    share : float
-        Share of the friction circle that may be used [-].
+    grip_fraction : float
+        Fraction of the friction circle that may be used [-].
 
     Returns
     -------
     a_x : float
-        Limited to +-sqrt((share mu g)^2 - a_y^2) [m/s^2]; 0 where cornering takes all.
+        `a_x`, limited to +-sqrt((grip_fraction mu g)^2 - a_y^2) [m/s^2].
 
     Examples
     --------
     >>> round(friction_limited(-9.0, 4.0, 0.9), 2)
     -6.87
     """
-    left = math.sqrt(max((share * mu * GRAVITY) ** 2 - a_y * a_y, 0.0))
-    return min(max(a_x, -left), left)
+    limit = math.sqrt(max((grip_fraction * mu * GRAVITY) ** 2 - a_y * a_y, 0.0))
+    return min(max(a_x, -limit), limit)
 
 
 def arrival_times(v_x: float, v_target: float, distances: Array, settings: SpeedSettings) -> Array:
-    """When the ego reaches places ahead if it drives freely.
+    """Time that the ego takes for distances ahead if no vehicle limits its speed.
 
     Parameters
     ----------
     v_x, v_target : float
-        Speed now and wanted [m/s].
+        Speed and target speed [m/s].
     distances : ndarray, shape (n,)
-        Distances ahead [m]; negative ones lie behind, at constant speed.
+        Distances ahead [m]; negative distances are behind, driven at constant speed.
     settings : SpeedSettings
-        Acceleration and deceleration used until the wanted speed is reached.
+        `a_max` and `b_comfort` hold until the target speed is reached.
 
     Returns
     -------
@@ -178,26 +176,26 @@ def arrival_times(v_x: float, v_target: float, distances: Array, settings: Speed
 def squared_speed_limit(
     path: Path, cruise: float, a_y: float, settings: SpeedSettings
 ) -> tuple[Array, Array]:
-    """Square of the highest speed along a path: cruise, bends, and standstill at its end.
+    """Square of the highest speed along a path: cruise speed, curves, standstill at its end.
 
     Parameters
     ----------
     path : Path
         The route.
     cruise : float
-        Highest speed anywhere [m/s].
+        Upper limit everywhere [m/s].
     a_y : float
-        Lateral acceleration for which speed is cut in bends [m/s^2].
+        Lateral acceleration on curves, which limits the speed there [m/s^2].
     settings : SpeedSettings
-        Its comfortable deceleration leads down to slower places.
+        `b_comfort` is the deceleration before slower points.
 
     Returns
     -------
     s : ndarray, shape (n,)
-        Arc length [m], up to a little behind the end.
+        Stations [m], up to 200 m behind the end.
     squared : ndarray, shape (n,)
-        v^2 [m^2/s^2], linear between the places; negative behind the end, so that its slope is everywhere
-        twice the acceleration asked for.
+        v^2 [m^2/s^2], linear between the stations. It is negative behind the end, so that its slope is twice
+        the acceleration everywhere.
     """
     s = np.linspace(path.start, path.end, max(2, math.ceil(path.length / 2.0)))
     squared = np.minimum(cruise**2, a_y / np.maximum(np.abs(path.curvature(s)), 1e-9))
@@ -205,30 +203,31 @@ def squared_speed_limit(
     climb = 2.0 * settings.b_comfort * s
     # v_i^2 <= v_j^2 + 2 b (s_j - s_i) for all j >= i
     squared = np.minimum.accumulate((squared + climb)[::-1])[::-1] - climb
-    return np.append(s, s[-1] + _TAIL), np.append(squared, -2.0 * settings.b_comfort * _TAIL)
+    tail = 200.0  # [m]: the profile falls on behind the end
+    return np.append(s, s[-1] + tail), np.append(squared, -2.0 * settings.b_comfort * tail)
 
 
 def profile_acceleration(
     s: float, v_x: float, profile: tuple[Array, Array], settings: SpeedSettings
 ) -> float:
-    """Acceleration along a speed profile, with its slope as feed-forward.
+    """Acceleration along a speed profile, with its slope as feedforward.
 
     Parameters
     ----------
     s : float
-        Arc length of the car [m].
+        Station of the ego [m].
     v_x : float
         Forward speed [m/s].
     profile : tuple of ndarray
-        Arc lengths [m] and squared speeds [m^2/s^2], as `squared_speed_limit` gives them.
+        Stations [m] and squared speeds [m^2/s^2] of `squared_speed_limit`.
     settings : SpeedSettings
         Limits.
 
     Returns
     -------
     a_x : float
-        Acceleration [m/s^2], between -b_max and a_max: what leads to the speed of the place about a second
-        ahead, or toward the speed of this place if that is less.
+        Acceleration [m/s^2], between -b_max and a_max. It leads to the speed of the profile about one second
+        ahead, or to the speed of the profile here if that needs less.
     """
     horizon = 2.0 + max(v_x, 0.0)
     here, there = (

@@ -351,7 +351,7 @@ class Planner:
         if emergency and leader is not None:
             grip = self.vehicle.mu * GRAVITY
             share = min(max(leader.required_deceleration / grip, share), 1.0)  # all of it where less hits
-        limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu, share=share)
+        limited = friction_limited(wanted, v_x * yaw_rate, self.vehicle.mu, grip_fraction=share)
         # brakes let go slowly would make the ego slower on its way around than that is meant for
         lets_go = self._maneuver is not None and last < min(limited, 0.0)
         return jerk_limited(limited, last, dt, self.speed, emergency=emergency or lets_go)

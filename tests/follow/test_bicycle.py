@@ -50,7 +50,7 @@ def nonlinear(
 
 @pytest.mark.parametrize("car", CARS)
 @pytest.mark.parametrize(("v", "l_s"), [(5.0, 5.0), (10.0, 10.0), (20.0, 0.0), (35.0, 35.0)])
-def test_matrices_are_the_jacobian_of_the_nonlinear_bicycle(car: VehicleParams, v: float, l_s: float) -> None:
+def test_matrices_equal_jacobian_of_nonlinear_bicycle(car: VehicleParams, v: float, l_s: float) -> None:
     model, zero, step = single_track(car, v, l_s), np.zeros(4), 1e-6
 
     def slope(plus: np.ndarray, minus: np.ndarray) -> np.ndarray:
@@ -66,7 +66,7 @@ def test_matrices_are_the_jacobian_of_the_nonlinear_bicycle(car: VehicleParams, 
     np.testing.assert_allclose(model.E, E, rtol=1e-7, atol=1e-7)
 
 
-def test_hand_values() -> None:
+def test_matrices_equal_hand_values() -> None:
     model = single_track(UNDERSTEER, 20.0, 10.0)
     moment, damping = 110e3 * 1.5 - 80e3 * 1.2, 80e3 * 1.44 + 110e3 * 2.25
     expected = [
@@ -88,7 +88,7 @@ def test_hand_values() -> None:
     st.floats(0.002, 0.5),
     st.floats(0.0, 0.2),
 )
-def test_steady_state_under_pd_preview_steering(
+def test_pd_steering_reaches_predicted_steady_state(
     car: VehicleParams, v: float, rho: float, l_s: float, k_p: float, k_d: float
 ) -> None:
     """A x + B delta + E rho = 0 with delta = -k_p e_y - k_d e_y': theory.md section 1."""
@@ -112,7 +112,7 @@ def test_steady_state_under_pd_preview_steering(
 
 
 @given(st.floats(2.0, 40.0), st.floats(-0.02, 0.02))
-def test_exact_feed_forward_leaves_h_l_s_beta(v: float, rho: float) -> None:
+def test_exact_feedforward_leaves_error_l_s_beta(v: float, rho: float) -> None:
     """With e_y = 0 held the car runs beside the path by l_s beta_ss."""
     l_s, car = 15.0, UNDERSTEER
     model = single_track(car, v, l_s)
@@ -123,7 +123,7 @@ def test_exact_feed_forward_leaves_h_l_s_beta(v: float, rho: float) -> None:
 
 @pytest.mark.parametrize("car", CARS)
 @given(st.floats(1.0, 40.0), st.floats(-0.05, 0.05))
-def test_steady_yaw_rate_solves_the_lateral_block(car: VehicleParams, v: float, delta: float) -> None:
+def test_steady_yaw_rate_solves_lateral_dynamics(car: VehicleParams, v: float, delta: float) -> None:
     model = single_track(car, v, 0.0)
     beta, r = np.linalg.solve(model.A[:2, :2], -model.B[:2] * delta)
     assert float(steady_yaw_rate(delta, v, car)) == pytest.approx(r, abs=1e-9)
@@ -132,7 +132,7 @@ def test_steady_yaw_rate_solves_the_lateral_block(car: VehicleParams, v: float, 
     assert float(steady_sideslip(kappa, v, car)) == pytest.approx(beta, abs=1e-9)
 
 
-def test_low_speed_is_kinematic() -> None:
+def test_steady_turn_at_low_speed_is_kinematic() -> None:
     assert float(steady_yaw_rate(0.1, 1e-3, UNDERSTEER)) == pytest.approx(1e-3 * 0.1 / 2.7, rel=1e-6)
     assert float(steady_sideslip(0.01, 0.0, UNDERSTEER)) == pytest.approx(0.015, abs=1e-15)
 
@@ -145,7 +145,7 @@ def test_steady_formulas_broadcast() -> None:
 
 
 @pytest.mark.parametrize("radius", [200.0, -400.0])
-def test_steady_turn_is_one(radius: float) -> None:
+def test_steady_turn_has_no_rates(radius: float) -> None:
     """In the path's frame nothing changes: the linear model is at rest there."""
     angle = np.linspace(0.0, 1.0, 60)
     circle = interpolate_path(np.column_stack((abs(radius) * np.sin(angle), radius * (1.0 - np.cos(angle)))))
@@ -159,7 +159,7 @@ def test_steady_turn_is_one(radius: float) -> None:
     assert state.delta * radius > 0.0
 
 
-def test_bad_steady_turn() -> None:
+def test_invalid_steady_turn_raises() -> None:
     road = interpolate_path([[0.0, 0.0], [50.0, 0.0]])
     with pytest.raises(InputError, match=r"^v_x must be at least 0"):
         steady_turn(road, 10.0, -1.0, BMW)
@@ -172,7 +172,7 @@ def test_bad_steady_turn() -> None:
     [(0.0, 1.0, "^v_x must be greater than 0"), (-5.0, 1.0, "^v_x must"), (math.nan, 1.0, "^v_x must"),
      (5.0, -1.0, "^l_s must be at least 0"), (5.0, math.inf, "^l_s must"), (None, 1.0, "^v_x must")],
 )  # fmt: skip
-def test_bad_model_input(v: object, l_s: float, words: str) -> None:
+def test_invalid_model_input_raises(v: object, l_s: float, words: str) -> None:
     with pytest.raises(InputError, match=words):
         single_track(UNDERSTEER, v, l_s)  # type: ignore[arg-type]
 
@@ -200,7 +200,7 @@ def test_default_gains_are_d_stable_for_vehicle_2(v: float) -> None:
 
 
 @pytest.mark.parametrize("v", [35.0, 37.5, 40.0])
-def test_default_gains_are_d_stable_up_to_the_end_of_the_schedule(v: float) -> None:
+def test_default_gains_are_d_stable_up_to_end_of_schedule(v: float) -> None:
     """'Schedule for passenger cars from 2 to 40 m/s ... in the middle of the region'."""
     roots = poles(VehicleParams.bmw_320i(), v)
     assert roots.real.max() < -0.8
@@ -208,7 +208,7 @@ def test_default_gains_are_d_stable_up_to_the_end_of_the_schedule(v: float) -> N
 
 
 @pytest.mark.parametrize("v", [2.0, 3.0])
-def test_default_gains_at_walking_pace(v: float) -> None:
+def test_default_gains_at_walking_pace_are_damped(v: float) -> None:
     roots = poles(VehicleParams.bmw_320i(), v)
     assert roots.real.max() < -0.3  # at 2 m/s Re < -0.8 would be a settling length of 2.5 m
     assert (-roots.real / np.abs(roots)).min() >= 0.6
@@ -216,13 +216,13 @@ def test_default_gains_at_walking_pace(v: float) -> None:
 
 @pytest.mark.parametrize("car", PRESETS[1:])
 @pytest.mark.parametrize("v", [5.0, 10.0, 20.0, 30.0])
-def test_default_gains_suit_the_other_presets(car: VehicleParams, v: float) -> None:
+def test_default_gains_stabilize_other_presets(car: VehicleParams, v: float) -> None:
     roots = poles(car, v)
     assert roots.real.max() < -0.8
     assert (-roots.real / np.abs(roots)).min() >= 0.6
 
 
-def test_gains_are_linear_between_and_held_outside() -> None:
+def test_gains_are_linear_inside_grid_and_held_outside() -> None:
     gains = PreviewGains(speeds=(10.0, 20.0), k_p=(0.4, 0.2), k_d=(0.04, 0.0), l_s=(5.0, 15.0))
     assert gains.at(10.0) == (0.4, 0.04, 5.0)
     assert gains.at(12.5) == pytest.approx((0.35, 0.03, 7.5), abs=1e-15)
@@ -247,7 +247,7 @@ def test_gains_are_linear_between_and_held_outside() -> None:
         ({"k_p": 0.1}, "^k_p must"),
     ],
 )
-def test_bad_gains(changes: dict, words: str) -> None:
+def test_invalid_gains_raise(changes: dict, words: str) -> None:
     good = {"speeds": (10.0, 20.0), "k_p": (0.4, 0.2), "k_d": (0.04, 0.0), "l_s": (5.0, 15.0)}
     with pytest.raises(InputError, match=words):
         PreviewGains(**{**good, **changes})
@@ -262,12 +262,12 @@ def test_discretization_is_zero_order_hold(car: VehicleParams, v: float, dt: flo
     model = single_track(car, v, 10.0)
     B = np.column_stack((model.B, model.E))
     Ad, Bd, *_ = cont2discrete((model.A, B, np.eye(4), np.zeros((4, 2))), dt, method="zoh")
-    ours = discretized(model, dt)
-    np.testing.assert_allclose(ours.A, Ad, rtol=1e-10, atol=1e-12)
-    np.testing.assert_allclose(np.column_stack((ours.B, ours.E)), Bd, rtol=1e-10, atol=1e-12)
+    model = discretized(model, dt)
+    np.testing.assert_allclose(model.A, Ad, rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(np.column_stack((model.B, model.E)), Bd, rtol=1e-10, atol=1e-12)
 
 
-def test_two_half_steps_are_one() -> None:
+def test_two_half_steps_equal_one_step() -> None:
     model = single_track(UNDERSTEER, 15.0, 15.0)
     half, whole = discretized(model, 0.05), discretized(model, 0.1)
     np.testing.assert_allclose(half.A @ half.A, whole.A, atol=1e-12)
@@ -296,7 +296,7 @@ def test_kinematic_rates_broadcast() -> None:
 
 @pytest.mark.requires("vehiclemodels")
 @pytest.mark.parametrize("v", [10.0, 20.0, 30.0])
-def test_agrees_with_the_commonroad_single_track_linearized(v: float) -> None:
+def test_model_equals_linearized_commonroad_single_track(v: float) -> None:
     """States there: x, y, delta, v, psi, psi', beta; the steering angle is a state."""
     from vehiclemodels.parameters_vehicle2 import parameters_vehicle2
     from vehiclemodels.vehicle_dynamics_st import vehicle_dynamics_st

@@ -17,7 +17,7 @@ LINEAR = [replace(car, mu=1e3) for car in CARS]
 
 @pytest.mark.parametrize("car", LINEAR)
 @pytest.mark.parametrize("v", [5.0, 15.0, 30.0])
-def test_steady_turn(car: VehicleParams, v: float) -> None:
+def test_constant_curvature_gives_steady_turn(car: VehicleParams, v: float) -> None:
     """After any start the angle, the sideslip and the yaw rate are those of the steady turn."""
     kappa, inverse = 1.0 / 400.0, InverseSteering(car)
     inverse.advance(0.0, 0.0, v, 0.02)
@@ -31,7 +31,7 @@ def test_steady_turn(car: VehicleParams, v: float) -> None:
 
 @pytest.mark.parametrize("car", LINEAR)
 @pytest.mark.parametrize("v", [8.0, 20.0, 30.0])
-def test_open_loop_keeps_a_linear_car_on_the_path(car: VehicleParams, v: float) -> None:
+def test_open_loop_keeps_linear_car_on_path(car: VehicleParams, v: float) -> None:
     """x' = A x + B delta + E kappa, driven through a lane change by the inverse alone."""
     dt, model, inverse = 0.002, single_track(car, v, 0.0), InverseSteering(car)
     length = 3.0 * v
@@ -50,9 +50,9 @@ def test_open_loop_keeps_a_linear_car_on_the_path(car: VehicleParams, v: float) 
     st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(0.0, 40.0)), min_size=2, max_size=30),
     st.sampled_from(CARS),
 )
-def test_mirror(places: list[tuple[float, float]], car: VehicleParams) -> None:
+def test_mirrored_path_mirrors_steering(points: list[tuple[float, float]], car: VehicleParams) -> None:
     left, right, s = InverseSteering(car), InverseSteering(car), 0.0
-    for kappa, v in places:
+    for kappa, v in points:
         s += 0.02 * v
         assert right.advance(s, -kappa, v, 0.02) == pytest.approx(-left.advance(s, kappa, v, 0.02), abs=1e-12)
         np.testing.assert_allclose(right.motion_at(s), -np.array(left.motion_at(s)), atol=1e-12)
@@ -63,16 +63,16 @@ def test_mirror(places: list[tuple[float, float]], car: VehicleParams) -> None:
     st.sampled_from(CARS),
     st.floats(0.001, 1.0),
 )
-def test_always_an_angle(places: list[tuple[float, float]], car: VehicleParams, dt: float) -> None:
+def test_steering_is_always_finite(points: list[tuple[float, float]], car: VehicleParams, dt: float) -> None:
     """From standstill to 60 m/s, with curvature no car can follow, and jumps of both."""
     inverse, s = InverseSteering(car), 0.0
-    for kappa, v in places:
+    for kappa, v in points:
         s += dt * v
         assert abs(inverse.advance(s, kappa, v, dt)) < math.pi
         assert all(map(math.isfinite, inverse.motion_at(s - 5.0)))
 
 
-def test_motion_is_remembered_by_place() -> None:
+def test_motion_is_stored_by_station() -> None:
     """Asked for where it was five cycles ago, it says what it said there; in between, what lies between."""
     now, later = InverseSteering(CARS[0]), InverseSteering(CARS[0])
     passed: list[float] = []
@@ -86,7 +86,7 @@ def test_motion_is_remembered_by_place() -> None:
             assert later.motion_at(0.4 * (k - 5))[1] == pytest.approx(passed[k - 5], abs=1e-9)
 
 
-def test_a_jump_along_the_path_starts_afresh() -> None:
+def test_jump_along_path_restarts_integration() -> None:
     inverse, fresh = InverseSteering(CARS[0]), InverseSteering(CARS[0])
     for k in range(50):
         inverse.advance(0.4 * k, -0.01, 20.0, 0.02)
@@ -94,7 +94,7 @@ def test_a_jump_along_the_path_starts_afresh() -> None:
     assert inverse.motion_at(500.0) == fresh.motion_at(500.0)
 
 
-def test_repr_says_where_it_is() -> None:
+def test_repr_contains_station() -> None:
     inverse = InverseSteering(VehicleParams.bmw_320i())
     assert repr(inverse) == "InverseSteering(not started)"
     inverse.advance(12.0, 0.01, 10.0, 0.02)

@@ -57,14 +57,14 @@ def design(name: str) -> PreviewGains:
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_shipped_tables_are_what_the_design_gives(name: str) -> None:
+def test_shipped_tables_equal_design(name: str) -> None:
     shipped, made = shipped_gains(PRESETS[name]), design(name)
     assert made.speeds == shipped.speeds
     for column in ("k_p", "k_d", "l_s"):
         np.testing.assert_allclose(getattr(made, column), getattr(shipped, column), rtol=1e-3, atol=1e-9)
 
 
-def test_another_body_or_grip_does_not_change_the_schedule() -> None:
+def test_body_and_friction_do_not_change_schedule() -> None:
     assert shipped_gains(replace(PRESETS["vw_vanagon"], length=5.5, mu=0.4)) == shipped_gains(
         PRESETS["vw_vanagon"]
     )
@@ -73,7 +73,7 @@ def test_another_body_or_grip_does_not_change_the_schedule() -> None:
 @pytest.mark.requires("control")
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name", PRESETS)
-def test_poles_of_every_car_in_the_box_lie_in_the_region(name: str) -> None:
+def test_poles_of_every_vehicle_are_in_region(name: str) -> None:
     """With a Pade delay of order 4 instead of 2, at the grid speeds and in between."""
     region, gains = StabilityRegion(), shipped_gains(PRESETS[name])
     dead = pade(region.delay, 4)
@@ -102,20 +102,20 @@ def test_poles_of_every_car_in_the_box_lie_in_the_region(name: str) -> None:
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name", PRESETS)
 @pytest.mark.parametrize("v", SPEEDS)
-def test_margins_are_those_of_python_control(name: str, v: float) -> None:
+def test_margins_equal_python_control(name: str, v: float) -> None:
     import control
 
     car, gains = PRESETS[name], shipped_gains(PRESETS[name])
-    ours = stability_margins(car, gains, v, delay=DELAY)
+    margins = stability_margins(car, gains, v, delay=DELAY)
     A, B, C = open_loop(car, gains, v)
     loop = control.series(pade(DELAY, 6), control.ss(A, B[:, None], C[None, :], 0.0))
     gain, phase, _, _, crossover, _ = control.stability_margins(loop)
-    assert ours.gain == pytest.approx(gain, rel=2e-3)
-    assert math.degrees(ours.phase) == pytest.approx(phase, rel=2e-3)
-    assert ours.crossover == pytest.approx(crossover, rel=2e-3)
-    assert ours.delay == pytest.approx(math.radians(phase) / crossover, rel=3e-3)
+    assert margins.gain == pytest.approx(gain, rel=2e-3)
+    assert math.degrees(margins.phase) == pytest.approx(phase, rel=2e-3)
+    assert margins.crossover == pytest.approx(crossover, rel=2e-3)
+    assert margins.delay == pytest.approx(math.radians(phase) / crossover, rel=3e-3)
     disk, _, _ = control.disk_margins(loop, np.geomspace(1e-2, 1e2, 3000), skew=0.0)
-    assert ours.disk == pytest.approx(float(disk), rel=3e-3)
+    assert margins.disk == pytest.approx(float(disk), rel=3e-3)
 
 
 def growth(car: VehicleParams, gains: PreviewGains, v: float, delay: float, factor: float) -> float:
@@ -134,7 +134,7 @@ def growth(car: VehicleParams, gains: PreviewGains, v: float, delay: float, fact
 
 @pytest.mark.parametrize("name", PRESETS)
 @pytest.mark.parametrize("v", SPEEDS)
-def test_margins_predict_where_the_loop_becomes_unstable(name: str, v: float) -> None:
+def test_margins_predict_onset_of_instability(name: str, v: float) -> None:
     """A delay line of held commands at 5 ms or less; stable below the margin, unstable above it."""
     car, gains = PRESETS[name], shipped_gains(PRESETS[name])
     margins = stability_margins(car, gains, v, delay=DELAY)
@@ -145,7 +145,7 @@ def test_margins_predict_where_the_loop_becomes_unstable(name: str, v: float) ->
     assert growth(car, gains, v, DELAY, 1.15 * margins.gain) > 0.0
 
 
-def test_the_schedules_have_margins_worth_the_name() -> None:
+def test_shipped_schedules_have_robust_margins() -> None:
     for car in PRESETS.values():
         for v in shipped_gains(car).speeds:
             margins = stability_margins(car, shipped_gains(car), v)
@@ -155,7 +155,7 @@ def test_the_schedules_have_margins_worth_the_name() -> None:
             assert margins.delay > 0.1
 
 
-def test_an_unstable_loop_has_no_margin() -> None:
+def test_unstable_loop_has_no_margin() -> None:
     """Not even an infinite one: with much dead time the phase has passed -180 degrees before it is seen."""
     for delay in (0.5, 1.0, 2.0):
         margins = stability_margins(BMW, shipped_gains(BMW), 20.0, delay=delay)
@@ -165,7 +165,7 @@ def test_an_unstable_loop_has_no_margin() -> None:
         assert (margins.gain, margins.disk) == (0.0, 0.0)
 
 
-def test_more_delay_costs_margin() -> None:
+def test_delay_reduces_margins() -> None:
     gains = shipped_gains(BMW)
     quick, slow = (stability_margins(BMW, gains, 25.0, delay=d) for d in (0.0, 0.1))
     assert slow.delay == pytest.approx(quick.delay - 0.1, abs=1e-6)
@@ -179,7 +179,7 @@ def test_more_delay_costs_margin() -> None:
     [{"mass": (0.9, 1.6)}, {"friction": (0.4, 1.0)}, {"decay": 1.0}, {"damping": 0.7}],
     ids=lambda change: next(iter(change)),
 )
-def test_a_larger_box_or_a_stricter_demand_admits_nothing_new(v: float, stricter: dict[str, Any]) -> None:
+def test_stricter_region_admits_no_new_gains(v: float, stricter: dict[str, Any]) -> None:
     loose = gain_region(BMW, v, max(v, 4.0), StabilityRegion())
     strict = gain_region(BMW, v, max(v, 4.0), replace(StabilityRegion(), **stricter))
     assert loose.admissible.any()
@@ -187,7 +187,7 @@ def test_a_larger_box_or_a_stricter_demand_admits_nothing_new(v: float, stricter
     assert strict.admissible.sum() <= loose.admissible.sum()
 
 
-def test_the_choice_is_admissible_and_the_fastest() -> None:
+def test_selected_gains_are_admissible_and_fastest() -> None:
     region = StabilityRegion()
     found = gain_region(BMW, 20.0, 20.0, region)
     assert found.selected is not None
@@ -225,7 +225,7 @@ def test_gains_decrease_with_delay() -> None:
         ({"mass": (1.0, "heavy")}, "^mass must be a real number"),
     ],
 )
-def test_bad_regions(changes: dict[str, Any], words: str) -> None:
+def test_invalid_region_raises(changes: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
         StabilityRegion(**changes)
 
@@ -236,23 +236,23 @@ def test_bad_regions(changes: dict[str, Any], words: str) -> None:
      ({"min_preview": -1.0}, "^min_preview must"), ({"speeds": 20.0}, "^speeds must have shape"),
      ({"speeds": []}, "^speeds must not be empty"), ({"speeds": BMW}, "^speeds must")],
 )  # fmt: skip
-def test_bad_design_input(arguments: dict[str, Any], words: str) -> None:
+def test_invalid_design_input_raises(arguments: dict[str, Any], words: str) -> None:
     with pytest.raises(InputError, match=words):
         design_gains(BMW, **{"speeds": [10.0], **arguments})
 
 
-def test_arguments_in_the_wrong_order() -> None:
+def test_design_rejects_swapped_arguments() -> None:
     with pytest.raises(InputError, match=r"^vehicle must be VehicleParams, was list"):
         design_gains([10.0], BMW)  # type: ignore[arg-type]
 
 
-def test_bad_margin_input() -> None:
+def test_invalid_margin_input_raises() -> None:
     for arguments, word in (({"v_x": 0.0}, "v_x"), ({"v_x": 9.0, "delay": -1.0}, "delay")):
         with pytest.raises(InputError, match=f"^{word} must"):
             stability_margins(BMW, shipped_gains(BMW), **arguments)
 
 
-def test_a_steering_without_lag_can_be_designed_for() -> None:
+def test_design_accepts_steering_without_lag() -> None:
     quick = replace(BMW, steering_lag=0.0)
     gains, nearly = (design_gains(replace(BMW, steering_lag=lag), [10.0, 30.0]) for lag in (0.0, 2e-3))
     np.testing.assert_allclose(gains.k_p, nearly.k_p, rtol=0.3)
@@ -262,6 +262,6 @@ def test_a_steering_without_lag_can_be_designed_for() -> None:
         assert found.gain > stability_margins(BMW, gains, 30.0).gain  # what lags has less of it
 
 
-def test_a_longer_preview_steers_more_calmly() -> None:
+def test_longer_preview_lowers_gains() -> None:
     brisk, calm = (design_gains(BMW, [10.0, 30.0], preview_time=time) for time in (0.9, 1.6))
     assert (np.array(calm.k_p) < 0.8 * np.array(brisk.k_p)).all()

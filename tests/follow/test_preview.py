@@ -40,7 +40,7 @@ LEFT, RIGHT = arc(300.0), arc(-300.0)
 
 
 @given(st.floats(0.0, 40.0), st.floats(0.0, 1800.0))
-def test_no_steering_on_a_straight_path(v: float, x: float) -> None:
+def test_straight_path_needs_no_steering(v: float, x: float) -> None:
     assert PreviewController(CAR).steer(VehicleState(x=x, y=0.0, psi=0.0, v_x=v), LINE) == 0.0
 
 
@@ -51,7 +51,7 @@ def test_no_steering_on_a_straight_path(v: float, x: float) -> None:
     st.floats(-1.0, 1.0),
     st.floats(-0.3, 0.3),
 )
-def test_law_on_a_straight_path(d: float, psi: float, v: float, v_y: float, r: float) -> None:
+def test_law_on_straight_path_equals_formula(d: float, psi: float, v: float, v_y: float, r: float) -> None:
     """delta = -k_p (d + l_s (sin psi + sin(0.3 beta))) - k_d (v sin psi + v_y cos psi + l_s r), clipped."""
     car = dataclasses.replace(CAR, delta_max=0.3)
     k_p, k_d, l_s = shipped_gains(CAR).at(v)
@@ -66,7 +66,7 @@ def test_law_on_a_straight_path(d: float, psi: float, v: float, v_y: float, r: f
 
 @pytest.mark.parametrize("car", [CAR, UNDERSTEER])
 @pytest.mark.parametrize("v", [5.0, 15.0, 25.0])
-def test_a_car_that_turns_steadily_is_steered_steadily(car: VehicleParams, v: float) -> None:
+def test_steady_turn_keeps_steady_steering(car: VehicleParams, v: float) -> None:
     """On the circle with sideslip beta_ss and r = v kappa only the feed-forward remains."""
     kappa = 1.0 / 300.0
     car = dataclasses.replace(car, mu=1e3)  # tires as linear as those of the formulas
@@ -82,7 +82,7 @@ def test_a_car_that_turns_steadily_is_steered_steadily(car: VehicleParams, v: fl
     st.floats(20.0, 700.0), st.floats(-2.0, 2.0), st.floats(-0.3, 0.3), st.floats(0.0, 40.0),
     st.floats(-1.0, 1.0), st.floats(-0.5, 0.5),
 )  # fmt: skip
-def test_mirror_flips_the_sign(s: float, d: float, e: float, v: float, v_y: float, r: float) -> None:
+def test_mirrored_path_mirrors_steering(s: float, d: float, e: float, v: float, v_y: float, r: float) -> None:
     (x, y), psi = LEFT.to_cartesian(s, d), float(LEFT.heading(s)) + e
     left = PreviewController(CAR).steer(VehicleState(x=x, y=y, psi=psi, v_x=v, v_y=v_y, r=r), LEFT)
     right = PreviewController(CAR).steer(VehicleState(x=x, y=-y, psi=-psi, v_x=v, v_y=-v_y, r=-r), RIGHT)
@@ -90,7 +90,7 @@ def test_mirror_flips_the_sign(s: float, d: float, e: float, v: float, v_y: floa
 
 
 @given(st.floats(20.0, 700.0), st.floats(-2.0, 2.0), st.floats(-0.3, 0.3), st.floats(-3.1, 3.1))
-def test_rotation_does_not_matter(s: float, d: float, e: float, turn: float) -> None:
+def test_steering_is_rotation_invariant(s: float, d: float, e: float, turn: float) -> None:
     R = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
     coefficients = np.einsum("ijk,jl->ilk", LEFT.coefficients, R)
     turned = Path(LEFT.breaks, coefficients)
@@ -102,7 +102,7 @@ def test_rotation_does_not_matter(s: float, d: float, e: float, turn: float) -> 
 
 
 @pytest.mark.parametrize("turns", [-3, -1, 1, 4])
-def test_whole_turns_of_heading_do_not_matter(turns: int) -> None:
+def test_whole_turns_of_heading_have_no_effect(turns: int) -> None:
     one = VehicleState(x=50.0, y=0.3, psi=0.05, v_x=20.0)
     other = dataclasses.replace(one, psi=0.05 + 2 * math.pi * turns)
     assert PreviewController(CAR).steer(other, LINE) == pytest.approx(
@@ -112,19 +112,19 @@ def test_whole_turns_of_heading_do_not_matter(turns: int) -> None:
 
 @pytest.mark.parametrize("y", [100.0, -100.0])
 @pytest.mark.parametrize("limit", [0.2, 0.6])
-def test_limit(y: float, limit: float) -> None:
+def test_steering_angle_is_limited(y: float, limit: float) -> None:
     car = dataclasses.replace(CAR, delta_max=limit)
     state = VehicleState(x=50.0, y=y, psi=0.0, v_x=5.0)
     assert PreviewController(car).steer(state, LINE) == -math.copysign(limit, y)
 
 
-def test_reversing_noise_at_standstill_is_taken_as_zero_speed() -> None:
+def test_negative_speed_noise_counts_as_standstill() -> None:
     state = VehicleState(x=50.0, y=0.3, psi=0.0, v_x=-0.4)
     still = dataclasses.replace(state, v_x=0.0)
     assert PreviewController(CAR).steer(state, LINE) == PreviewController(CAR).steer(still, LINE)
 
 
-def test_a_new_path_is_projected_afresh() -> None:
+def test_new_path_is_projected_again() -> None:
     controller = PreviewController(CAR)
     controller.steer(VehicleState(x=500.0, y=0.0, psi=0.0, v_x=20.0), LINE)
     other = Path([0.0, 2000.0], [[[0, 0, 2000, -1500.0], [0, 0, 0, 0.5]]])
@@ -153,7 +153,7 @@ def drive(
 @pytest.mark.parametrize("v", [5.0, 10.0, 20.0, 25.0])
 @pytest.mark.parametrize("path", [LEFT, RIGHT])
 @pytest.mark.parametrize("d0", [0.0, 0.5, -0.5])
-def test_converges_on_a_circle(path: Path, v: float, d0: float) -> None:
+def test_steering_converges_on_circle(path: Path, v: float, d0: float) -> None:
     seconds = min(12.0, (path.length - 60.0) / v)
     d, steering = drive(path, CAR, v, d0, seconds)
     tail = len(d) - 100
@@ -164,7 +164,7 @@ def test_converges_on_a_circle(path: Path, v: float, d0: float) -> None:
 
 
 @pytest.mark.parametrize("v", [30.0, 35.0])
-def test_converges_on_a_circle_at_3_and_4_meters_per_second_squared(v: float) -> None:
+def test_steering_converges_on_tight_circle(v: float) -> None:
     """R = 300 m, where the tires are no longer linear (a_y = 3.0 and 4.1 m/s^2)."""
     d, _ = drive(arc(300.0, 6.0, 1201), CAR, v, 0.5, 12.0)
     assert np.ptp(d[-100:]) < 0.02
@@ -173,7 +173,7 @@ def test_converges_on_a_circle_at_3_and_4_meters_per_second_squared(v: float) ->
 
 @pytest.mark.parametrize("car", [CAR, UNDERSTEER])
 @pytest.mark.parametrize("v", [5.0, 20.0, 35.0])
-def test_no_error_is_left_on_a_circle_for_a_car_with_linear_tires(car: VehicleParams, v: float) -> None:
+def test_linear_car_has_no_error_on_circle(car: VehicleParams, v: float) -> None:
     """x' = A x + B delta + E rho of theory.md, steered by the controller: h -> 0 although l_s beta is not."""
     kappa, dt, path = 1.0 / 300.0, 0.01, arc(300.0, 6.0, 1201)
     car = dataclasses.replace(car, mu=1e3)
@@ -195,7 +195,7 @@ def test_no_error_is_left_on_a_circle_for_a_car_with_linear_tires(car: VehiclePa
 
 @pytest.mark.parametrize("v", [5.0, 10.0, 20.0, 30.0, 35.0])
 @pytest.mark.parametrize("car", [CAR, UNDERSTEER, VehicleParams.ford_escort(), VehicleParams.vw_vanagon()])
-def test_offset_on_a_straight_road_dies_out_without_swinging(v: float, car: VehicleParams) -> None:
+def test_offset_on_straight_road_decays_without_overshoot(v: float, car: VehicleParams) -> None:
     d, _ = drive(LINE, car, v, 0.5, 12.0)
     assert np.abs(d[-100:]).max() < 0.01
     assert d.min() > -0.1
@@ -211,7 +211,7 @@ def test_closed_loop_is_mirror_symmetric(v: float) -> None:
 
 
 @pytest.mark.parametrize("v", [10.0, 20.0])
-def test_follows_a_winding_road(v: float) -> None:
+def test_winding_road_is_tracked(v: float) -> None:
     x = np.arange(0.0, 600.0, 10.0)
     path = fit_path(np.column_stack((x, 8.0 * np.sin(x / 60.0))), tolerance=0.1)  # least radius 450 m
     d, _ = drive(path, CAR, v, 0.0, 500.0 / v)
@@ -222,7 +222,7 @@ def test_follows_a_winding_road(v: float) -> None:
 
 
 @pytest.mark.parametrize("v", [0.0, 0.01, 0.5, 2.9, 3.1])
-def test_defined_down_to_standstill(v: float) -> None:
+def test_steering_is_finite_down_to_standstill(v: float) -> None:
     xy, psi = LEFT.to_cartesian(100.0, 0.3), float(LEFT.heading(100.0))
     state = VehicleState(x=xy[0], y=xy[1], psi=psi + 0.02, v_x=v, v_y=0.01, r=0.01)
     controller = PreviewController(CAR)
@@ -230,7 +230,7 @@ def test_defined_down_to_standstill(v: float) -> None:
         assert abs(controller.steer(state, LEFT)) <= CAR.delta_max
 
 
-def test_waiting_with_an_error_does_not_wind_up() -> None:
+def test_standstill_with_error_does_not_wind_up() -> None:
     """Ten seconds of standstill beside the path leave the law where it was."""
     state = VehicleState(x=50.0, y=0.08, psi=0.0, v_x=0.0)
     controller = PreviewController(CAR)
@@ -240,7 +240,7 @@ def test_waiting_with_an_error_does_not_wind_up() -> None:
     assert last == first
 
 
-def test_being_held_at_the_limit_does_not_wind_up() -> None:
+def test_saturated_steering_does_not_wind_up() -> None:
     """A command that the limits cut adds nothing to the integral."""
     tight = dataclasses.replace(CAR, delta_max=1e-4)
     controller = PreviewController(tight)
@@ -251,7 +251,7 @@ def test_being_held_at_the_limit_does_not_wind_up() -> None:
     assert controller.steer(on, LINE) == pytest.approx(0.0, abs=1e-12)
 
 
-def test_starts_and_stops_on_a_circle() -> None:
+def test_start_and_stop_on_circle_is_tracked() -> None:
     """From standstill to 8 m/s and back on a radius of 30 m."""
     path = arc(30.0)
     plant = SingleTrackPlant(CAR, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=0.0))
@@ -272,7 +272,7 @@ def test_starts_and_stops_on_a_circle() -> None:
     assert max(errors) < 0.25
 
 
-def test_rate_limit() -> None:
+def test_steering_rate_is_limited() -> None:
     controller = PreviewController(CAR)
     controller.steer(VehicleState(x=50.0, y=0.0, psi=0.0, v_x=10.0), LINE)
     jumped = controller.steer(VehicleState(x=50.2, y=-5.0, psi=0.0, v_x=10.0), LINE)
@@ -280,7 +280,7 @@ def test_rate_limit() -> None:
 
 
 @pytest.mark.parametrize("v", [10.0, 20.0, 30.0])
-def test_lateral_acceleration_limit(v: float) -> None:
+def test_lateral_acceleration_is_limited(v: float) -> None:
     """Of the steady turn of the largest command, and of the front tires before the car has begun to turn."""
     controller = PreviewController(CAR, a_y_max=3.0)
     plant = SingleTrackPlant(CAR, VehicleState(x=50.0, y=-50.0, psi=0.0, v_x=v))
@@ -295,14 +295,14 @@ def test_lateral_acceleration_limit(v: float) -> None:
     assert a_y[-1] == pytest.approx(3.0, rel=0.1)
 
 
-def test_a_sudden_swerve_is_not_held_back_by_the_angle_of_the_steady_turn() -> None:
+def test_sudden_maneuver_may_exceed_steady_turn_angle() -> None:
     """At 25 m/s, 2.5 m in 37 m, which takes 6.6 m/s^2: with that limit alone it is 0.47 m off."""
     path = lane_change_path(2.5, 37.0)
     plant = SingleTrackPlant(CAR, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=25.0))
     assert track_path(plant, PreviewController(CAR).steer, path, 25.0).peak < 0.25
 
 
-def test_the_tangent_is_the_better_reading() -> None:
+def test_tangent_reference_tracks_better() -> None:
     """The path itself at the preview point sees a bend too early: an error where curvature changes."""
     peaks = {}
     path = lane_change_path(3.5, 60.0)
@@ -313,13 +313,13 @@ def test_the_tangent_is_the_better_reading() -> None:
     assert peaks["ahead"] > 3.0 * peaks["tangent"]
 
 
-def test_bad_controller_input() -> None:
+def test_invalid_controller_input_raises() -> None:
     for changes in ({"error": "nose"}, {"delay": -0.1}, {"a_y_max": 0.0}):
         with pytest.raises(InputError, match=f"^{next(iter(changes))} must"):
             PreviewController(CAR, **changes)  # type: ignore[arg-type]
 
 
-def test_a_steering_without_lag_is_steered() -> None:
+def test_steering_without_lag_converges() -> None:
     quick = dataclasses.replace(CAR, steering_lag=0.0)
     state = VehicleState(x=0.0, y=1.0, psi=0.0, v_x=20.0)
     path = interpolate_path([[-10.0, 0.0], [200.0, 0.0]])

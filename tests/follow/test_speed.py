@@ -31,8 +31,8 @@ S = SpeedSettings(a_max=2.0, b_comfort=1.5, b_max=7.0, standstill_gap=3.0, time_
 
 
 @given(st.floats(0.5, 40.0), st.floats(0.5, 40.0), st.floats(0.1, 400.0))
-def test_arrival_times_against_integration(v: float, target: float, distance: float) -> None:
-    """ds/dt = v, dv/dt = the planned acceleration until the wanted speed: where is the ego at that time?"""
+def test_arrival_times_equal_integration(v: float, target: float, distance: float) -> None:
+    """ds/dt = v, dv/dt = the planned acceleration until the target speed: where is the ego at that time?"""
     t = float(arrival_times(v, target, np.array([distance]), S)[0])
     a = S.a_max if target > v else -S.b_comfort
     t_ramp = (target - v) / a
@@ -47,7 +47,7 @@ def test_arrival_times_against_integration(v: float, target: float, distance: fl
     assert found == pytest.approx(distance, rel=1e-7, abs=1e-7)
 
 
-def test_arrival_times_anchors() -> None:
+def test_arrival_times_equal_hand_values() -> None:
     np.testing.assert_allclose(arrival_times(10.0, 10.0, np.array([0.0, 50.0, -20.0]), S), [0.0, 5.0, -2.0])
     # 10 -> 20 m/s at 2 m/s^2: 75 m in 5 s, then 20 m/s
     np.testing.assert_allclose(arrival_times(10.0, 20.0, np.array([75.0, 115.0]), S), [5.0, 7.0], rtol=1e-12)
@@ -58,7 +58,7 @@ def test_arrival_times_anchors() -> None:
 
 
 @given(st.floats(0.0, 40.0), st.floats(0.0, 40.0))
-def test_arrival_times_increase_and_are_finite_also_from_standstill(v: float, target: float) -> None:
+def test_arrival_times_increase_from_standstill(v: float, target: float) -> None:
     t = arrival_times(v, target, np.linspace(-50.0, 300.0, 100), S)
     assert np.isfinite(t).all()
     assert (np.diff(t) > 0.0).all()
@@ -68,7 +68,7 @@ def test_arrival_times_increase_and_are_finite_also_from_standstill(v: float, ta
 
 
 @given(st.floats(0.0, 60.0), st.floats(0.0, 60.0))
-def test_cruise_keeps_its_limits_and_its_direction(v: float, target: float) -> None:
+def test_cruise_keeps_limits_and_direction(v: float, target: float) -> None:
     a = cruise_acceleration(v, target, S)
     assert -S.b_comfort <= a <= S.a_max
     assert a * (target - v) >= 0.0
@@ -88,7 +88,7 @@ def test_cruise_saturates_and_converges() -> None:
 # --- required deceleration ----------------------------------------------------------------------------
 
 
-def test_required_deceleration_anchors() -> None:
+def test_required_deceleration_equals_hand_values() -> None:
     g = S.standstill_gap
     assert required_deceleration(20.0, g + 40.0, 0.0, S) == pytest.approx(5.0)  # v^2 / 2 d
     assert required_deceleration(20.0, g + 25.0, 10.0, S) == pytest.approx(2.0)  # relative speed
@@ -112,33 +112,33 @@ def min_gap(v: float, gap: float, v_lead: float, a_lead: float, b: float) -> flo
 
 
 @given(st.floats(1.0, 40.0), st.floats(0.0, 40.0), st.floats(0.5, 150.0))
-def test_required_deceleration_keeps_the_standstill_gap(v: float, v_lead: float, room: float) -> None:
+def test_required_deceleration_keeps_standstill_gap(v: float, v_lead: float, distance: float) -> None:
     """Leader at constant speed: that deceleration is enough and nine tenths of it are not."""
-    gap = S.standstill_gap + room
+    gap = S.standstill_gap + distance
     b = required_deceleration(v, gap, v_lead, S)
-    assert min_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-6 * max(room, 1.0)
+    assert min_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-6 * max(distance, 1.0)
     if b > 1e-3:
         assert min_gap(v, gap, v_lead, 0.0, 0.9 * b) < S.standstill_gap
 
 
 @given(st.floats(1.0, 40.0), st.floats(0.0, 40.0), st.floats(0.5, 150.0), st.floats(-9.0, -0.6))
 @example(20.0, 10.0, 15.0, -1.0)
-def test_required_deceleration_behind_a_braking_leader(
-    v: float, v_lead: float, room: float, a_lead: float
+def test_required_deceleration_behind_braking_lead(
+    v: float, v_lead: float, distance: float, a_lead: float
 ) -> None:
-    """'Keeps the standstill gap to a leader ... braking is taken to last until standstill.'"""
-    gap = S.standstill_gap + room
+    """'Keeps the standstill gap to a leader ... braking is taken to previous until standstill.'"""
+    gap = S.standstill_gap + distance
     b = required_deceleration(v, gap, v_lead, S, a_lead)
-    assert min_gap(v, gap, v_lead, a_lead, b) >= S.standstill_gap - 1e-3 * max(room, 1.0)
+    assert min_gap(v, gap, v_lead, a_lead, b) >= S.standstill_gap - 1e-3 * max(distance, 1.0)
 
 
 @given(st.floats(1.0, 30.0), st.floats(-30.0, -0.1), st.floats(10.0, 200.0))
 @example(20.0, -10.0, 100.0)
-def test_required_deceleration_toward_an_oncoming_vehicle(v: float, v_lead: float, room: float) -> None:
+def test_required_deceleration_toward_oncoming_vehicle(v: float, v_lead: float, distance: float) -> None:
     """'Negative if it comes toward the ego': the gap is kept until the ego stands."""
-    gap = S.standstill_gap + room
+    gap = S.standstill_gap + distance
     b = required_deceleration(v, gap, v_lead, S)
-    assert min_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-3 * room
+    assert min_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-3 * distance
 
 
 # --- following ----------------------------------------------------------------------------------------
@@ -155,8 +155,8 @@ def follow(
         a_lead = next((rate for begin, rate in reversed(plan) if t >= begin), 0.0)
         if v_lead <= 0.0 and a_lead < 0.0:
             v_lead, a_lead = 0.0, 0.0
-        wanted = min(follow_acceleration(v, gap, v_lead, S, a_lead), S.a_max)
-        a += (wanted - a) * (dt / lag if lag > dt else 1.0)
+        target = min(follow_acceleration(v, gap, v_lead, S, a_lead), S.a_max)
+        a += (target - a) * (dt / lag if lag > dt else 1.0)
         out.append((v, gap, a))
         v_next = max(v + a * dt, 0.0)
         gap += (v_lead + 0.5 * a_lead * dt - 0.5 * (v + v_next)) * dt
@@ -167,37 +167,37 @@ def follow(
 @pytest.mark.parametrize("v_lead", [0.0, 5.0, 12.0, 25.0])
 @pytest.mark.parametrize(("v", "extra"), [(20.0, 150.0), (30.0, 250.0), (12.0, 30.0), (5.0, 60.0)])
 @pytest.mark.parametrize("lag", [0.0, 0.1])
-def test_converges_to_the_leader_s_speed_and_the_wanted_gap(
+def test_following_converges_to_lead_speed_and_target_gap(
     v_lead: float, v: float, extra: float, lag: float
 ) -> None:
-    wanted = S.standstill_gap + S.time_gap * v_lead
-    speed, gap, a = follow(v, wanted + extra, [(0.0, v_lead)], 120.0, lag)
+    target = S.standstill_gap + S.time_gap * v_lead
+    speed, gap, a = follow(v, target + extra, [(0.0, v_lead)], 120.0, lag)
     assert speed[-1] == pytest.approx(v_lead, abs=0.02)
-    assert gap[-1] == pytest.approx(wanted, abs=0.1)
-    assert gap.min() >= wanted - 0.3  # no undershoot
-    if required_deceleration(v, wanted + extra, v_lead, S) < 0.7 * S.b_comfort:
+    assert gap[-1] == pytest.approx(target, abs=0.1)
+    assert gap.min() >= target - 0.3  # no undershoot
+    if required_deceleration(v, target + extra, v_lead, S) < 0.7 * S.b_comfort:
         assert a.min() >= -1.5 * S.b_comfort  # seen early, the approach is comfortable
     assert (np.diff(gap[len(gap) // 2 :]) <= 1e-3).all()  # and does not swing
 
 
 @given(st.floats(0.0, 40.0), st.floats(3.1, 200.0), st.floats(0.1, 60.0), st.floats(0.0, 40.0))
-def test_more_gap_never_means_less_acceleration(v: float, gap: float, more: float, v_lead: float) -> None:
+def test_larger_gap_never_lowers_acceleration(v: float, gap: float, more: float, v_lead: float) -> None:
     near, far = (follow_acceleration(v, g, v_lead, S) for g in (gap, gap + more))
     assert far >= near - 1e-9
 
 
 @given(st.floats(0.0, 40.0), st.floats(3.1, 200.0), st.floats(0.0, 20.0), st.floats(0.0, 40.0))
-def test_a_faster_ego_never_accelerates_more(v: float, gap: float, faster: float, v_lead: float) -> None:
+def test_faster_ego_never_accelerates_more(v: float, gap: float, faster: float, v_lead: float) -> None:
     assume(gap > S.standstill_gap)
     slow, fast = (follow_acceleration(w, gap, v_lead, S) for w in (v, v + faster))
     assert fast <= slow + 1e-9
 
 
 @pytest.mark.parametrize("v_lead", [0.0, 8.0, 20.0])
-def test_equilibrium_and_continuity_at_the_seam(v_lead: float) -> None:
-    wanted = S.standstill_gap + S.time_gap * v_lead
-    assert follow_acceleration(v_lead, wanted, v_lead, S) == pytest.approx(0.0, abs=1e-12)
-    seam = wanted + S.b_comfort / 0.35**2
+def test_following_is_continuous_at_linear_range(v_lead: float) -> None:
+    target = S.standstill_gap + S.time_gap * v_lead
+    assert follow_acceleration(v_lead, target, v_lead, S) == pytest.approx(0.0, abs=1e-12)
+    seam = target + S.b_comfort / 0.35**2
     for v in (v_lead, v_lead + 1.0):
         below, above = (follow_acceleration(v, seam + e, v_lead, S) for e in (-1e-7, 1e-7))
         assert below == pytest.approx(above, abs=1e-5)
@@ -211,17 +211,17 @@ def test_follow_is_finite_and_not_below_b_max(v: float, gap: float, v_lead: floa
 
 
 @pytest.mark.parametrize("gap", [S.standstill_gap + 1e-6, S.standstill_gap, S.standstill_gap - 1e-6])
-def test_no_full_braking_for_a_micrometer_of_gap_and_of_speed(gap: float) -> None:
-    """Same speed, a hair inside the standstill gap: the answer must not depend on the last digit."""
+def test_tiny_gap_error_needs_no_full_braking(gap: float) -> None:
+    """Same speed, a hair inside the standstill gap: the answer must not depend on the previous digit."""
     calm = follow_acceleration(5.0, gap, 5.0, S)
     assert follow_acceleration(5.0 + 1e-6, gap, 5.0, S) == pytest.approx(calm, abs=0.1)
 
 
 @pytest.mark.parametrize("brake", [-2.0, -4.0, -6.0])
 @pytest.mark.parametrize("v", [10.0, 20.0, 30.0])
-def test_leader_that_brakes_to_standstill_is_not_hit(brake: float, v: float) -> None:
-    wanted = S.standstill_gap + S.time_gap * v
-    speed, gap, a = follow(v, wanted, [(0.0, v), (2.0, brake)], 40.0, lag=0.1)
+def test_lead_that_brakes_to_standstill_is_not_reached(brake: float, v: float) -> None:
+    target = S.standstill_gap + S.time_gap * v
+    speed, gap, a = follow(v, target, [(0.0, v), (2.0, brake)], 40.0, lag=0.1)
     assert gap.min() > 0.5 * S.standstill_gap
     assert speed[-1] < 0.05
     assert gap[-1] == pytest.approx(S.standstill_gap, abs=1.0)
@@ -229,7 +229,7 @@ def test_leader_that_brakes_to_standstill_is_not_hit(brake: float, v: float) -> 
 
 
 @pytest.mark.parametrize("gap", [60.0, 45.0])
-def test_late_detection_of_a_standing_obstacle_uses_the_brakes(gap: float) -> None:
+def test_late_stationary_obstacle_uses_full_brakes(gap: float) -> None:
     speed, left, a = follow(20.0, gap, [(0.0, 0.0)], 30.0, lag=0.1)
     assert left.min() > 0.5 * S.standstill_gap
     assert speed[-1] < 0.05
@@ -238,7 +238,7 @@ def test_late_detection_of_a_standing_obstacle_uses_the_brakes(gap: float) -> No
 
 @pytest.mark.parametrize("name", SpeedSettings.__slots__)
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, None])
-def test_bad_settings(name: str, value: object) -> None:
+def test_invalid_settings_raise(name: str, value: object) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be"):
         SpeedSettings(**{name: value})
 
@@ -255,7 +255,7 @@ def test_idm_equilibrium(v: float, target: float) -> None:
     assert idm_acceleration(v, 0.99 * gap, v, target, S) < 0.0
 
 
-def test_idm_free_road_and_limits() -> None:
+def test_idm_on_free_road_keeps_limits() -> None:
     assert idm_acceleration(0.0, 1e9, 0.0, 30.0, S) == pytest.approx(S.a_max)
     assert idm_acceleration(30.0, 1e9, 30.0, 30.0, S) == pytest.approx(0.0, abs=1e-9)
     assert idm_acceleration(30.0, 0.0, 0.0, 30.0, S) == -S.b_max
@@ -271,20 +271,20 @@ def test_cacc_equilibrium(v: float) -> None:
     assert cacc_acceleration(v, 1e6, 99.0, 0.0, S) == S.a_max
 
 
-def test_a_cacc_platoon_is_string_stable() -> None:
+def test_cacc_platoon_is_string_stable() -> None:
     """Eight cars behind one whose speed swings: each swings, and leaves its gap, less than the one before."""
     dt, n = 0.02, 8
     speeds, a = np.full(n + 1, 20.0), np.zeros(n + 1)
-    places = -np.arange(n + 1) * (S.standstill_gap + S.time_gap * 20.0)
+    positions = -np.arange(n + 1) * (S.standstill_gap + S.time_gap * 20.0)
     swing = []
     for k in range(round(120.0 / dt)):
         a[0] = 0.5 * math.cos(0.3 * k * dt)
         for i in range(n, 0, -1):
-            gap = places[i - 1] - places[i]
-            wanted = cacc_acceleration(speeds[i], gap, speeds[i - 1], a[i - 1], S)
-            a[i] += dt / 0.1 * (wanted - a[i])
+            gap = positions[i - 1] - positions[i]
+            target = cacc_acceleration(speeds[i], gap, speeds[i - 1], a[i - 1], S)
+            a[i] += dt / 0.1 * (target - a[i])
         speeds += dt * a
-        places += dt * speeds
+        positions += dt * speeds
         swing.append(speeds.copy())
     width = np.ptp(np.array(swing)[round(60.0 / dt) :], axis=0)
     assert (np.diff(width) < 0.0).all()
@@ -293,23 +293,23 @@ def test_a_cacc_platoon_is_string_stable() -> None:
 
 @pytest.mark.parametrize("v", [3.0, 10.0, 20.0, 30.0])
 @pytest.mark.parametrize("more", [1.0, 1.5, 4.0])
-def test_stops_at_a_point(v: float, more: float) -> None:
+def test_ego_stops_at_point(v: float, more: float) -> None:
     """Comfortable braking or up to four times its distance away: at rest within 0.1 m."""
-    dt, place, distance = 0.005, 0.0, more * v * v / (2.0 * S.b_comfort)
+    dt, position, distance = 0.005, 0.0, more * v * v / (2.0 * S.b_comfort)
     hardest = 0.0
     for _ in range(60_000):
-        a = stop_acceleration(v, distance - place, S)
+        a = stop_acceleration(v, distance - position, S)
         hardest = min(hardest, a)
-        place += dt * max(v + 0.5 * a * dt, 0.0)
+        position += dt * max(v + 0.5 * a * dt, 0.0)
         v = max(v + a * dt, 0.0)
         if v == 0.0:
             break
     assert v == 0.0
-    assert place == pytest.approx(distance, abs=0.1)
+    assert position == pytest.approx(distance, abs=0.1)
     assert hardest > -1.5 * S.b_comfort or more == 1.0
 
 
-def test_behind_the_point_it_brakes_as_hard_as_it_can() -> None:
+def test_stop_behind_point_brakes_fully() -> None:
     assert stop_acceleration(5.0, -1.0, S) == -S.b_max
     assert stop_acceleration(5.0, 0.0, S) == -S.b_max
     assert stop_acceleration(0.0, 5.0, S) == 0.0
@@ -317,24 +317,24 @@ def test_behind_the_point_it_brakes_as_hard_as_it_can() -> None:
 
 
 @given(st.floats(-20.0, 20.0), st.floats(-9.0, 3.0), st.floats(0.001, 0.2), st.booleans())
-def test_jerk_is_limited(wanted: float, last: float, dt: float, emergency: bool) -> None:
-    a = jerk_limited(wanted, last, dt, S, emergency=emergency)
+def test_jerk_is_limited(target: float, previous: float, dt: float, emergency: bool) -> None:
+    a = jerk_limited(target, previous, dt, S, emergency=emergency)
     jerk = S.jerk_emergency if emergency else S.jerk
-    assert abs(a - last) <= jerk * dt + 1e-12
-    assert min(wanted, last) - 1e-12 <= a <= max(wanted, last) + 1e-12
-    if abs(wanted - last) <= jerk * dt:
-        assert a == wanted
+    assert abs(a - previous) <= jerk * dt + 1e-12
+    assert min(target, previous) - 1e-12 <= a <= max(target, previous) + 1e-12
+    if abs(target - previous) <= jerk * dt:
+        assert a == target
 
 
 @given(st.floats(-20.0, 20.0), st.floats(-12.0, 12.0), st.floats(0.1, 1.2))
-def test_what_is_left_lies_in_the_friction_circle(a_x: float, a_y: float, mu: float) -> None:
+def test_limited_acceleration_is_in_friction_circle(a_x: float, a_y: float, mu: float) -> None:
     a = friction_limited(a_x, a_y, mu)
     left = math.sqrt(max((0.9 * mu * 9.81) ** 2 - a_y**2, 0.0))
     assert a == pytest.approx(math.copysign(min(abs(a_x), left), a_x), abs=1e-12)
 
 
 @pytest.mark.parametrize("amplitude", [0.0, 5.0, 15.0])
-def test_speed_limit_along_a_path(amplitude: float) -> None:
+def test_speed_limit_along_path_is_feasible(amplitude: float) -> None:
     """Never above cruise or what the bend allows; never falling faster than comfortable braking."""
     x = np.arange(0.0, 801.0, 10.0)
     path = fit_path(np.column_stack((x, amplitude * np.sin(x / 40.0))), tolerance=0.05)
@@ -345,6 +345,6 @@ def test_speed_limit_along_a_path(amplitude: float) -> None:
     assert (np.diff(squared) >= -2.0 * S.b_comfort * np.diff(s) - 1e-6).all()
     assert np.interp(path.end, s, squared) == pytest.approx(0.0, abs=1e-9)
     tight = np.minimum(625.0, 2.5 / np.maximum(np.abs(path.curvature(s[on])), 1e-9))
-    # where it is below both, it is because of a slower place ahead, exactly
+    # where it is below both, it is because of a slower position ahead, exactly
     for i in np.flatnonzero(squared[on] < tight - 1e-6)[:-1]:
         assert squared[i + 1] - squared[i] == pytest.approx(-2.0 * S.b_comfort * (s[i + 1] - s[i]), rel=1e-6)
