@@ -1,11 +1,12 @@
-"""Elastic band: eqs 3-10 of the paper, and a band that a car can drive."""
+"""Elastic band: eqs 3-10 of the paper, and the relaxed band with its certificate."""
 
 from cca_core.band.band import Band
 from cca_core.band.corridor import Side
 from cca_core.band.energy import band_energy, band_gradient, band_hessian, kkt_residual
-from cca_core.band.equilibrium import equilibrium
+from cca_core.band.equilibrium import CurvatureBounds, equilibrium
 from cca_core.band.forces import external_force
 from cca_core.band.relax import relax_band
+from cca_core.band.settings import BandSettings
 from cca_core.band.smooth import smooth_band
 from cca_core.band.stiffness import (
     BandStiffness,
@@ -18,7 +19,9 @@ from cca_core.band.stiffness import (
 
 __all__ = [
     "Band",
+    "BandSettings",
     "BandStiffness",
+    "CurvatureBounds",
     "Side",
     "balancing_force",
     "band_energy",

@@ -1,4 +1,4 @@
-"""The bent route, what it was asked to keep and what it keeps."""
+"""Band: the deformed route with its certificate and status."""
 
 import math
 from collections.abc import Mapping
@@ -18,48 +18,51 @@ from cca_core.errors import InfeasibleError, InputError, Status
 from cca_core.path import Path
 from cca_core.path.interpolate import cubics_along
 
-_EXACT = 1e-9  # rounding error that is forgiven [m]
+_ROUNDING = 1e-9  # violations up to here are rounding errors [m]
+
+Failure = tuple[Status, str, str]
+"""Status, message and active constraint of a band that was not solved."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Band:
-    """A stretch of the route, bent around obstacles; or many of them, with leading axes in every field.
+    """A stretch of the route, deformed around obstacles, or a batch of them.
+
+    Fields of a batch have its shape as leading axes.
 
     Parameters
     ----------
     nodes : ndarray, shape (..., n, 2)
-        Deformed nodes [m] (eq 10), the last on the route, and the first unless it begins off it.
+        Deformed nodes [m] (eq 10). The last is on the route; so is the first, unless `start` was given.
     displacement : ndarray, shape (..., n)
         Lateral displacement u of each node [m], left positive.
     clearance : float or ndarray, shape (...)
-        Least distance between the ego's box, swept along the band between nodes as at nodes, and any
-        obstacle's box at the same time [m]; infinite without obstacles, negative where they overlap. A lower
-        bound of bands that swerve by less than 30 m; within 5 mm, and the bulge of the band between nodes,
-        where it is less than 1 cm above what was asked.
+        Least distance between the ego's box, swept along the band, and any obstacle's box at the same time
+        [m]. It is infinite without obstacles and negative where boxes overlap. It is a lower bound for
+        displacements below 30 m. If it is less than 1 cm above the clearance asked, it is within 5 mm (and
+        the bulge of the band between nodes).
     edge_clearance : float or ndarray, shape (...)
-        The same toward the edges of the corridor [m].
+        Least distance between the swept box and the edges of the corridor [m].
     curvature : float or ndarray, shape (...)
         Largest curvature along the band [1/m], without sign.
     passes_left : ndarray of bool, shape (n_obstacles, ...)
         Whether the ego passes each obstacle on the obstacle's left.
     lower, upper : ndarray, shape (..., n)
-        Bounds of the displacement that hold the band [m].
+        Tightened bounds of the displacement [m].
     spacing : float or ndarray, shape (...)
         Distance between nodes [m].
     status : Status or ndarray of Status, shape (...)
-        `Status.OK` only if the clearance is at least what was asked, the body stays between the edges and
-        the curvature within its limit.
+        `Status.OK` only if clearance, edges and curvature limit are all satisfied.
     message : str or ndarray of str, shape (...)
-        Why the status is what it is.
+        Reason for the status.
     active_constraint : str or ndarray of str, shape (...)
-        What the band comes closest to or is stopped by: "obstacle 0", "left edge", "right edge", "curvature"
-        or nothing.
+        Closest or violated constraint: "obstacle 0", "left edge", "right edge", "curvature" or "".
     n_solves : int or ndarray of int, shape (...)
         Banded systems solved [-].
     moment_over_6 : ndarray, shape (..., n, 2)
-        A sixth of the second derivative of the C2 cubic through the nodes [1/m].
-    problem : Task
-        What was asked, for those who go on with the band.
+        Spline moments (second derivatives of the C2 cubic at the nodes), divided by 6 [1/m].
+    problem : BandProblem
+        Checked arguments, for a new band with the same ones.
     qp_residual : float, optional
         Largest KKT residual of the quadratic program, if the band was smoothed by one [-].
     """
@@ -85,23 +88,23 @@ class Band:
         if self.nodes.ndim > 2:
             return f"Band({self.nodes.shape[:-2]} bands, {int(np.sum(self.ok))} OK)"
         return (
-            f"Band({self.status.name}, {len(self.nodes)} nodes, swerves {self.side} by "
+            f"Band({self.status.name}, {len(self.nodes)} nodes, {self.side} by "
             f"{np.abs(self.displacement).max():.2f} m, clearance {self.clearance:.2f} m, "
             f"curvature {self.curvature:.4f} 1/m)"
         )
 
     def to_svg(self) -> str:
-        """Draw a single band to scale, with route, edges and obstacles, as Jupyter shows it.
+        """Draw a single band to scale, with route, edges and obstacles.
 
         Returns
         -------
         svg : str
-            One ``svg`` element that needs nothing else.
+            One self-contained ``svg`` element.
 
         Raises
         ------
         InputError
-            If these are many bands.
+            If this is a batch.
         """
         band = self._single()
         return drawing(band_marks(band), repr(band) if band.ok else f"{band.status.name}: {band.message}")
@@ -113,11 +116,11 @@ class Band:
         return len(self.nodes)
 
     def __getitem__(self, index: int) -> "Band":
-        """One band of many."""
+        """Return one band of a batch."""
         if self.nodes.ndim < 3:
-            raise InputError("this is a single band, it has no leading axis to index")
-        first, rest = self.nodes.shape[0], self.nodes.shape[1:-2]
-        at = range(first)[index]
+            raise InputError("this is a single band, it has no batch_shape axis to index")
+        n_bands, others = self.nodes.shape[0], self.nodes.shape[1:-2]
+        at = range(n_bands)[index]
         chosen = {}
         for f in fields(self):
             value = getattr(self, f.name)
@@ -126,20 +129,20 @@ class Band:
             elif value is None:
                 chosen[f.name] = None
             elif f.name == "problem":
-                chosen[f.name] = value.select(np.arange(len(value.route_nodes)).reshape(first, -1)[at])
+                chosen[f.name] = value.select(np.arange(len(value.route_nodes)).reshape(n_bands, -1)[at])
             else:
                 item = value[at]
-                chosen[f.name] = item.item() if not rest and isinstance(item, np.generic) else item
+                chosen[f.name] = item.item() if not others and isinstance(item, np.generic) else item
         return Band(**chosen)
 
     @property
     def ok(self) -> Any:
-        """Whether the status is OK; for many bands an array of shape (...)."""
+        """Whether the status is OK; for a batch an array of shape (...)."""
         return self.status == Status.OK
 
     @property
     def side(self) -> Side:
-        """Side to which a single band swerves farthest; left if it does not swerve."""
+        """Side of the largest displacement of a single band; left if there is none."""
         u = self._single().displacement
         return "left" if u.max() >= -u.min() else "right"
 
@@ -150,7 +153,7 @@ class Band:
 
     @property
     def residual(self) -> float:
-        """KKT residual of a single band: largest missing force, as the violation of a bound [m]."""
+        """KKT residual of a single band: largest unbalanced force, as the violation of a bound [m]."""
         band = self._single()
         free = band.problem.free_displacement[0]
         return float(
@@ -171,13 +174,13 @@ class Band:
         Returns
         -------
         path : Path
-            The bent route to be driven.
+            Reference path.
         """
         band = self._single()
         return cubics_along(band.nodes, band.moment_over_6, float(start))
 
     def require(self) -> Self:
-        """Return this band if it is usable.
+        """Return this band if its status is OK.
 
         Returns
         -------
@@ -187,7 +190,7 @@ class Band:
         Raises
         ------
         InfeasibleError
-            If the status is not OK, of any band if there are many.
+            If the status is not OK; for a batch, of any band.
         """
         if not np.all(self.ok):
             failed = self.message if self.nodes.ndim == 2 else self.message[~self.ok].flat[0]
@@ -196,12 +199,12 @@ class Band:
 
     def _single(self) -> Self:
         if self.nodes.ndim > 2:
-            raise InputError("these are many bands; choose one, as in band[0]")
+            raise InputError("band must be a single band, was a batch; choose one, as in band[0]")
         return self
 
 
 def assemble_band(
-    task: BandProblem,
+    problem: BandProblem,
     batch_shape: tuple[int, ...],
     u: Array,
     certificate: Certificate,
@@ -210,76 +213,52 @@ def assemble_band(
     lower: Array,
     upper: Array,
     solves: Index,
-    stuck: Mapping[int, tuple[Status, str, str]],
+    failures: Mapping[int, Failure],
 ) -> Band:
-    """Compare what bands keep with what was asked.
-
-    Parameters
-    ----------
-    task : Task
-        What was asked.
-    batch_shape : tuple of int
-        Leading axes of the result; () for a single band.
-    u : ndarray, shape (bands, n)
-        Displacement [m].
-    certificate : Certificate
-        What it keeps.
-    passes_left : ndarray of bool, shape (m, bands)
-        Sides.
-    lower, upper : ndarray, shape (bands, n)
-        Bounds that hold the displacement [m].
-    solves : ndarray of int, shape (bands,)
-        Banded systems solved [-].
-    stuck : mapping of int to (Status, str, str)
-        Status, message and what binds of those bands that were not solved.
-
-    Returns
-    -------
-    band : Band
-        The bands with their status.
-    """
-    kept, edge, bent = certificate.min_gap, certificate.min_edge_clearance, certificate.curvature_ratio
-    curvature = np.abs(certificate.curvature).max(axis=1)
-    farthest = np.abs(u).max(axis=1)
-    outcomes = []
-    for i in range(len(u)):
-        spare = float(kept[i]) - task.clearance
-        nearest = f"obstacle {certificate.gaps[:, i].min(axis=1).argmin()}" if spare < math.inf else ""
-        closest = nearest
-        if edge[i] < spare:
-            closest = f"{'right' if certificate.right_margin[i].min() == edge[i] else 'left'} edge"
-        outcome = Status.OK, "clearance and limits kept", closest
-        if i in stuck:
-            outcome = stuck[i]
-        elif spare < -_EXACT:
-            reason = f"{kept[i]:.3f} m from {nearest} is below the {task.clearance:.3f} m asked"
-            outcome = Status.INFEASIBLE, reason, nearest
-        elif edge[i] < -_EXACT:
-            outcome = Status.INFEASIBLE, f"the body crosses the {closest} by {-edge[i]:.3f} m", closest
-        elif farthest[i] > MAX_DISPLACEMENT:
-            outcome = Status.INFEASIBLE, f"it would swerve by {farthest[i]:.0f} m", nearest
-        elif bent[i] > 1.0 + _EXACT:
-            how = f"{bent[i]:.2f} times the limit" if bent[i] >= 1.005 else "just above the limit"
-            reason = f"curvature {curvature[i]:.4f} 1/m is {how}"
-            outcome = Status.INFEASIBLE, reason, "curvature"
-        outcomes.append(outcome)
-    nodes = task.route_nodes + 1j * task.tangents * u
+    """Return the bands of displacements (bands, n), with the status that their certificate gives them."""
+    results = [failures.get(i) or _compare(problem, i, u[i], certificate) for i in range(len(u))]
+    nodes = problem.route_nodes + 1j * problem.tangents * u
     shaped: dict[str, Any] = {
-        "nodes": nodes.view(np.float64).reshape(*batch_shape, -1, 2), "displacement": u.reshape(*batch_shape, -1),
-        "moment_over_6": certificate.sixth.view(np.float64).reshape(*batch_shape, -1, 2),
+        "nodes": nodes.view(np.float64).reshape(*batch_shape, -1, 2),
+        "displacement": u.reshape(*batch_shape, -1),
+        "moment_over_6": certificate.moment_over_6.view(np.float64).reshape(*batch_shape, -1, 2),
         "lower": lower.reshape(*batch_shape, -1), "upper": upper.reshape(*batch_shape, -1),
         "passes_left": passes_left.reshape(-1, *batch_shape),
     }  # fmt: skip
     for array in shaped.values():
         array.setflags(write=False)
     values = {
-        "clearance": kept, "edge_clearance": edge, "curvature": curvature, "spacing": task.h,
-        "n_solves": solves,
+        "clearance": certificate.min_gap, "edge_clearance": certificate.min_edge_clearance,
+        "curvature": np.abs(certificate.curvature).max(axis=1), "spacing": problem.h, "n_solves": solves,
     }  # fmt: skip
     for name, value in values.items():
         shaped[name] = value.reshape(batch_shape) if batch_shape else value.item()
-    for name, column in zip(
-        ("status", "message", "active_constraint"), zip(*outcomes, strict=True), strict=True
-    ):
+    names = "status", "message", "active_constraint"
+    for name, column in zip(names, zip(*results, strict=True), strict=True):
         shaped[name] = np.array(column, dtype=object).reshape(batch_shape) if batch_shape else column[0]
-    return Band(problem=task, **shaped)
+    return Band(problem=problem, **shaped)
+
+
+def _compare(problem: BandProblem, i: int, u: Array, certificate: Certificate) -> tuple[Status, str, str]:
+    """Return status, message and active constraint of band `i`."""
+    gap, edge = float(certificate.min_gap[i]), float(certificate.min_edge_clearance[i])
+    excess = gap - problem.clearance
+    nearest = f"obstacle {certificate.gaps[:, i].min(axis=1).argmin()}" if excess < math.inf else ""
+    closest = nearest
+    if edge < excess:
+        closest = f"{'right' if certificate.right_margin[i].min() == edge else 'left'} edge"
+    displacement = float(np.abs(u).max())
+    if excess < -_ROUNDING:
+        reason = f"clearance to {nearest} is {gap:.3f} m (limit {problem.clearance:.3f} m)"
+        return Status.INFEASIBLE, reason, nearest
+    if edge < -_ROUNDING:
+        return Status.INFEASIBLE, f"the body crosses the {closest} by {-edge:.3f} m", closest
+    if displacement > MAX_DISPLACEMENT:
+        reason = f"displacement is {displacement:.0f} m (limit {MAX_DISPLACEMENT:.0f} m)"
+        return Status.INFEASIBLE, reason, nearest
+    if certificate.curvature_ratio[i] > 1.0 + _ROUNDING:
+        curvature, limit = np.abs(certificate.curvature[i]), problem.curvature_limit[i]
+        node = int((curvature / limit).argmax())
+        reason = f"curvature is {curvature[node]:.4f} 1/m (limit {limit[node]:.4f} 1/m)"
+        return Status.INFEASIBLE, reason, "curvature"
+    return Status.OK, "clearance and limits satisfied", closest

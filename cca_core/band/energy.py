@@ -1,4 +1,4 @@
-"""Energy of a band with its gradient and Hessian, and how far a displacement is from equilibrium."""
+"""Energy of a band with its gradient, Hessian and KKT residual."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,8 +19,8 @@ def band_energy(
     Parameters
     ----------
     u : array_like, shape (..., n)
-        Displacement [m]; the first and last two nodes are pinned, their values are not used. Of a band that
-        begins off its route: displacement and bounds less `Task.free`.
+        Displacement [m]; the first and last two nodes are pinned, their values are not used. For a band
+        with a start off its route, subtract `band.problem.free_displacement` from displacement and bounds.
     lower, upper : array_like, shape (..., n) or ()
         Bounds of the displacement [m], infinite where there is none.
     spacing : float
@@ -57,13 +57,13 @@ def band_energy(
 def band_gradient(
     u: ArrayLike, *, lower: ArrayLike, upper: ArrayLike, spacing: float, stiffness: BandStiffness
 ) -> Array:
-    """Gradient of `band_energy`: the force that is missing to equilibrium.
+    """Gradient of `band_energy`: the unbalanced force.
 
     Parameters
     ----------
     u : array_like, shape (..., n)
-        Displacement [m]; the first and last two nodes are pinned, their values are not used. Of a band that
-        begins off its route: displacement and bounds less `Task.free`.
+        Displacement [m]; the first and last two nodes are pinned, their values are not used. For a band
+        with a start off its route, subtract `band.problem.free_displacement` from displacement and bounds.
     lower, upper : array_like, shape (..., n) or ()
         Bounds of the displacement [m], infinite where there is none.
     spacing : float
@@ -95,8 +95,8 @@ def band_hessian(
     Parameters
     ----------
     u : array_like, shape (..., n)
-        Displacement [m]; the first and last two nodes are pinned, their values are not used. Of a band that
-        begins off its route: displacement and bounds less `Task.free`.
+        Displacement [m]; the first and last two nodes are pinned, their values are not used. For a band
+        with a start off its route, subtract `band.problem.free_displacement` from displacement and bounds.
     lower, upper : array_like, shape (..., n) or ()
         Bounds of the displacement [m], infinite where there is none.
     spacing : float
@@ -127,13 +127,13 @@ def band_hessian(
 def kkt_residual(
     u: ArrayLike, *, lower: ArrayLike, upper: ArrayLike, spacing: float, stiffness: BandStiffness
 ) -> Array:
-    """How far a displacement is from the least energy.
+    """KKT residual of a displacement: distance from the minimum of `band_energy`.
 
     Parameters
     ----------
     u : array_like, shape (..., n)
-        Displacement [m]; the first and last two nodes are pinned, their values are not used. Of a band that
-        begins off its route: displacement and bounds less `Task.free`.
+        Displacement [m]; the first and last two nodes are pinned, their values are not used. For a band
+        with a start off its route, subtract `band.problem.free_displacement` from displacement and bounds.
     lower, upper : array_like, shape (..., n) or ()
         Bounds of the displacement [m], infinite where there is none.
     spacing : float
@@ -144,7 +144,7 @@ def kkt_residual(
     Returns
     -------
     residual : ndarray, shape (...)
-        Largest force that is missing to equilibrium, as the violation of a bound that would supply it [m].
+        Largest unbalanced force, as the violation of a bound that would supply it [m].
 
     Raises
     ------

@@ -1,8 +1,4 @@
-"""Equilibrium of bands against one-sided bounds: a handful of banded solves.
-
-The system, its contacts, the steps toward its minimum and the band without contacts share one stiffness and
-one way to keep its digits, so this module is a little longer than others.
-"""
+"""Equilibrium of bands against one-sided bounds: a handful of banded solves."""
 
 from dataclasses import dataclass
 
@@ -13,18 +9,14 @@ from cca_core.errors import InputError
 
 __all__ = ["CurvatureBounds", "equilibrium"]
 
-_FULL_STEPS = 10  # a contact set settles in 3 to 6
-_SOLVES = 60  # full and shortened steps together
-_SECANTS = 12
-_FLAT = 1e-3  # share of the first slope that is flat enough
-_STIFF = 1e5  # stiffness per contact stiffness above which digits are lost that corrections win back
-_CORRECTIONS = 3
-_LONG = 200  # nodes from which on a band that nothing bends is corrected likewise
+_FULL_STEPS = 10  # the active set converges in 3 to 6
+_MAX_SOLVES = 60  # full and damped steps together
+_CORRECTIONS = 3  # rounds of iterative refinement where digits are lost
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurvatureBounds:
-    """One-sided bounds of how bands bend.
+    """One-sided bounds of the curvature of bands.
 
     Parameters
     ----------
@@ -40,21 +32,25 @@ class CurvatureBounds:
 
 
 def equilibrium(
-    stencil: Array, contact: float | Array, lower: Array, upper: Array, bends: CurvatureBounds | None = None
+    stencil: Array,
+    contact: float | Array,
+    lower: Array,
+    upper: Array,
+    curvature_bounds: CurvatureBounds | None = None,
 ) -> tuple[Array, Index, Mask]:
-    """Displacement of least energy between pinned ends and one-sided bounds.
+    """Compute the displacement of least energy between pinned ends and one-sided bounds.
 
     Parameters
     ----------
     stencil : ndarray, shape (..., 4) or (4,)
-        Row of the stiffness matrix from its diagonal on [N/m], see `BandStiffness.stencil`; its rounding
-        errors tilt long bands with fine meshes unless it is given in extended precision.
+        Row of the stiffness matrix from its diagonal on [N/m], see `BandStiffness.stencil`. Use
+        extended precision: rounding errors tilt long bands with fine meshes.
     contact : float or ndarray, shape (...)
         Force per violation of a bound at a node [N/m], positive.
     lower, upper : ndarray, shape (..., n)
         Bounds of the displacement [m], lower <= upper; infinite where there is none.
-    bends : Bends, optional
-        Bounds of the bending.
+    curvature_bounds : CurvatureBounds, optional
+        Bounds of the second difference of the displacement.
 
     Returns
     -------
@@ -62,16 +58,25 @@ def equilibrium(
         Displacement [m], 0 at the first and last two nodes.
     solves : ndarray of int, shape (...)
         Banded systems solved [-].
-    settled : ndarray of bool, shape (...)
-        Whether the set of violated bounds has settled; if not, `u` is the best so far.
+    converged : ndarray of bool, shape (...)
+        Whether the active set has converged; if not, `u` is the best so far.
 
     Notes
     -----
     Minimizes ``1/2 u K u + 1/2 contact (sum max(lower - u, 0)^2 + max(u - upper, 0)^2)``, and the same for
-    the bounds of the bending, by a semi-smooth Newton iteration. The energy is convex and quadratic in parts,
-    so a step whose contact set is its own is the minimum. Where full steps have not settled after a while,
-    steps are shortened to where the energy along them is least, so that it falls with every one. Bands are
-    stacked into one block-diagonal system.
+    curvature, by a semi-smooth Newton iteration. The energy is convex and piecewise quadratic: a step that
+    reproduces its active set is the minimum. If 10 full steps do not converge, a line search damps the next
+    ones, and the energy falls with every step. A batch is one block-diagonal system.
+
+    Examples
+    --------
+    >>> from cca_core.band import BandStiffness
+    >>> stencil = BandStiffness(k_s=1.0, k_c=0.0, k_e=1e3).stencil(1.0)
+    >>> lower = np.full(9, -np.inf)
+    >>> lower[4] = 1.0
+    >>> u, solves, converged = equilibrium(stencil, 1e3, lower, np.full(9, np.inf))
+    >>> u.round(2).tolist(), int(solves), bool(converged)
+    ([0.0, 0.0, 0.33, 0.67, 1.0, 0.67, 0.33, 0.0, 0.0], 1, True)
     """
     shape = lower.shape
     low, high = (bound[..., 2:-2].reshape(-1, shape[-1] - 4) for bound in (lower, upper))
@@ -79,67 +84,45 @@ def equilibrium(
     # in units in which the outermost coefficient is 1 the row sum keeps its digits
     stencil = np.reshape(stencil, (-1, 4))
     unit = -stencil[:, 3:] if stencil[0, 3] else np.abs(stencil[:, 2:3] if stencil[0, 2] else stencil[:, 1:2])
-    held = np.asarray(np.reshape(contact, (-1, 1)) / unit, dtype=np.float64)
+    scaled_contact = np.asarray(np.reshape(contact, (-1, 1)) / unit, dtype=np.float64)
     stencil = stencil / unit
     if len(stencil) != bands:
-        stencil, held = stencil.repeat(bands, axis=0), held.repeat(bands, axis=0)
-    if bends is not None:
-        bends = CurvatureBounds(
-            np.asarray(bends.contact[:, None] / unit, dtype=np.float64),
-            bends.lower[:, 1:-1],
-            bends.upper[:, 1:-1],
-        )
-    system = _System(stencil, held, low, high, bends)
+        stencil, scaled_contact = stencil.repeat(bands, axis=0), scaled_contact.repeat(bands, axis=0)
+    curvature = curvature_bounds
+    if curvature is not None:
+        scaled = np.asarray(curvature.contact[:, None] / unit, dtype=np.float64)
+        curvature = CurvatureBounds(scaled, curvature.lower[:, 1:-1], curvature.upper[:, 1:-1])
+    system = _System(stencil, scaled_contact, low, high, curvature)
     u = np.zeros((bands, shape[-1]))
     solves = np.zeros(bands, dtype=np.intp)
-    settled = np.zeros(bands, dtype=np.bool_)
-    left = np.arange(bands)  # those that have not settled
-    contacts = system.initial_active_set()
+    converged = np.zeros(bands, dtype=np.bool_)
+    remaining = np.arange(bands)
+    active = system.initial_active_set()
     for count in range(1, 1 + _FULL_STEPS):
-        target, reached = system.solve(contacts)
-        done = (reached[0] == contacts[0]).all(axis=1)
-        for now, before in zip(reached[1:], contacts[1:], strict=True):
-            done &= (now == before).all(axis=1)
-        contacts = reached
+        target, reached = system.solve(active)
+        done = (reached[0] == active[0]).all(axis=1)
+        for new, old in zip(reached[1:], active[1:], strict=True):
+            done &= (new == old).all(axis=1)
+        active = reached
         if not done.any():
             continue
         if count == 1 and done.all():
-            u[:, 2:-2], solves[:], settled[:] = target, count, True
-            return u.reshape(shape), solves.reshape(shape[:-1]), settled.reshape(shape[:-1])
-        at = left[done]
-        u[at, 2:-2], solves[at], settled[at] = target[done], count, True
-        left = left[~done]
-        if not len(left):
+            u[:, 2:-2], solves[:], converged[:] = target, count, True
+            return u.reshape(shape), solves.reshape(shape[:-1]), converged.reshape(shape[:-1])
+        at = remaining[done]
+        u[at, 2:-2], solves[at], converged[at] = target[done], count, True
+        remaining = remaining[~done]
+        if not len(remaining):
             break
-        system, contacts = system.select(~done), tuple(side[~done] for side in contacts)
-    for i, each in enumerate(left):
-        u[each, 2:-2], steps, settled[each] = _damped_newton(system.select(slice(i, i + 1)))
+        system, active = system.select(~done), tuple(mask[~done] for mask in active)
+    for i, each in enumerate(remaining):
+        u[each, 2:-2], steps, converged[each] = _damped_newton(system.select(slice(i, i + 1)))
         solves[each] = _FULL_STEPS + steps
-    return u.reshape(shape), solves.reshape(shape[:-1]), settled.reshape(shape[:-1])
+    return u.reshape(shape), solves.reshape(shape[:-1]), converged.reshape(shape[:-1])
 
 
 def free_response(stencil: Array, start: Array, n: int) -> Array:
-    """Displacement of bands that nothing but their start bends.
-
-    Parameters
-    ----------
-    stencil : ndarray, shape (bands, 4)
-        Row of the stiffness matrix from its diagonal on [N/m].
-    start : ndarray, shape (bands, 3)
-        Displacement at the node before the first and at the first two [m].
-    n : int
-        Nodes [-].
-
-    Returns
-    -------
-    u : ndarray, shape (bands, n)
-        Displacement of least energy [m], 0 at the last two nodes.
-
-    Raises
-    ------
-    InputError
-        If there are too many nodes for the digits of the machine.
-    """
+    """Return the displacement (bands, n) of least energy without contacts, from the first three nodes."""
     from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
     unit = stencil / stencil[:, :1]
@@ -147,97 +130,104 @@ def free_response(stencil: Array, start: Array, n: int) -> Array:
     u = np.zeros((len(start), n))
     u[:, :2] = start[:, 1:]
     force = np.zeros((len(start), max(n - 4, 3)))
-    for k in range(3):  # what the held nodes pull at the first three that are free
+    for k in range(3):  # of the fixed nodes on the first three that are free
         force[:, k] = -(row[:, k + 1 :] * start[:, ::-1][:, : 3 - k]).sum(axis=1)
     for i, f in enumerate(force[:, : n - 4]):
         matrix, rest = np.repeat(row[i, ::-1, None], n - 4, axis=1), f
-        for _ in range(1 + _CORRECTIONS * (n > _LONG)):
+        for _ in range(1 + _CORRECTIONS * (n > 200)):  # digits are lost on long bands
             _, solution, info = lapack.dpbsv(matrix, rest)
             if info:
-                raise InputError(f"nodes must be fewer where a band begins off its route, were {n}")
+                raise InputError(f"nodes must be fewer if a band begins off its route, was {n}")
             u[i, 2:-2] += solution
             rest = (f - apply_stiffness(unit[i], u[i, 2:-2])).astype(np.float64)
     return u
 
 
 class _System:
-    """Bands side by side: stiffness as one block-diagonal matrix in LAPACK's upper band storage.
-
-    Contacts are masks of nodes: under the lower bound, over the upper one, and the same for bends.
-    """
+    """Bands as one block-diagonal system in LAPACK's upper band storage, with masks of violated bounds."""
 
     def __init__(
-        self, stencil: Array, contact: Array, low: Array, high: Array, bends: CurvatureBounds | None
+        self, stencil: Array, contact: Array, low: Array, high: Array, curvature: CurvatureBounds | None
     ) -> None:
         from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
         self._lapack = lapack
-        self.stencil, self.contact, self.low, self.high, self.bends = stencil, contact, low, high, bends
+        self.stencil, self.contact, self.low, self.high, self.curvature = (
+            stencil,
+            contact,
+            low,
+            high,
+            curvature,
+        )
         rounded = stencil.astype(np.float64)
-        self._stiff = rounded[:, :1] > _STIFF * contact
+        self._stiff = rounded[:, :1] > 1e5 * contact  # where digits are lost
         self._diagonal = rounded[:, :1]
-        self._string = bends is None and not rounded[:, 2:].any()
+        self._string = curvature is None and not rounded[:, 2:].any()
         self._matrix = np.empty((*low.shape, 4))
         self._matrix[:] = rounded[:, None, ::-1]
         for k in range(3):
-            self._matrix[:, : 3 - k, k] = 0.0  # nothing couples a band's first nodes with the band before
+            self._matrix[:, : 3 - k, k] = 0.0  # nothing couples a band with the previous one
 
     def select(self, bands: Mask | slice) -> "_System":
         """Return the system of some of the bands."""
-        b = self.bends
-        some = None if b is None else CurvatureBounds(b.contact[bands], b.lower[bands], b.upper[bands])
+        c = self.curvature
+        some = None if c is None else CurvatureBounds(c.contact[bands], c.lower[bands], c.upper[bands])
         return _System(self.stencil[bands], self.contact[bands], self.low[bands], self.high[bands], some)
 
     def initial_active_set(self) -> tuple[Mask, ...]:
-        """Contacts to begin with: a stiff band touches a straight bound at its first and last node only."""
+        """Return the first guess: a stiff band touches a straight bound at its first and last node only."""
         under, over = self.low > 0.0, self.high < 0.0
         if not self._string:
             for side in (under, over):
                 side[:, 1:-1] &= ~(side[:, :-2] & side[:, 2:])
-        if self.bends is None:
+        if self.curvature is None:
             return under, over
-        return under, over, self.bends.lower > 0.0, self.bends.upper < 0.0
+        return under, over, self.curvature.lower > 0.0, self.curvature.upper < 0.0
 
     def active_set(self, u: Array) -> tuple[Mask, ...]:
-        """Contacts at a displacement (bands, inner)."""
+        """Return the bounds that a displacement (bands, inner) violates: lower, upper, and both of bending."""
         under, over = u < self.low, u > self.high
-        if self.bends is None:
+        if self.curvature is None:
             return under, over
-        bend = _second_difference(u)
-        return under, over, bend < self.bends.lower, bend > self.bends.upper
+        difference = _second_difference(u)
+        return under, over, difference < self.curvature.lower, difference > self.curvature.upper
 
     def gradient(self, u: Array) -> Array:
-        """Gradient of the energy."""
-        pushed = self.contact * (np.maximum(self.low - u, 0.0) - np.maximum(u - self.high, 0.0))
-        if self.bends is not None:
-            bend = _second_difference(u)
-            short = np.maximum(self.bends.lower - bend, 0.0) - np.maximum(bend - self.bends.upper, 0.0)
-            pushed = pushed + np.diff(self.bends.contact * short, n=2)
-        gradient: Array = apply_stiffness(self.stencil, u) - pushed
+        """Return the gradient of the energy [N]."""
+        force = self.contact * (np.maximum(self.low - u, 0.0) - np.maximum(u - self.high, 0.0))
+        if self.curvature is not None:
+            difference = _second_difference(u)
+            shortfall = np.maximum(self.curvature.lower - difference, 0.0) - np.maximum(
+                difference - self.curvature.upper, 0.0
+            )
+            force = force + np.diff(self.curvature.contact * shortfall, n=2)
+        gradient: Array = apply_stiffness(self.stencil, u) - force
         return gradient
 
-    def solve(self, contacts: tuple[Mask, ...]) -> tuple[Array, tuple[Mask, ...]]:
-        """Equilibrium with a set of contacts held, and the contacts there."""
-        under, over = contacts[:2]
-        held = self.contact * (under | over)
+    def solve(self, active: tuple[Mask, ...]) -> tuple[Array, tuple[Mask, ...]]:
+        """Return the equilibrium with an active set held, and the active set there."""
+        under, over = active[:2]
+        contact = self.contact * (under | over)
         force = self.contact * np.where(under, self.low, np.where(over, self.high, 0.0))
         matrix = self._matrix
-        if self.bends is None:
-            np.add(self._diagonal, held, out=matrix[:, :, 3])
+        if self.curvature is None:
+            np.add(self._diagonal, contact, out=matrix[:, :, 3])
         else:
-            sharp, wide = contacts[2:]
-            bent = self.bends.contact * (sharp | wide)
-            force = force + np.diff(bent * np.where(sharp, self.bends.lower, self.bends.upper), n=2)
+            sharp_right, sharp_left = active[2:]
+            stiff = self.curvature.contact * (sharp_right | sharp_left)
+            force = force + np.diff(
+                stiff * np.where(sharp_right, self.curvature.lower, self.curvature.upper), n=2
+            )
             matrix = matrix.copy()
-            matrix[:, :, 3] += held + (4.0 * bent[:, 1:-1] + bent[:, :-2] + bent[:, 2:])
-            matrix[:, 1:, 2] -= 2.0 * (bent[:, 1:-2] + bent[:, 2:-1])
-            matrix[:, 2:, 1] += bent[:, 2:-2]
+            matrix[:, :, 3] += contact + (4.0 * stiff[:, 1:-1] + stiff[:, :-2] + stiff[:, 2:])
+            matrix[:, 1:, 2] -= 2.0 * (stiff[:, 1:-2] + stiff[:, 2:-1])
+            matrix[:, 2:, 1] += stiff[:, 2:-2]
         u = self._solved(matrix, force)
         if self._stiff.any():
             for _ in range(_CORRECTIONS):
-                rest = force - held * u - apply_stiffness(self.stencil, u)
-                if self.bends is not None:
-                    rest = rest - np.diff(bent * _second_difference(u), n=2)
+                rest = force - contact * u - apply_stiffness(self.stencil, u)
+                if self.curvature is not None:
+                    rest = rest - np.diff(stiff * _second_difference(u), n=2)
                 u = np.where(self._stiff, u + self._solved(matrix, rest.astype(np.float64)), u)
         return u, self.active_set(u)
 
@@ -258,20 +248,7 @@ def _second_difference(u: Array) -> Array:
 
 
 def apply_stiffness(stencil: Array, u: Array) -> Array:
-    """Return the internal forces K u at the nodes that are not pinned.
-
-    Parameters
-    ----------
-    stencil : ndarray, shape (..., 4)
-        Row of the stiffness matrix from its diagonal on [N/m].
-    u : ndarray, shape (..., n - 4)
-        Displacement of these nodes [m].
-
-    Returns
-    -------
-    force : ndarray, shape (..., n - 4)
-        Internal force [N], in the precision of the stencil.
-    """
+    """Return the internal forces K u [N] at the inner nodes, in the precision of the stencil."""
     rate = -stencil[..., 3:]
     bending = stencil[..., 2:3] - 6.0 * rate
     tension = -stencil[..., 1:2] - 4.0 * bending - 15.0 * rate
@@ -288,33 +265,33 @@ def apply_stiffness(stencil: Array, u: Array) -> Array:
 def _damped_newton(system: _System) -> tuple[Array, int, bool]:
     """Return one band's displacement (1, inner) by steps along which the energy falls."""
     u = np.zeros(system.low.shape)
-    for solve in range(_SOLVES - _FULL_STEPS):
-        contacts = system.active_set(u)
-        target, reached = system.solve(contacts)
-        if all((now == before).all() for now, before in zip(reached, contacts, strict=True)):
+    for solve in range(_MAX_SOLVES - _FULL_STEPS):
+        active = system.active_set(u)
+        target, reached = system.solve(active)
+        if all((new == old).all() for new, old in zip(reached, active, strict=True)):
             return target, solve + 1, True
         u = u + _line_search(system, u, target - u) * (target - u)
-    return u, _SOLVES - _FULL_STEPS, False
+    return u, _MAX_SOLVES - _FULL_STEPS, False
 
 
 def _line_search(system: _System, u: Array, step: Array) -> float:
-    """Share of a Newton step at which the energy is least: the root of its slope, by the Illinois method."""
+    """Return the fraction of a step with the least energy: the root of its slope, by the Illinois method."""
 
-    def slope(share: float) -> float:
-        return float((step * system.gradient(u + share * step)).sum())
+    def slope(fraction: float) -> float:
+        return float((step * system.gradient(u + fraction * step)).sum())
 
     a, b = 0.0, 1.0
     at_a, at_b = slope(a), slope(b)
     if at_b <= 0.0 or at_a >= 0.0:
         return 1.0
-    flat = -_FLAT * at_a
-    for _ in range(_SECANTS):
-        share = (a * at_b - b * at_a) / (at_b - at_a)
-        value = slope(share)
+    flat = -1e-3 * at_a  # an exact root is not needed
+    for _ in range(12):
+        fraction = (a * at_b - b * at_a) / (at_b - at_a)
+        value = slope(fraction)
         if abs(value) < flat or b - a < 1e-6:
-            return share
+            return fraction
         if value < 0.0:
-            a, at_a, at_b = share, value, 0.5 * at_b
+            a, at_a, at_b = fraction, value, 0.5 * at_b
         else:
-            b, at_b, at_a = share, value, 0.5 * at_a
+            b, at_b, at_a = fraction, value, 0.5 * at_a
     return a

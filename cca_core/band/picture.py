@@ -26,9 +26,9 @@ def band_marks(band: "Band") -> list[Mark]:
         Route, edges and obstacles, each as the ego comes nearest to it, and the band as wide as the ego, in
         another color where it must not be driven.
     """
-    task, nodes = band.problem, band.nodes.view(np.complex128)[:, 0]
-    route, left, corridor = task.route_nodes[0], 1j * task.tangents[0], task.corridor
-    half = 0.5 * task.vehicle.width
+    problem, nodes = band.problem, band.nodes.view(np.complex128)[:, 0]
+    route, left, corridor = problem.route_nodes[0], 1j * problem.tangents[0], problem.corridor
+    half = 0.5 * problem.vehicle.width
     marks = [Mark(xy=_points(route), color=ROUTE, kind="dashes", width=1.0)]
     if corridor.has_edges:
         edges = route + left * (corridor.lower[0] - half), route + left * (corridor.upper[0] + half)

@@ -1,4 +1,4 @@
-"""What bands are asked to do, checked and in the frame of each node."""
+"""A band problem: the checked arguments of `relax_band`, in the frame of each node."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -9,62 +9,38 @@ from numpy.typing import ArrayLike
 from cca_core._checks import Array, Complex, Index, check_any, check_real
 from cca_core.band.corridor import Corridor, make_corridor
 from cca_core.band.equilibrium import free_response
+from cca_core.band.settings import BandSettings
 from cca_core.band.stiffness import BandStiffness
 from cca_core.errors import InputError
 from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
 
 MAX_DISPLACEMENT = 30.0
-"""Swerve beyond which a band is none of a road [m]."""
+"""Largest displacement of a band on a road [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BandProblem:
-    """What bands were asked to do, checked; `bands` of them side by side.
+    """Checked arguments of a batch of bands, flattened to shape (bands, ...)."""
 
-    Parameters
-    ----------
-    route_nodes, tangents : ndarray of complex, shape (bands, n)
-        Nodes x + iy of the undeformed route [m] and unit tangents there [-].
-    end_headings : ndarray of complex, shape (bands, 2)
-        Heading of the band at its first and last node [-].
-    end_moments : ndarray of complex, shape (bands, 2)
-        A sixth of its second derivative there [1/m].
-    h : ndarray, shape (bands,)
-        Distance between nodes [m].
-    free_displacement : ndarray, shape (bands, n)
-        Displacement that nothing but its start bends [m].
-    previous_displacement : ndarray, shape (bands,)
-        Displacement a node before the first [m].
-    corridor : Corridor
-        Obstacles and edges.
-    vehicle : VehicleParams
-        The ego.
-    clearance : float
-        Distance asked [m].
-    curvature_limit : ndarray, shape (bands, n)
-        Largest curvature allowed [1/m].
-    stiffness : BandStiffness
-        Elasticity.
-    """
-
-    route_nodes: Complex
-    tangents: Complex
-    end_headings: Complex
-    end_moments: Complex
-    h: Array
-    free_displacement: Array
-    previous_displacement: Array
+    route_nodes: Complex  # x + iy of the undeformed route [m], (bands, n)
+    tangents: Complex  # unit tangents there [-], (bands, n)
+    end_headings: Complex  # unit heading of the band at its first and last node [-], (bands, 2)
+    end_moments: Complex  # spline moments there, divided by 6 [1/m], (bands, 2)
+    h: Array  # distance between nodes [m], (bands,)
+    free_displacement: Array  # free response to the start [m], (bands, n)
+    previous_displacement: Array  # displacement a node before the first [m], (bands,)
     corridor: Corridor
     vehicle: VehicleParams
-    clearance: float
-    curvature_limit: Array
+    clearance: float  # [m]
+    curvature_limit: Array  # [1/m], (bands, n)
     stiffness: BandStiffness
+    settings: BandSettings
 
     def second_difference(self, u: Array) -> Array:
-        """Second difference of a displacement at the nodes [m], shape (bands, n)."""
-        bend: Array = np.diff(u, n=2, prepend=self.previous_displacement[:, None], append=0.0)
-        return bend
+        """Return the second difference of a displacement at the nodes [m], shape (bands, n)."""
+        difference: Array = np.diff(u, n=2, prepend=self.previous_displacement[:, None], append=0.0)
+        return difference
 
     @property
     def curvature(self) -> Array:
@@ -72,7 +48,7 @@ class BandProblem:
         return curvature_of(self.route_nodes)
 
     def select(self, bands: Index) -> "BandProblem":
-        """Return the same for some bands, each as often as it is named."""
+        """Return the problem of some bands; an index may occur more than once."""
         return replace(
             self,
             route_nodes=self.route_nodes[bands],
@@ -88,10 +64,7 @@ class BandProblem:
 
 
 def tangents_of(nodes: Complex) -> tuple[Complex, Array]:
-    """Return unit tangents [-] at nodes x + iy and the lengths between [m].
-
-    Tangents are central differences, one-sided at the ends.
-    """
+    """Return unit tangents [-] at nodes x + iy, by central differences, and the lengths between [m]."""
     steps = nodes[:, 1:] - nodes[:, :-1]
     along = np.empty_like(nodes)
     along[:, 1:-1] = steps[:, 1:] + steps[:, :-1]
@@ -111,24 +84,7 @@ def curvature_of(nodes: Complex) -> Array:
 
 
 def spline_moments(nodes: Complex, ends: Complex) -> tuple[Complex, Array, Complex]:
-    """Lay the C2 cubic through nodes.
-
-    Parameters
-    ----------
-    nodes : ndarray of complex, shape (bands, n)
-        Positions x + iy [m].
-    ends : ndarray of complex, shape (bands, 2)
-        A sixth of its second derivative at the first and last node [1/m].
-
-    Returns
-    -------
-    along : ndarray of complex, shape (bands, n)
-        Its unit tangents at the nodes [-].
-    curvature : ndarray, shape (bands, n)
-        Its curvature there [1/m], left positive.
-    sixth : ndarray of complex, shape (bands, n)
-        A sixth of its second derivative there [1/m].
-    """
+    """Return unit tangents, curvature and moments / 6 [1/m] of the C2 cubic with given moments at the ends."""
     from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
     steps = nodes[:, 1:] - nodes[:, :-1]
@@ -142,34 +98,17 @@ def spline_moments(nodes: Complex, ends: Complex) -> tuple[Complex, Array, Compl
     rhs[:, 1] -= h[:, 0] * rhs[:, 0]
     rhs[:, -2] -= h[:, -1] * rhs[:, -1]
     solved = lapack.dptsv(diagonal.ravel(), off.ravel()[:-1], rhs.view(np.float64).reshape(-1, 2))[2]
-    sixth = np.ascontiguousarray(solved).view(np.complex128).reshape(nodes.shape)
+    moment_over_6 = np.ascontiguousarray(solved).view(np.complex128).reshape(nodes.shape)
     along = np.empty_like(nodes)
-    along[:, :-1] = slopes - h * (2.0 * sixth[:, :-1] + sixth[:, 1:])
-    along[:, -1] = slopes[:, -1] + h[:, -1] * (2.0 * sixth[:, -1] + sixth[:, -2])
+    along[:, :-1] = slopes - h * (2.0 * moment_over_6[:, :-1] + moment_over_6[:, 1:])
+    along[:, -1] = slopes[:, -1] + h[:, -1] * (2.0 * moment_over_6[:, -1] + moment_over_6[:, -2])
     speed = np.abs(along)
     along /= speed
-    return along, 6.0 * (along.conj() * sixth).imag / (speed * speed), sixth
+    return along, 6.0 * (along.conj() * moment_over_6).imag / (speed * speed), moment_over_6
 
 
 def offset_curve(kappa: Array, u: Array, h: float | Array) -> tuple[Complex, Array]:
-    """Describe a curve that runs beside a route.
-
-    Parameters
-    ----------
-    kappa : ndarray, shape (n,)
-        Curvature of the route [1/m], left positive, taken to change slowly.
-    u : ndarray, shape (3, n)
-        Displacement a node before, at and after each place [m], left positive.
-    h : float or ndarray, shape (n,)
-        Distance between nodes along the route [m].
-
-    Returns
-    -------
-    turn : ndarray of complex, shape (n,)
-        Its unit tangents relative to those of the route [-].
-    curvature : ndarray, shape (n,)
-        Its curvature [1/m].
-    """
+    """Return relative unit tangents [-] and curvature [1/m] of the curve at a lateral offset from a route."""
     slope, change = 0.5 * (u[2] - u[0]) / h, (u[2] - 2.0 * u[1] + u[0]) / (h * h)
     along = 1.0 - kappa * u[1]
     speed = np.hypot(along, slope)
@@ -177,20 +116,20 @@ def offset_curve(kappa: Array, u: Array, h: float | Array) -> tuple[Complex, Arr
     return (along + 1j * slope) / speed, curvature
 
 
-def _held(start: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Displacement at the node before the first and at the first two, (bands, 3), checked."""
-    given = check_any("start", start)
+def _fixed_start(start: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Return the displacement before the first node and at the first two, shape (bands, 3), checked."""
+    checked = check_any("start", start)
     try:
-        held = np.broadcast_to(given, (*shape[:-1], 3)).reshape(-1, 3)
+        fixed = np.broadcast_to(checked, (*shape[:-1], 3)).reshape(-1, 3)
     except ValueError:
-        raise InputError(f"start must have shape {(*shape[:-1], 3)}, had {given.shape}") from None
-    if np.abs(held).max() > MAX_DISPLACEMENT:
-        raise InputError(f"start must be within {MAX_DISPLACEMENT:g} m, was {np.abs(held).max():g}")
-    return held
+        raise InputError(f"start must have shape {(*shape[:-1], 3)}, had {checked.shape}") from None
+    if np.abs(fixed).max() > MAX_DISPLACEMENT:
+        raise InputError(f"start must be within {MAX_DISPLACEMENT:g} m, was {np.abs(fixed).max():g}")
+    return fixed
 
 
 def _end(a: complex, b: complex, c: complex, d: complex) -> float:
-    """Curvature at the first of nodes that begin so, drawn on from the circles through three of them."""
+    """Extrapolate the curvature [1/m] to the first of four nodes from the circles through three of them."""
 
     def circle(x: complex, y: complex, z: complex) -> float:
         return 2.0 * ((y - x).conjugate() * (z - y)).imag / (abs(y - x) * abs(z - y) * abs(z - x))
@@ -201,38 +140,27 @@ def _end(a: complex, b: complex, c: complex, d: complex) -> float:
 def make_problem(
     nodes: ArrayLike,
     obstacles: Sequence[Boxes],
+    *,
     vehicle: VehicleParams,
     clearance: float,
-    lead: ArrayLike,
-    corridor: tuple[ArrayLike, ArrayLike] | None,
+    lead_distance: ArrayLike,
+    edges: tuple[ArrayLike, ArrayLike] | None,
     curvature_limit: ArrayLike,
     stiffness: BandStiffness,
     start: ArrayLike,
+    settings: BandSettings,
 ) -> tuple[BandProblem, tuple[int, ...]]:
-    """Check the arguments of `relax_band` and put every obstacle and edge into the frame of the nodes.
-
-    Returns
-    -------
-    task : Task
-        Bands side by side.
-    leading : tuple of int
-        Leading axes of `nodes`, () for a single band.
-    """
-    try:
-        given = np.array(nodes, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
-        raise InputError(f"nodes must be an array of real numbers, was {type(nodes).__name__}") from None
-    if given.ndim < 2 or given.shape[-1] != 2 or given.shape[-2] < 5 or not given.size:
-        raise InputError(f"nodes must have shape (..., n, 2) with at least 5 nodes, had {given.shape}")
-    if not np.isfinite(given).all():
-        where = np.argwhere(~np.isfinite(given))[0]
-        raise InputError(f"nodes must be finite, was {given[tuple(where)]} at {where.tolist()}")
-    if not isinstance(stiffness, BandStiffness):
-        raise InputError(f"stiffness must be BandStiffness, was {type(stiffness).__name__}")
-    if not isinstance(vehicle, VehicleParams):
-        raise InputError(f"vehicle must be VehicleParams, was {type(vehicle).__name__}")
+    """Check the arguments of `relax_band`; return the problem and the batch shape of `nodes`."""
+    checked = _check_nodes(nodes)
+    for name, value, kind in (
+        ("stiffness", stiffness, BandStiffness),
+        ("vehicle", vehicle, VehicleParams),
+        ("settings", settings, BandSettings),
+    ):
+        if not isinstance(value, kind):
+            raise InputError(f"{name} must be {kind.__name__}, was {type(value).__name__}")
     clearance = check_real("clearance", clearance, ge=0.0)
-    shape, n = given.shape[:-1], given.shape[-2]
+    shape, n, batch_shape = checked.shape[:-1], checked.shape[-2], checked.shape[:-2]
     try:
         limit = np.empty(shape)
         limit[...] = curvature_limit
@@ -240,31 +168,52 @@ def make_problem(
         raise InputError(f"curvature_limit must have shape () or {shape}") from None
     if not limit.min() > 0.0:
         raise InputError("curvature_limit must be greater than 0")
-    base = given.view(np.complex128).reshape(-1, n)
-    if (base[:, 1:] == base[:, :-1]).any():
+    route = checked.view(np.complex128).reshape(-1, n)
+    tangents, h = _check_spacing(route)
+    end_curvature = np.array([(_end(*z[:4].tolist()), -_end(*z[:-5:-1].tolist())) for z in route])
+    fixed, free = _fixed_start(start, shape), np.zeros(route.shape)
+    off = fixed.any(axis=1)
+    # the chord between the first two nodes is rotated against the tangent at the first
+    tangents[off, 0] *= np.exp(-0.5j * h[off] * end_curvature[off, 0])
+    headings = tangents[:, [0, -1]]
+    if off.any():
+        free[off] = free_response(stiffness.stencil(h[off]), fixed[off], n)
+        turn, end_curvature[off, 0] = offset_curve(end_curvature[off, 0], fixed[off].T, h[off])
+        headings[off, 0] *= turn
+    return BandProblem(
+        route_nodes=route, tangents=tangents, h=h, end_headings=headings,
+        end_moments=1j * end_curvature * headings / 6.0, free_displacement=free,
+        previous_displacement=fixed[:, 0], vehicle=vehicle, clearance=clearance,
+        corridor=make_corridor(
+            route, tangents, obstacles, edges, vehicle, clearance, lead_distance, batch_shape
+        ),
+        curvature_limit=limit.reshape(-1, n), stiffness=stiffness, settings=settings,
+    ), batch_shape  # fmt: skip
+
+
+def _check_nodes(nodes: ArrayLike) -> Array:
+    """Return finite nodes of shape (..., n, 2)."""
+    try:
+        checked = np.array(nodes, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise InputError(f"nodes must be an array of real numbers, was {type(nodes).__name__}") from None
+    if checked.ndim < 2 or checked.shape[-1] != 2 or checked.shape[-2] < 5 or not checked.size:
+        raise InputError(f"nodes must have shape (..., n, 2) with at least 5 nodes, had {checked.shape}")
+    if not np.isfinite(checked).all():
+        index = np.argwhere(~np.isfinite(checked))[0]
+        raise InputError(f"nodes must be finite, was {checked[tuple(index)]} at {index.tolist()}")
+    return checked
+
+
+def _check_spacing(route: Complex) -> tuple[Complex, Array]:
+    """Return unit tangents and the distance between nodes [m], which must be equal within 20 %."""
+    if (route[:, 1:] == route[:, :-1]).any():
         raise InputError("nodes must be equally spaced along the route, two neighbors are equal")
-    tangents, steps = tangents_of(base)
-    h = np.add.reduce(steps, axis=1) / (n - 1)
+    tangents, steps = tangents_of(route)
+    h = np.add.reduce(steps, axis=1) / (route.shape[1] - 1)
     if (steps.min(axis=1) <= 0.8 * h).any() or (h <= 0.8 * steps.max(axis=1)).any():
         raise InputError(
             f"nodes must be equally spaced along the route, as those of Path.sample are; "
             f"neighbors are {steps.min():.3g} to {steps.max():.3g} m apart"
         )
-    bent = np.array([(_end(*b[:4].tolist()), -_end(*b[:-5:-1].tolist())) for b in base])
-    held, free = _held(start, shape), np.zeros(base.shape)
-    off = held.any(axis=1)
-    # the chord between the first two nodes is turned against the tangent at the first
-    tangents[off, 0] *= np.exp(-0.5j * h[off] * bent[off, 0])
-    ahead = tangents[:, [0, -1]]
-    if off.any():
-        free[off] = free_response(stiffness.stencil(h[off]), held[off], n)
-        turn, bent[off, 0] = offset_curve(bent[off, 0], held[off].T, h[off])
-        ahead[off, 0] *= turn
-    return BandProblem(
-        route_nodes=base, tangents=tangents, h=h, end_headings=ahead, end_moments=1j * bent * ahead / 6.0,
-        free_displacement=free, previous_displacement=held[:, 0], vehicle=vehicle, clearance=clearance,
-        corridor=make_corridor(
-            base, tangents, obstacles, corridor, vehicle, clearance, lead, given.shape[:-2]
-        ),
-        curvature_limit=limit.reshape(-1, n), stiffness=stiffness,
-    ), given.shape[:-2]  # fmt: skip
+    return tangents, h

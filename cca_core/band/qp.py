@@ -1,4 +1,4 @@
-"""The smoothest band within hard bounds on displacement, curvature and change of curvature."""
+"""Quadratic program of the smoothest band within hard bounds."""
 
 import math
 import warnings
@@ -19,32 +19,17 @@ QPSolver = Literal["piqp", "osqp"]
 
 _SETTINGS: dict[str, dict[str, Any]] = {
     "piqp": {"max_iter": 100, "preconditioner_iter": 2},  # 8 to 15 iterations are usual
-    "osqp": {"max_iter": 4000, "eps_abs": 1e-5, "eps_rel": 1e-5, "polishing": True},  # then polished
+    "osqp": {"max_iter": 4000, "eps_abs": 1e-5, "eps_rel": 1e-5, "polishing": True},
 }
-_UNITS_PER_BAND = 10.0  # lengths along the band are counted in tenths of it, which keeps all numbers near 1
-_SLACK = 1e-6  # bounds may be missed by this [m, 1/m]
+_UNITS_PER_BAND = 10.0  # the unit of length is a tenth of the band, so that all numbers are near 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class QpSolution:
-    """Outcome of `smoothest`.
+    """Result of `solve_smoothing_qp`."""
 
-    Parameters
-    ----------
-    u : ndarray, shape (n,)
-        Lateral displacement [m], left positive; zero everywhere if not solved.
-    solved : bool
-        Whether `u` is the optimum and keeps all bounds.
-    message : str
-        What the solver said.
-    iterations : int
-        Iterations of the solver [-].
-    solution : qpsolvers.Solution, optional
-        The solver's answer to the scaled problem; None if it was not asked.
-    """
-
-    u: Array
-    solved: bool
+    u: Array  # lateral displacement [m], (n,); zero if not solved
+    solved: bool  # whether u is the optimum and satisfies all bounds
     message: str
     iterations: int = 0
     solution: Any = field(default=None, repr=False)
@@ -56,7 +41,7 @@ class QpSolution:
 
     @property
     def dual_residual(self) -> float:
-        """Largest force that nothing balances, in scaled units [-]; infinite if not solved."""
+        """Largest unbalanced force, in scaled units [-]; infinite if not solved."""
         return float(self.solution.dual_residual()) if self.solved else math.inf
 
     @property
@@ -78,56 +63,17 @@ def solve_smoothing_qp(
     solver: QPSolver = "piqp",
     start: Array | None = None,
 ) -> QpSolution:
-    """Displacement of least curvature change between pinned ends, with hard bounds.
-
-    Parameters
-    ----------
-    spacing : float
-        Distance h between nodes [m].
-    route_curvature : ndarray, shape (n,)
-        Curvature kappa_0 of the route at the nodes [1/m]; n is at least 5.
-    lower, upper : ndarray, shape (n,)
-        Bounds of the displacement [m]; infinite where there is none.
-    curvature_limit : float or ndarray, shape (n,)
-        Largest curvature of the band, without sign [1/m].
-    curvature_rate_limit : float
-        Largest change of the band's curvature from node to node per length [1/m^2], without sign.
-    weights : pair of float
-        Weight of c^2 [m^2] and of c'^2 [m^4]; only their ratio matters.
-    curvature_error : float or ndarray, shape (n,)
-        True curvature of an earlier outcome minus its linear one [1/m]: with it, repeated calls converge to
-        limits on the true curvature.
-    solver : {"piqp", "osqp"}
-        Interior points, or operator splitting, which can be started near the solution.
-    start : ndarray, shape (n,), optional
-        Displacement near the solution [m]; used by "osqp" only.
-
-    Returns
-    -------
-    outcome : Smoothest
-        The optimum, or why there is none.
-
-    Raises
-    ------
-    InputError
-        If `solver` is unknown or a curvature is not finite.
-    MissingExtraError
-        If qpsolvers or the solver is not installed.
-
-    Notes
-    -----
-    Minimizes ``integral w_1 c^2 + w_2 c'^2 ds`` where ``c = u'' + kappa_0^2 u`` is the linear change of the
-    route's curvature by an offset u. Displacement and curvature change of every node are the unknowns, so
-    that all limits but those of c' are plain bounds. Two nodes at each end are pinned, and beyond them the
-    route has constant curvature.
-    """
+    """Find the displacement of least curvature change between pinned ends, with hard bounds."""
+    # minimizes integral w_1 c^2 + w_2 c'^2 ds with c = u'' + kappa_0^2 u, the linear change of curvature by
+    # an offset u. Unknowns are u and its second difference: all limits but those of c' are plain bounds.
+    # curvature_error, true minus linear curvature, makes repeated calls converge to limits on the true one.
     if solver not in _SETTINGS:
         raise InputError(f"solver must be 'piqp' or 'osqp', was {solver!r}")
     n = len(lower)
     u = np.zeros(n)
     ends = [0, 1, -2, -1]
     if not ((lower <= upper).all() and lower[ends].max() <= 0.0 <= upper[ends].min()):
-        return QpSolution(u=u, solved=False, message="the bounds leave no room between them")
+        return QpSolution(u=u, solved=False, message="the bounds leave no feasible displacement")
     qpsolvers = require_extra("qpsolvers", "qp")
     require_extra(solver, "qp")
 
@@ -141,49 +87,46 @@ def solve_smoothing_qp(
     linked = copy(link)
     linked.data = link.data.copy()
     linked.data[1 : 3 * inner : 3] += (unit * route_curvature[2:-2]) ** 2
-    before = unit**2 * (route_curvature + curvature_error)
-    if not np.isfinite(before).all():
+    base = unit**2 * (route_curvature + curvature_error)
+    if not np.isfinite(base).all():
         raise InputError("route_curvature and curvature_error must be finite")
     limit = unit**2 * np.asarray(curvature_limit)
     problem = qpsolvers.Problem(
         cost, np.zeros(inner + n), A=linked, b=np.zeros(n),
-        lb=np.concatenate((lower[2:-2], -limit - before)), ub=np.concatenate((upper[2:-2], limit - before)),
+        lb=np.concatenate((lower[2:-2], -limit - base)), ub=np.concatenate((upper[2:-2], limit - base)),
     )  # fmt: skip
     if curvature_rate_limit < math.inf:
         step = np.zeros(n + 1)
-        step[1:-1] = np.diff(before)
-        most = unit**2 * curvature_rate_limit * spacing
-        problem.G, problem.h = rates, np.concatenate((most - step, most + step))
-    near = None
+        step[1:-1] = np.diff(base)
+        max_step = unit**2 * curvature_rate_limit * spacing
+        problem.G, problem.h = rates, np.concatenate((max_step - step, max_step + step))
+    guess = None
     if start is not None and solver == "osqp":
-        near = np.concatenate((start[2:-2], linked[:, :inner] @ start[2:-2]))
+        guess = np.concatenate((start[2:-2], linked[:, :inner] @ start[2:-2]))
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # infeasibility is an outcome
-        solution = qpsolvers.solve_problem(problem, solver, initvals=near, **_SETTINGS[solver])
+        warnings.simplefilter("ignore")  # infeasibility is a result
+        solution = qpsolvers.solve_problem(problem, solver, initvals=guess, **_SETTINGS[solver])
     info = solution.extras["info"]
     message = _words(solver, str(getattr(info.status, "name", info.status)))
-    missed = solution.primal_residual()
-    solved = bool(missed <= _SLACK * min(unit**2, 1.0))
+    violation = solution.primal_residual()
+    solved = bool(violation <= 1e-6 * min(unit**2, 1.0))  # [m, 1/m]
     if solved:
         u[2:-2] = solution.x[:inner]
     elif solution.found:
-        message += f", but misses a bound by {missed:.1e}"
+        message += f", but violates a bound by {violation:.1e}"
     return QpSolution(u=u, solved=solved, message=message, iterations=int(info.iter), solution=solution)
 
 
 def _words(solver: QPSolver, status: str) -> str:
-    """Outcome of a solver in words."""
+    """Return the result of a solver in words."""
     words = status.lower().removeprefix("piqp_").replace("_", " ")
     return "no band within these bounds" if "primal infeasible" in words else f"{solver}: {words}"
 
 
 @lru_cache(maxsize=32)
 def _templates(n: int) -> tuple[Any, Any, Any, Any]:
-    """Matrices that depend on the number of nodes only; the first two share their structure.
-
-    Sum of c^2, sum of squared changes of c, ``second difference of u - c``, and changes of c both ways.
-    """
+    """Return the matrices of a problem with n nodes: level and slope (same structure), link, rates."""
     from scipy import sparse  # slow to import, and importing the library is to be quick
 
     inner = n - 4

@@ -1,4 +1,4 @@
-"""Bend a band around obstacles, to an equilibrium whose clearance is certified."""
+"""Deformation of a band around obstacles, to an equilibrium whose clearance is certified."""
 
 import math
 from collections.abc import Sequence
@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from cca_core.band.band import Band
 from cca_core.band.corridor import Side
 from cca_core.band.problem import make_problem
+from cca_core.band.settings import BandSettings
 from cca_core.band.sides import choose_sides, parse_sides
 from cca_core.band.stiffness import BandStiffness
 from cca_core.band.tightening import relax_with_sides
@@ -28,28 +29,29 @@ def relax_band(
     stiffness: BandStiffness | None = None,
     start: ArrayLike = 0.0,
     previous: Band | None = None,
+    settings: BandSettings | None = None,
 ) -> Band:
-    """Bend a stretch of the route around obstacles.
+    """Deform a stretch of the route around obstacles.
 
     Parameters
     ----------
     nodes : array_like, shape (..., n, 2)
-        Nodes of the undeformed route, equally spaced [m]; at least 5. Both ends are pinned, two nodes each:
-        there displacement, heading change and curvature change are zero, at the first end unless `start` says
-        otherwise. Leading axes are bands of their own.
+        Nodes of the undeformed route, equally spaced [m]; at least 5. Two nodes at each end are pinned: there
+        displacement, heading change and curvature change are zero, at the first end unless `start` is given.
+        Leading axes are a batch of bands.
     obstacles : sequence of Boxes
-        Each obstacle's box at the time the ego arrives at each node (fields of shape (..., n)), or one box if
-        it stands still (fields of shape ()). Sizes include whatever uncertainty is to be respected.
+        Each obstacle's box at the time the ego arrives at each node (fields of shape (..., n)). One box
+        (fields of shape ()) is a stationary obstacle. Sizes include the uncertainty that is to be respected.
     side : {"left", "right"} or sequence of them, optional
-        Side on which the ego passes those obstacles that leave less than `clearance` beside the route (others
-        stay on the side on which they are), or the side for every obstacle. By default the assignment of
-        sides whose band has the least energy among those that keep clearance and limits; left of two equals.
+        Side on which the ego passes the obstacles that leave less than `clearance` next to the route; the
+        other obstacles keep their side. A sequence gives the side of every obstacle. By default, the assignment
+        with the least energy among those that satisfy clearance and limits; left of two equals.
     vehicle : VehicleParams
         The ego; its box is swept along the band.
     clearance : float
-        Distance to keep between the boxes [m].
+        Least distance between the boxes [m].
     lead_distance : array_like, shape (n_obstacles,) or ()
-        Distance before each obstacle from which on the band is fully beside it [m], on top of `clearance`.
+        Distance before each obstacle from which on the band is fully displaced [m], on top of `clearance`.
     corridor : pair of array_like, shape (..., n) or (), optional
         Right and left edge that the ego's body does not cross [m], in the route's lateral coordinate, left
         positive.
@@ -59,16 +61,17 @@ def relax_band(
         Elasticity; the default is smooth in curvature.
     start : array_like, shape (..., 3) or ()
         Displacement [m] at which the band begins: a node before the first, at the first and at the second
-        node, which hold place, heading and curvature of what has been driven. By default it begins on the
-        route.
+        node. They fix position, heading and curvature there. By default the band begins on the route.
     previous : Band, optional
-        Band of the cycle before. Where sides are chosen, its sides are kept unless others are much cheaper.
+        Band of the previous cycle. If sides are chosen, its sides stay unless others cost much less.
+    settings : BandSettings, optional
+        Effort and tolerances of the search.
 
     Returns
     -------
     band : Band
-        The equilibrium, with the clearance that it reached and a status. For nodes with leading axes each
-        field has them too; each band is the same as if it had been relaxed alone.
+        The equilibrium, with its clearance and a status. A batch of nodes gives a batch in every field; each
+        band equals the one relaxed alone.
 
     Raises
     ------
@@ -77,10 +80,10 @@ def relax_band(
 
     Notes
     -----
-    Eqs (4)-(10) of the paper with three changes: forces act along the path normal, obstacles push one-sidedly
-    until the clearance is reached (a semi-smooth Newton iteration on the contact set, one banded solve a
-    step), and the band resists bending. Contact gives way a little and turned boxes stick out; the bounds are
-    pushed by what the swept boxes lack, and the band is solved again.
+    Eqs (4)-(10) of the paper with three changes. Forces act along the path normal. Obstacles push one-sidedly
+    until the clearance is reached, by a semi-smooth Newton iteration on the active set with one banded solve
+    per step. The band resists bending. Contacts yield a little and rotated boxes protrude: the bounds are
+    moved by the shortfall of the swept boxes, and the band is solved again.
 
     Examples
     --------
@@ -92,16 +95,17 @@ def relax_band(
     >>> band.status.name, round(band.clearance, 1)
     ('OK', 1.0)
     """
-    task, leading = make_problem(
+    problem, batch_shape = make_problem(
         nodes,
         obstacles,
-        vehicle,
-        clearance,
-        lead_distance,
-        corridor,
-        curvature_limit,
-        stiffness or BandStiffness(),
-        start,
+        vehicle=vehicle,
+        clearance=clearance,
+        lead_distance=lead_distance,
+        edges=corridor,
+        curvature_limit=curvature_limit,
+        stiffness=BandStiffness() if stiffness is None else stiffness,
+        start=start,
+        settings=BandSettings() if settings is None else settings,
     )
-    sides = choose_sides(task, previous) if side is None else parse_sides(side, task)
-    return relax_with_sides(task, leading, sides)
+    sides = choose_sides(problem, previous) if side is None else parse_sides(side, problem)
+    return relax_with_sides(problem, batch_shape, sides)

@@ -1,4 +1,4 @@
-"""Smooth a band by quadratic programming: least change of curvature within hard limits."""
+"""Smoothing of a band by quadratic programming: least change of curvature within hard limits."""
 
 import math
 from dataclasses import replace
@@ -11,10 +11,8 @@ from cca_core.band.certificate import Certificate, certify
 from cca_core.band.qp import QPSolver, solve_smoothing_qp
 from cca_core.errors import InputError, Status
 
-_PASSES = 8
-_AIM = 1e-3  # beyond what is asked [m]
-_MOST_SPARE = 0.05
-_SPARE, _RATE_SPARE = 1e-3, 0.03  # shares of the limits that are left to their linearization
+_MAX_PASSES = 8
+_MARGIN = 1e-3  # clearance beyond the one asked [m], curvature below its limit as a fraction [-]
 
 
 def smooth_band(
@@ -24,24 +22,24 @@ def smooth_band(
     weights: tuple[float, float] = (0.0, 1.0),
     solver: QPSolver = "piqp",
 ) -> Band:
-    """Least curvature change with the sides of a band, its corridor and its limits.
+    """Minimize the change of curvature with the sides, corridor and limits of a band.
 
     Parameters
     ----------
     band : Band
-        A single band; it need not be OK: a band that bends too much may be smoothed into one that does not.
+        A single band. It need not be OK: smoothing may satisfy a curvature limit that the band exceeds.
     curvature_rate_limit : float
-        Largest change of curvature per length [1/m^2], without sign; the route's own changes count.
+        Largest change of curvature per length [1/m^2], without sign, the route's own changes included.
     weights : pair of float
         Weight of the curvature change squared [m^2] and of its rate squared [m^4].
     solver : {"piqp", "osqp"}
-        Interior points, or operator splitting started at the band (slower on long bands).
+        Interior points, or operator splitting that starts at the band (slower on long bands).
 
     Returns
     -------
     band : Band
-        The smoothest band, with the same promises. Where there is none the given band stands: if it was OK
-        its status becomes `Status.FALLBACK`, and the message says what failed.
+        The smoothest band, certified like the given one. Without a solution, the given band with the reason
+        in its message; its status is then `Status.DEGRADED` if it was OK.
 
     Raises
     ------
@@ -52,8 +50,8 @@ def smooth_band(
 
     Notes
     -----
-    Bounds are hard here, those of the relaxed band give way. What turned boxes lack and what the linear
-    curvature misses is corrected in a few passes.
+    Bounds are hard here; those of `relax_band` yield. A few passes correct the effect of rotated boxes and
+    of the linearized curvature.
 
     Examples
     --------
@@ -70,50 +68,49 @@ def smooth_band(
         raise InputError("band must be a single band; choose one, as in band[0]")
     if band.problem.free_displacement.any():
         raise InputError("band must begin on its route to be smoothed")
-    weigh = check_array("weights", weights, (2,))
-    if weigh.min() < 0.0 or not weigh.any():
+    pair = check_array("weights", weights, (2,))
+    if pair.min() < 0.0 or not pair.any():
         raise InputError(f"weights must not be negative and not both 0, were {weights!r}")
-    rate = check_real("curvature_rate_limit", curvature_rate_limit, gt=0.0, allow_inf=True)
-    task = band.problem
-    h = float(task.h[0])
-    passes_left = band.passes_left[:, None]
-    lower, upper = (bound[0].copy() for bound in task.corridor.bounds(passes_left))
-    base, error = task.curvature[0], np.zeros(len(band))
-    spare = _SPARE
+    rate_limit = check_real("curvature_rate_limit", curvature_rate_limit, gt=0.0, allow_inf=True)
+    problem, passes_left = band.problem, band.passes_left[:, None]
+    h, route_curvature = float(problem.h[0]), problem.curvature[0]
+    lower, upper = (bound[0].copy() for bound in problem.corridor.bounds(passes_left))
+    error, margin = np.zeros(len(band)), _MARGIN
     u, message = band.displacement, ""
-    for _ in range(_PASSES):
-        outcome = solve_smoothing_qp(
-            spacing=h, route_curvature=base, lower=lower, upper=upper,
-            curvature_limit=(1.0 - spare) * task.curvature_limit[0],
-            curvature_rate_limit=(1.0 - _RATE_SPARE) * rate, weights=weights, curvature_error=error,
-            solver=solver, start=u,
+    for _ in range(_MAX_PASSES):
+        result = solve_smoothing_qp(
+            spacing=h, route_curvature=route_curvature, lower=lower, upper=upper,
+            curvature_limit=(1.0 - margin) * problem.curvature_limit[0],
+            curvature_rate_limit=(1.0 - 0.03) * rate_limit,  # 3 % for the linearization
+            weights=weights, curvature_error=error, solver=solver, start=u,
         )  # fmt: skip
-        if not outcome.solved and message:
-            message = outcome.message
+        if not result.solved and message:
+            message = result.message
             break
-        if outcome.solved:
-            u = outcome.u
-        found = certify(task, u[None])
-        true = found.curvature[0]
+        if result.solved:
+            u = result.u
+        found = certify(problem, u[None])
+        curvature = found.curvature[0]
         wide = np.pad(u, 1)
-        error = true - (base + base**2 * u + (wide[2:] - 2.0 * u + wide[:-2]) / h**2)
-        missing = max(task.clearance - found.min_gap[0], -found.min_edge_clearance[0])
-        bent = found.curvature_ratio[0] - 1.0
-        steep = np.abs(np.diff(true)).max() / h - rate
-        if outcome.solved and missing <= 0.0 and bent <= 0.0 and steep <= 0.0:
+        linear = route_curvature + route_curvature**2 * u + (wide[2:] - 2.0 * u + wide[:-2]) / h**2
+        error = curvature - linear
+        shortfall = max(problem.clearance - found.min_gap[0], -found.min_edge_clearance[0])
+        excess = found.curvature_ratio[0] - 1.0
+        rate_excess = np.abs(np.diff(curvature)).max() / h - rate_limit
+        if result.solved and shortfall <= 0.0 and excess <= 0.0 and rate_excess <= 0.0:
             smooth = assemble_band(
-                task, (), u[None], found, passes_left=passes_left, lower=lower[None], upper=upper[None],
-                solves=np.array([band.n_solves]), stuck={},
+                problem, (), u[None], found, passes_left=passes_left, lower=lower[None], upper=upper[None],
+                solves=np.array([band.n_solves]), failures={},
             )  # fmt: skip
-            residual = max(outcome.primal_residual, outcome.dual_residual, outcome.gap)
+            residual = max(result.primal_residual, result.dual_residual, result.gap)
             return replace(smooth, qp_residual=residual)
-        spare = min(spare + max(bent, 0.0), _MOST_SPARE)  # corners of the curvature overshoot in the cubic
-        lower, upper = _safe_displacement_bounds(found, u, band.passes_left, task.clearance)
-        lacking = (
-            f"{missing:.3f} m of clearance" if missing > 0.0 else
-            "curvature" if bent > 0.0 else "curvature rate"
+        margin = min(margin + max(excess, 0.0), 0.05)  # corners of the curvature overshoot in the cubic
+        lower, upper = _safe_displacement_bounds(found, u, band.passes_left, problem.clearance)
+        missing = (
+            f"{shortfall:.3f} m of clearance" if shortfall > 0.0 else
+            "curvature" if excess > 0.0 else "curvature rate"
         )  # fmt: skip
-        message = f"{lacking} still lacking after {_PASSES} passes"
+        message = f"{missing} still missing after {_MAX_PASSES} passes"
     status = Status.DEGRADED if band.ok else band.status
     return replace(band, status=status, message=f"not smoothed ({message}); {band.message}")
 
@@ -121,12 +118,12 @@ def smooth_band(
 def _safe_displacement_bounds(
     found: Certificate, u: Array, passes_left: Mask, clearance: float
 ) -> tuple[Array, Array]:
-    """Bounds within which gaps stay above clearance while headings stay: no gap changes faster than u."""
-    spare = found.gaps[:, 0] - (clearance + _AIM)
+    """Return bounds of u that keep gaps above the clearance: at given headings no gap changes faster than u."""
+    excess = found.gaps[:, 0] - (clearance + _MARGIN)
     left = passes_left[:, None]
-    low = np.min(spare, axis=0, where=left, initial=math.inf)
-    up = np.min(spare, axis=0, where=~left, initial=math.inf)
-    lower = u - np.minimum(low, found.right_margin[0] - _AIM)
-    upper = u + np.minimum(up, found.left_margin[0] - _AIM)
+    low = np.min(excess, axis=0, where=left, initial=math.inf)
+    up = np.min(excess, axis=0, where=~left, initial=math.inf)
+    lower = u - np.minimum(low, found.right_margin[0] - _MARGIN)
+    upper = u + np.minimum(up, found.left_margin[0] - _MARGIN)
     lower[[0, 1, -2, -1]], upper[[0, 1, -2, -1]] = -math.inf, math.inf
     return lower, upper

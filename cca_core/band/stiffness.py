@@ -1,4 +1,4 @@
-"""Internal forces of a band with pinned ends: eqs 3-5, 7, 9 and 10, and a band that bends like a beam."""
+"""Internal forces of a band with pinned ends: eqs 3-5, 7, 9 and 10, and a band with bending stiffness."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any
@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike
 from cca_core._checks import Array, check_array, check_points, check_real
 from cca_core.errors import InputError
 
-_CONTACT = 0.05, 0.01, 3e-4  # contact stiffness per k_s [1/m^2], per k_b [1/m^4] and per k_c [1/m^6]
-_LEAST_CONTACT = 1e-300
 _TENSION, _BENDING = np.array([2, -1, 0, 0]), np.array([6, -4, 1, 0])
 _CURVATURE_RATE = np.array([20, -15, 6, -1])
 
@@ -75,7 +73,7 @@ def internal_force(u: ArrayLike, *, k_s: float) -> Array:
 
 
 def balancing_force(u: ArrayLike, *, k_s: float) -> Array:
-    """External force that holds the inner nodes at a displacement, eqs 4 and 5.
+    """External force that balances a displacement of the inner nodes, eqs 4 and 5.
 
     Parameters
     ----------
@@ -173,8 +171,8 @@ class BandStiffness:
         Curvature-rate stiffness [N m^4]: resists change of curvature, makes curvature continuous.
     k_e : float
         Contact stiffness of obstacles and edges [N/m^2], per meter of band. By default the largest of
-        0.05 k_s, 0.01 k_b and 3e-4 k_c (in meters): much softer contact may give way by more than is made
-        up for.
+        0.05 k_s, 0.01 k_b and 3e-4 k_c (in meters). Much softer contacts may yield by more than tightening
+        compensates.
 
     Raises
     ------
@@ -184,8 +182,8 @@ class BandStiffness:
     Notes
     -----
     The energy of a lateral displacement u(s) is
-    ``1/2 integral k_s u'^2 + k_b u''^2 + k_c u'''^2 + k_e max(need - u, 0)^2 ds``; the shape depends on
-    ratios only and not on the mesh. Between pins and contacts, k_c alone gives the quintic lane change, whose
+    ``1/2 integral k_s u'^2 + k_b u''^2 + k_c u'''^2 + k_e max(lower - u, 0)^2 ds``. The shape depends
+    on ratios only, not on the mesh. Between pins and contacts, k_c alone gives the quintic lane change, whose
     peak lateral acceleration is 5.7735 w v^2 / L^2 for an offset w over a length L.
     """
 
@@ -198,8 +196,7 @@ class BandStiffness:
         for name in ("k_s", "k_b", "k_c"):
             check_real(name, getattr(self, name), ge=0.0)
         if self.k_e is None:
-            scaled = (share * k for share, k in zip(_CONTACT, (self.k_s, self.k_b, self.k_c), strict=True))
-            object.__setattr__(self, "k_e", max(*scaled, _LEAST_CONTACT))
+            object.__setattr__(self, "k_e", max(0.05 * self.k_s, 0.01 * self.k_b, 3e-4 * self.k_c, 1e-300))
         check_real("k_e", self.k_e, gt=0.0)
         if self.k_s + self.k_b + self.k_c <= 0.0:
             raise InputError("k_s, k_b or k_c must be positive, all were 0")
@@ -216,8 +213,8 @@ class BandStiffness:
         -------
         stencil : ndarray, shape (..., 4)
             Diagonal and three off-diagonals of the stiffness [N/m]; every row of the matrix is the same
-            because the band goes on undisplaced beyond its pinned ends. In the machine's longest precision:
-            a rounding error of the row sum would act like a spring to the ground.
+            because the band continues undisplaced beyond its pinned ends. In extended precision: a
+            rounding error of the row sum would act like a spring to the ground.
         """
         spacing = np.asarray(h, dtype=np.longdouble)[..., None]
         squared = spacing * spacing

@@ -1,165 +1,171 @@
-"""Bands held by contacts: solve, see what the swept body lacks, push the bounds, solve again."""
+"""Constraint tightening: solve, certify, move the bounds by the shortfall, solve again."""
 
 import math
 
 import numpy as np
 
 from cca_core._checks import Array, Index, Mask
-from cca_core.band.band import Band, assemble_band
-from cca_core.band.certificate import Certificate, certify, end_gaps
+from cca_core.band.band import Band, Failure, assemble_band
+from cca_core.band.certificate import certify, end_gaps
 from cca_core.band.equilibrium import CurvatureBounds, equilibrium
 from cca_core.band.problem import BandProblem
 from cca_core.errors import Status
 
-_TIGHTENINGS = 16
-_MOST_SOLVES = 400  # from which on it is not pushed any more: a drivable band takes 10 to 100
-_GAIN, _STALL_LIMIT = 0.8, 4  # a round must lessen what is lacking to this share, one of so many at least
-_MOST_SHARE = 0.8  # by which contact may be taken to give way
-_AIM = 3e-3  # what is lacking is pushed for with this much more [m]
-_END_SHORTFALL_LIMIT = 0.2  # lacking at a pinned end, from which on nothing is tried [m]
-_SPARE = 2e-3  # share of the curvature limit that is aimed below it
-_BEND = 0.25, 10.0  # stiffness of the curvature limit, per k_c [1/m^2] and per k_b [-]
 
-
-def relax_with_sides(task: BandProblem, leading: tuple[int, ...], passes_left: Mask) -> Band:
-    """Relax bands with their sides given.
-
-    Parameters
-    ----------
-    task : Task
-        Bands side by side.
-    leading : tuple of int
-        Leading axes of the result, () for a single band.
-    passes_left : ndarray of bool, shape (m, bands)
-        Whether the ego passes each obstacle on the obstacle's left.
-
-    Returns
-    -------
-    band : Band
-        The bands with their status.
-    """
-    lower, upper = task.corridor.bounds(passes_left)
-    room = np.logical_and.reduce(lower <= upper, axis=1)
-    stuck, pinned = {}, {}
-    if not room.all():
-        stuck = {int(i): _report_empty_interval(task, passes_left, int(i)) for i in np.flatnonzero(~room)}
-    free = task.free_displacement
-    ends = free[:, [0, -1]]
-    if (lower[:, [0, -1]] > ends).any() or (upper[:, [0, -1]] < ends).any():
-        pinned = _find_blocked_ends(task)
-        room[list(pinned)] = False
-    if stuck or pinned:
-        lower[~room], upper[~room] = -math.inf, math.inf
-    contact = task.stiffness.k_e * task.h
-    stencil = task.stiffness.stencil(task.h)
-    stiff = (_BEND[0] * task.stiffness.k_c + _BEND[1] * task.stiffness.k_b) / task.h**3
-    u, solves, settled = equilibrium(stencil, contact, lower - free, upper - free)
-    u += free
-    found = certify(task, u)
-    for at, o in pinned.items():
-        reason = f"{found.gaps[o, at].min():.3f} m from obstacle {o}, which is at a pinned end"
-        stuck[at] = Status.INFEASIBLE, f"{reason}, is below the {task.clearance:.3f} m asked", f"obstacle {o}"
-    todo, lacked = np.flatnonzero(room), np.full(len(room), math.inf)
-    bends: tuple[Array, Array] | None = None
-    best, best_u = np.full(len(room), math.inf), u.copy()
-    fruitless = np.zeros(len(room), dtype=np.intp)  # rounds since the last that brought much
-    for _ in range(_TIGHTENINGS):
-        lacks = np.maximum(task.clearance - found.min_gap, -found.min_edge_clearance)
-        todo = todo[(lacks[todo] > 0.0) | (found.curvature_ratio[todo] > 1.0)]
-        if not len(todo):
-            break
-        excess = found.violation(task)
-        better = todo[excess[todo] < best[todo]]
-        fruitless[todo] = np.where(excess[todo] < _GAIN * best[todo], 0, fruitless[todo] + 1)
-        best[better], best_u[better] = excess[better], u[better]
-        todo = todo[(fruitless[todo] < _STALL_LIMIT) & (solves[todo] < _MOST_SOLVES)]
-        if not len(todo):
-            break
-        # contact gives way by a share of what it is pushed: extrapolate to where nothing is lacking
-        gain = 1.0 / (1.0 - np.clip(lacks[todo] / lacked[todo], 0.0, _MOST_SHARE))
-        lacked[todo] = np.maximum(lacks[todo], _AIM)
-        low, up = _tighten_position_bounds(task, found, todo, passes_left, gain, u, lower, upper)
-        fits = np.all(low <= up, axis=1)
-        todo, low, up = todo[fits], low[fits], up[fits]
-        if not len(todo):
-            break
-        lower[todo], upper[todo] = low, up
-        held = None
-        if bends is None and found.curvature_ratio[todo].max() > 1.0:
-            bends = np.full(u.shape, -math.inf), np.full(u.shape, math.inf)
-        if bends is not None:
-            bends[0][todo], bends[1][todo] = _tighten_curvature_bounds(task, found, todo, u, *bends)
-            bent = task.second_difference(free)[todo]
-            held = CurvatureBounds(stiff[todo], bends[0][todo] - bent, bends[1][todo] - bent)
-        from_there = free[todo]
-        moved, count, settled[todo] = equilibrium(
-            stencil[todo], contact[todo], low - from_there, up - from_there, held
-        )
-        u[todo] = from_there + moved
-        solves[todo] += count
-        found.update(todo, certify(task.select(todo), u[todo]))
-        todo = todo[settled[todo]]
-    worse = (found.violation(task) > best).nonzero()[0]  # pushing has led away from what was asked
-    if len(worse):
-        u[worse] = best_u[worse]
-        found.update(worse, certify(task.select(worse), u[worse]))
-    for i in np.flatnonzero(~settled):
-        stuck[int(i)] = Status.NOT_CONVERGED, f"contact set did not settle in {solves[i]} solves", ""
+def relax_with_sides(problem: BandProblem, batch_shape: tuple[int, ...], passes_left: Mask) -> Band:
+    """Relax bands with given sides, of shape (m, bands)."""
+    lower, upper = problem.corridor.bounds(passes_left)
+    solvable = np.logical_and.reduce(lower <= upper, axis=1)
+    failures: dict[int, Failure] = {}
+    if not solvable.all():
+        failures = {
+            int(i): _report_empty_interval(problem, passes_left, int(i)) for i in np.flatnonzero(~solvable)
+        }
+    blocked = _find_blocked_ends(problem, lower, upper)
+    solvable[list(blocked)] = False
+    if failures or blocked:
+        lower[~solvable], upper[~solvable] = -math.inf, math.inf
+    search = _Search(problem, passes_left, lower, upper)
+    for i, o in blocked.items():
+        gap = float(search.certificate.gaps[o, i].min())
+        reason = f"clearance to obstacle {o}, at a pinned end, {gap:.3f} m (limit {problem.clearance:.3f} m)"
+        failures[i] = Status.INFEASIBLE, reason, f"obstacle {o}"
+    search.tighten(np.flatnonzero(solvable))
+    for i in np.flatnonzero(~search.converged).tolist():
+        reason = f"active set did not converge in {search.solves[i]} solves"
+        failures[i] = Status.NOT_CONVERGED, reason, ""
     return assemble_band(
-        task, leading, u, found, passes_left=passes_left, lower=lower, upper=upper, solves=solves, stuck=stuck
-    )
+        problem, batch_shape, search.u, search.certificate, passes_left=passes_left, lower=lower, upper=upper,
+        solves=search.solves, failures=failures,
+    )  # fmt: skip
 
 
-def _tighten_position_bounds(
-    task: BandProblem, found: Certificate, bands: Index, passes_left: Mask, gain: Array, u: Array, lower: Array,
-    upper: Array,
-) -> tuple[Array, Array]:  # fmt: skip
-    """Bounds of some bands, pushed by what they lack."""
-    lacks, left = task.clearance - found.gaps[:, bands], passes_left[:, bands, None]
-    short_low = np.max(lacks, axis=0, where=left, initial=-math.inf)
-    short_up = np.max(lacks, axis=0, where=~left, initial=-math.inf)
-    short_low = np.maximum(short_low, -found.right_margin[bands])
-    short_up = np.maximum(short_up, -found.left_margin[bands])
-    low, up, at = lower[bands], upper[bands], u[bands]
-    push_low, push_up = (gain[:, None] * short + _AIM for short in (short_low, short_up))
-    low = np.where(short_low > 0.0, np.maximum(low, at) + push_low, low)
-    up = np.where(short_up > 0.0, np.minimum(up, at) - push_up, up)
-    return low, up
+class _Search:
+    """Displacements and bounds of bands while the bounds are tightened, beginning at the equilibrium."""
+
+    def __init__(self, problem: BandProblem, passes_left: Mask, lower: Array, upper: Array) -> None:
+        self.problem, self.passes_left, self.lower, self.upper = problem, passes_left, lower, upper
+        stiffness = problem.stiffness
+        self._contact = stiffness.k_e * problem.h
+        self._stencil = stiffness.stencil(problem.h)
+        # contact stiffness of the curvature limit: 0.25 per k_c [1/m^2] and 10 per k_b [-]
+        self._curvature_contact = (0.25 * stiffness.k_c + 10.0 * stiffness.k_b) / problem.h**3
+        self._difference_bounds: tuple[Array, Array] | None = None
+        free = problem.free_displacement
+        self.u, self.solves, self.converged = equilibrium(
+            self._stencil, self._contact, lower - free, upper - free
+        )
+        self.u += free
+        self.certificate = certify(problem, self.u)
+
+    def tighten(self, bands: Index) -> None:
+        """Move the bounds of bands until the certificate holds or there is no progress; keep the best."""
+        settings, problem, found = self.problem.settings, self.problem, self.certificate
+        n_bands = len(self.u)
+        last_shortfall = np.full(n_bands, math.inf)
+        best, best_u = np.full(n_bands, math.inf), self.u.copy()
+        stalls = np.zeros(n_bands, dtype=np.intp)
+        for _ in range(settings.max_tightenings):
+            shortfall = np.maximum(problem.clearance - found.min_gap, -found.min_edge_clearance)
+            bands = bands[(shortfall[bands] > 0.0) | (found.curvature_ratio[bands] > 1.0)]
+            if not len(bands):
+                break
+            violation = found.violation(problem)
+            better = bands[violation[bands] < best[bands]]
+            progress = violation[bands] < settings.min_progress * best[bands]
+            stalls[bands] = np.where(progress, 0, stalls[bands] + 1)
+            best[better], best_u[better] = violation[better], self.u[better]
+            bands = bands[(stalls[bands] < settings.max_stalls) & (self.solves[bands] < settings.max_solves)]
+            if not len(bands):
+                break
+            # contact yields by a fraction of each move: extrapolate to no shortfall, by a factor of 5 at most
+            gain = 1.0 / (1.0 - np.clip(shortfall[bands] / last_shortfall[bands], 0.0, 0.8))
+            last_shortfall[bands] = np.maximum(shortfall[bands], settings.clearance_margin)
+            bands = self._solve_tighter(bands, gain)
+            if not len(bands):
+                break
+        worse = (found.violation(problem) > best).nonzero()[0]
+        if len(worse):
+            self.u[worse] = best_u[worse]
+            found.update(worse, certify(problem.select(worse), self.u[worse]))
+
+    def _solve_tighter(self, bands: Index, gain: Array) -> Index:
+        """Tighten and solve bands once; return those that can go on."""
+        problem, found, free = self.problem, self.certificate, self.problem.free_displacement
+        lower, upper = self._tighten_positions(bands, gain)
+        fits = np.all(lower <= upper, axis=1)
+        bands, lower, upper = bands[fits], lower[fits], upper[fits]
+        if not len(bands):
+            return bands
+        self.lower[bands], self.upper[bands] = lower, upper
+        bounds = None
+        if self._difference_bounds is None and found.curvature_ratio[bands].max() > 1.0:
+            self._difference_bounds = np.full(self.u.shape, -math.inf), np.full(self.u.shape, math.inf)
+        if self._difference_bounds is not None:
+            low, high = self._difference_bounds
+            low[bands], high[bands] = self._tighten_curvature(bands, low[bands], high[bands])
+            of_free = problem.second_difference(free)[bands]
+            bounds = CurvatureBounds(
+                self._curvature_contact[bands], low[bands] - of_free, high[bands] - of_free
+            )
+        u, solves, self.converged[bands] = equilibrium(
+            self._stencil[bands], self._contact[bands], lower - free[bands], upper - free[bands], bounds
+        )
+        self.u[bands] = free[bands] + u
+        self.solves[bands] += solves
+        found.update(bands, certify(problem.select(bands), self.u[bands]))
+        return bands[self.converged[bands]]
+
+    def _tighten_positions(self, bands: Index, gain: Array) -> tuple[Array, Array]:
+        """Return the bounds of some bands, moved by their shortfall of clearance."""
+        problem, found = self.problem, self.certificate
+        shortfall, left = problem.clearance - found.gaps[:, bands], self.passes_left[:, bands, None]
+        short_low = np.max(shortfall, axis=0, where=left, initial=-math.inf)
+        short_up = np.max(shortfall, axis=0, where=~left, initial=-math.inf)
+        short_low = np.maximum(short_low, -found.right_margin[bands])
+        short_up = np.maximum(short_up, -found.left_margin[bands])
+        lower, upper, u = self.lower[bands], self.upper[bands], self.u[bands]
+        margin = problem.settings.clearance_margin
+        move_low, move_up = (gain[:, None] * short + margin for short in (short_low, short_up))
+        lower = np.where(short_low > 0.0, np.maximum(lower, u) + move_low, lower)
+        upper = np.where(short_up > 0.0, np.minimum(upper, u) - move_up, upper)
+        return lower, upper
+
+    def _tighten_curvature(self, bands: Index, low: Array, high: Array) -> tuple[Array, Array]:
+        """Return the bounds of the second difference of some bands, moved by their excess curvature."""
+        problem, found = self.problem, self.certificate
+        squared = problem.h[bands, None] ** 2
+        curvature, limit = found.curvature[bands] * squared, problem.curvature_limit[bands] * squared
+        difference = problem.second_difference(self.u)[bands]
+        of_route, aim = curvature - difference, (1.0 - problem.settings.curvature_margin) * limit
+        excess = np.maximum(np.abs(curvature) - aim, 0.0)
+        low, high = np.maximum(low, -aim - of_route), np.minimum(high, aim - of_route)
+        low = np.where((curvature < 0.0) & (excess > 0.0), np.maximum(low, difference) + excess, low)
+        high = np.where((curvature > 0.0) & (excess > 0.0), np.minimum(high, difference) - excess, high)
+        return np.minimum(low, 0.5 * (low + high)), np.maximum(high, 0.5 * (low + high))
 
 
-def _tighten_curvature_bounds(
-    task: BandProblem, found: Certificate, bands: Index, u: Array, least: Array, most: Array
-) -> tuple[Array, Array]:
-    """Bounds of the bending of some bands, pushed by what their curvature is over its limit."""
-    squared = task.h[bands, None] ** 2
-    curvature, limit = found.curvature[bands] * squared, task.curvature_limit[bands] * squared
-    bend = task.second_difference(u)[bands]
-    before, now = curvature - bend, (1.0 - _SPARE) * limit
-    over = np.maximum(np.abs(curvature) - now, 0.0)
-    least, most = np.maximum(least[bands], -now - before), np.minimum(most[bands], now - before)
-    least = np.where((curvature < 0.0) & (over > 0.0), np.maximum(least, bend) + over, least)
-    most = np.where((curvature > 0.0) & (over > 0.0), np.minimum(most, bend) - over, most)
-    return np.minimum(least, 0.5 * (least + most)), np.maximum(most, 0.5 * (least + most))
-
-
-def _report_empty_interval(task: BandProblem, passes_left: Mask, band: int) -> tuple[Status, str, str]:
-    """Between what there is no room."""
-    c = task.corridor
+def _report_empty_interval(problem: BandProblem, passes_left: Mask, band: int) -> Failure:
+    """Return status, message and active constraint where no displacement is feasible."""
+    c = problem.corridor
     lower, upper = c.bounds(passes_left)
     node = int(np.argmax(lower[band] - upper[band]))
-    beside = c.alongside[:, band, node]
-    right, left = "the right edge", "the left edge"
-    for o in np.flatnonzero(beside):
+    right, left = "right edge", "left edge"
+    for o in np.flatnonzero(c.alongside[:, band, node]).tolist():
         if passes_left[o, band] and c.left[o, band, node] == lower[band, node]:
             right = f"obstacle {o}"
         if not passes_left[o, band] and c.right[o, band, node] == upper[band, node]:
             left = f"obstacle {o}"
-    binding = right if right.startswith("obstacle") else left
-    return Status.INFEASIBLE, f"no room between {right} and {left} at node {node}", binding
+    constraint = right if right.startswith("obstacle") else left
+    names = (name if name.startswith("obstacle") else f"the {name}" for name in (right, left))
+    return Status.INFEASIBLE, "no space between {} and {} at node {}".format(*names, node), constraint
 
 
-def _find_blocked_ends(task: BandProblem) -> dict[int, int]:
-    """Find the bands that have an obstacle where they are pinned, and which."""
-    gaps = end_gaps(task)
-    blocked = np.logical_or.reduce(gaps < task.clearance - _END_SHORTFALL_LIMIT, axis=0)
-    return {int(i): int(gaps[:, i].argmin()) for i in np.flatnonzero(blocked)}
+def _find_blocked_ends(problem: BandProblem, lower: Array, upper: Array) -> dict[int, int]:
+    """Return the nearest obstacle of each band that has one too close to a pinned end."""
+    ends = problem.free_displacement[:, [0, -1]]
+    if not ((lower[:, [0, -1]] > ends).any() or (upper[:, [0, -1]] < ends).any()):
+        return {}
+    gaps = end_gaps(problem)
+    limit = problem.clearance - problem.settings.max_end_shortfall
+    return {int(i): int(gaps[:, i].argmin()) for i in np.flatnonzero((gaps < limit).any(axis=0))}

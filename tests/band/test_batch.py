@@ -116,7 +116,7 @@ def test_one_of_many() -> None:
     with pytest.raises(InputError, match="single band"):
         many[0][0]
     for use in (lambda: many.side, lambda: many.sides, lambda: many.residual, many.path):
-        with pytest.raises(InputError, match="these are many bands"):
+        with pytest.raises(InputError, match="was a batch"):
             use()
 
 

@@ -218,12 +218,12 @@ def test_empty_interval_message_names_both_obstacles() -> None:
     edge = 0.9 + 1.0 + CAR.width - 0.05
     left = relax(scene(straight(), [CROSSWISE], corridor=(-20.0, edge)), side="left")
     assert (left.status, left.active_constraint) == (Status.INFEASIBLE, "obstacle 0")
-    assert left.message.startswith("no room between obstacle 0 and the left edge")
+    assert left.message.startswith("no space between obstacle 0 and the left edge")
     right = relax(scene(straight(), [CROSSWISE], corridor=(-edge, 20.0)), side="right")
-    assert right.message.startswith("no room between the right edge and obstacle 0")
+    assert right.message.startswith("no space between the right edge and obstacle 0")
     both = [boxes(75.0, 1.5, 0.0, 4.5, 1.8), boxes(75.0, -1.5, 0.0, 4.5, 1.8)]
     gate = relax(scene(straight(), both), side=["right", "left"])
-    assert gate.message.startswith("no room between obstacle 1 and obstacle 0")
+    assert gate.message.startswith("no space between obstacle 1 and obstacle 0")
     for band in (left, right, gate):
         with pytest.raises(InfeasibleError) as caught:
             band.require()
@@ -281,7 +281,7 @@ def test_obstacle_at_pinned_end_fails_without_search() -> None:
     blocked = scene(straight(), [boxes(x, 0.0, 0.0, 4.5, 1.8) for x in (75.0, 148.0)])
     band = relax(blocked)
     assert (band.status, band.active_constraint, band.n_solves) == (Status.INFEASIBLE, "obstacle 1", 1)
-    assert "obstacle 1, which is at a pinned end" in band.message
+    assert "obstacle 1, at a pinned end" in band.message
     assert_certified(band, blocked)
     assert relax(scene(straight(), [boxes(75.0, 0.0, 0.0, 4.5, 1.8)])).ok
 

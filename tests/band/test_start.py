@@ -139,7 +139,7 @@ def test_obstacle_at_start_is_reported() -> None:
     assert relax_band(straight(), [beside], side="right", vehicle=CAR).ok
     band = relax_band(straight(), [beside], side="right", vehicle=CAR, start=(1.0, 1.0, 1.0))
     assert band.status is Status.INFEASIBLE
-    assert "obstacle 0, which is at a pinned end" in band.message
+    assert "obstacle 0, at a pinned end" in band.message
     on_route = boxes(0.0, 0.0, 0.0, 4.5, 1.8)
     assert not relax_band(straight(), [on_route], side="left", vehicle=CAR).ok
     assert relax_band(straight(), [on_route], side="left", vehicle=CAR, start=(3.0, 3.0, 3.0)).ok

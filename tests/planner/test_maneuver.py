@@ -28,7 +28,7 @@ def obstruction(blocker: FrenetVehicle, *others: FrenetVehicle) -> str:
 
 def test_empty_interval_reports_vehicle_and_station() -> None:
     said = re.fullmatch(
-        r"no room between slow and the left edge (\d+) m ahead", obstruction(at(80.0, 2.0, "slow"))
+        r"no space between slow and the left edge (\d+) m ahead", obstruction(at(80.0, 2.0, "slow"))
     )
     assert said
     assert 40.0 <= float(said[1]) <= 80.0  # it is passed with lead
