@@ -1,4 +1,4 @@
-"""Many bands in one call, the same as one by one."""
+"""A batch of bands equals single bands."""
 
 from dataclasses import fields
 
@@ -13,16 +13,16 @@ from tests.support.band_scenes import CAR, straight
 COUNT, NODES = 64, 120
 
 
-def problem(rng: np.random.Generator, bands: int = COUNT, mesh: bool = False) -> dict:
-    """Different routes, obstacles, edges and limits; some cannot be solved."""
+def batch(rng: np.random.Generator, bands: int = COUNT, mesh: bool = False) -> dict:
+    """Different routes, obstacles, edges and limits; some are infeasible."""
     h = rng.uniform(0.5, 2.0, bands) if mesh else np.ones(bands)
     kappa = rng.choice((0.0, 0.005, -0.01), bands)
     psi = rng.uniform(-3.0, 3.0, (bands, 1)) + kappa[:, None] * h[:, None] * np.arange(NODES)
     steps = h[:, None, None] * np.stack((np.cos(psi), np.sin(psi)), axis=-1)
     nodes = np.cumsum(steps, axis=1) + rng.uniform(-100.0, 100.0, (bands, 1, 2))
     rows, obstacles = np.arange(bands), []
-    for share in (0.35, 0.65):
-        at = (rng.uniform(share - 0.05, share + 0.05, bands) * NODES).astype(int)
+    for fraction in (0.35, 0.65):
+        at = (rng.uniform(fraction - 0.05, fraction + 0.05, bands) * NODES).astype(int)
         d, speed = rng.uniform(-3.0, 3.0, bands), rng.uniform(-0.3, 0.3, bands) * h
         heading = psi[rows, at]
         normal = np.column_stack((-np.sin(heading), np.cos(heading)))
@@ -43,26 +43,26 @@ def problem(rng: np.random.Generator, bands: int = COUNT, mesh: bool = False) ->
     }  # fmt: skip
 
 
-def single(asked: dict, at: tuple[int, ...]) -> dict:
-    """Arguments of one of many bands."""
+def single(arguments: dict, at: tuple[int, ...]) -> dict:
+    """Arguments of one band of a batch."""
 
     def part(o: Boxes) -> Boxes:
-        shape = asked["nodes"].shape[:-1]
+        shape = arguments["nodes"].shape[:-1]
         return Boxes(*(np.broadcast_to(f, shape)[at] for f in (o.x, o.y, o.psi, o.length, o.width)))
 
     return {
-        **asked, "nodes": asked["nodes"][at], "obstacles": [part(o) for o in asked["obstacles"]],
-        "corridor": tuple(edge[at] for edge in asked["corridor"]),
-        "curvature_limit": asked["curvature_limit"][at],
+        **arguments, "nodes": arguments["nodes"][at], "obstacles": [part(o) for o in arguments["obstacles"]],
+        "corridor": tuple(edge[at] for edge in arguments["corridor"]),
+        "curvature_limit": arguments["curvature_limit"][at],
     }  # fmt: skip
 
 
 def assert_same(band: Band, alone: Band) -> None:
     for field in fields(Band):
-        mine, other = getattr(band, field.name), getattr(alone, field.name)
+        value, expected = getattr(band, field.name), getattr(alone, field.name)
         if field.name != "problem":
-            assert type(mine) is type(other), field.name
-            np.testing.assert_array_equal(mine, other, err_msg=field.name)
+            assert type(value) is type(expected), field.name
+            np.testing.assert_array_equal(value, expected, err_msg=field.name)
     assert band.sides == alone.sides
     assert band.residual == alone.residual
     np.testing.assert_array_equal(band.path().coefficients, alone.path().coefficients)
@@ -70,15 +70,15 @@ def assert_same(band: Band, alone: Band) -> None:
 
 @pytest.mark.parametrize("side", [None, "left", "right", ["left", "right"]])
 @pytest.mark.parametrize("mesh", [False, True])
-def test_many_at_once_are_the_same_as_one_by_one(side: object, mesh: bool) -> None:
-    asked = problem(np.random.default_rng(1), mesh=mesh)
-    many = relax_band(**asked, side=side)  # type: ignore[arg-type]
+def test_batch_equals_single_bands(side: object, mesh: bool) -> None:
+    arguments = batch(np.random.default_rng(1), mesh=mesh)
+    many = relax_band(**arguments, side=side)  # type: ignore[arg-type]
     for i in range(COUNT):
-        assert_same(many[i], relax_band(**single(asked, (i,)), side=side))  # type: ignore[arg-type]
+        assert_same(many[i], relax_band(**single(arguments, (i,)), side=side))  # type: ignore[arg-type]
 
 
-def test_shapes_and_status_arrays() -> None:
-    many = relax_band(**problem(np.random.default_rng(2)))
+def test_batch_fields_have_batch_shape() -> None:
+    many = relax_band(**batch(np.random.default_rng(2)))
     assert many.nodes.shape == (COUNT, NODES, 2)
     for name in ("displacement", "lower", "upper"):
         assert getattr(many, name).shape == (COUNT, NODES)
@@ -105,8 +105,8 @@ def test_shapes_and_status_arrays() -> None:
             array[0] = array[1]
 
 
-def test_one_of_many() -> None:
-    many = relax_band(**problem(np.random.default_rng(3), 4))
+def test_indexing_a_batch() -> None:
+    many = relax_band(**batch(np.random.default_rng(3), 4))
     assert many[-1].clearance == many[3].clearance
     assert isinstance(many[0].clearance, float)
     assert many[0].status is many.status[0]
@@ -120,48 +120,48 @@ def test_one_of_many() -> None:
             use()
 
 
-def test_require_of_many() -> None:
-    many = relax_band(**problem(np.random.default_rng(4)))
+def test_require_of_batch() -> None:
+    many = relax_band(**batch(np.random.default_rng(4)))
     with pytest.raises(InfeasibleError) as caught:
         many.require()
     assert caught.value.result is many
     assert str(caught.value) == many.message[np.flatnonzero(~many.ok)[0]]
-    fine = relax_band(**{**problem(np.random.default_rng(4)), "obstacles": [], "curvature_limit": 1.0})
+    fine = relax_band(**{**batch(np.random.default_rng(4)), "obstacles": [], "curvature_limit": 1.0})
     assert fine.require() is fine
 
 
-def test_two_leading_axes() -> None:
-    flat = problem(np.random.default_rng(5), 6)
+def test_batch_of_two_axes_equals_single_bands() -> None:
+    flat = batch(np.random.default_rng(5), 6)
 
     def folded(values: np.ndarray) -> np.ndarray:
         return np.broadcast_to(values, (6, NODES)).reshape(2, 3, NODES)
 
-    asked = {
+    arguments = {
         **flat, "nodes": flat["nodes"].reshape(2, 3, NODES, 2),
         "corridor": tuple(edge.reshape(2, 3, NODES) for edge in flat["corridor"]),
         "curvature_limit": flat["curvature_limit"].reshape(2, 3, NODES),
         "obstacles": [Boxes(*(folded(getattr(o, f.name)) for f in fields(Boxes))) for o in flat["obstacles"]],
     }  # fmt: skip
-    many = relax_band(**asked)
+    many = relax_band(**arguments)
     assert many.status.shape == (2, 3)
     assert many[1].status.shape == (3,)
     assert many.passes_left.shape == (2, 2, 3)
     for i in range(2):
         for j in range(3):
-            assert_same(many[i][j], relax_band(**single(asked, (i, j))))
+            assert_same(many[i][j], relax_band(**single(arguments, (i, j))))
 
 
-def test_previous_of_many() -> None:
-    asked = problem(np.random.default_rng(6), 8)
-    first = relax_band(**asked)
-    again = relax_band(**asked, previous=first)
+def test_previous_of_batch() -> None:
+    arguments = batch(np.random.default_rng(6), 8)
+    first = relax_band(**arguments)
+    again = relax_band(**arguments, previous=first)
     for i in range(8):
-        alone = relax_band(**single(asked, (i,)), previous=first[i])
+        alone = relax_band(**single(arguments, (i,)), previous=first[i])
         assert_same(again[i], alone)
 
 
 def test_obstacles_and_edges_broadcast() -> None:
-    """One box or edge for all bands, or none."""
+    """Obstacles and edges of shape () hold for all bands."""
     nodes = np.array([straight() + np.array((0.0, d)) for d in (-1.0, 0.0, 1.0)])
     one = [boxes(75.0, 0.0, 0.0, 4.5, 1.8)]
     for corridor in (None, (-6.0, 6.0)):

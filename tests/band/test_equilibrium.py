@@ -9,13 +9,13 @@ from scipy.optimize import minimize
 
 from cca_core.band import (
     BandStiffness,
+    CurvatureBounds,
     band_energy,
     band_gradient,
     band_hessian,
     equilibrium,
     kkt_residual,
 )
-from cca_core.band.equilibrium import CurvatureBounds
 from cca_core.errors import InputError
 from tests.support.band_scenes import SOFT, dense_stiffness
 
@@ -37,11 +37,11 @@ seeds = st.integers(0, 10_000)
 
 
 def random_bounds(rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds with room between them: a few stretches to be passed above or below; n is at least 20."""
+    """Feasible bounds: a few stretches to be passed above or below; n is at least 20."""
     lower, upper = np.full(n, -np.inf), np.full(n, np.inf)
-    place = np.arange(n)
+    index = np.arange(n)
     for at in rng.uniform(0.1, 0.9, int(rng.integers(1, 6))) * n:
-        part = np.abs(place - at) <= rng.uniform(1.0, min(10.0, 0.1 * n))
+        part = np.abs(index - at) <= rng.uniform(1.0, min(10.0, 0.1 * n))
         if rng.random() < 0.5:
             low = np.maximum(lower[part], rng.uniform(-0.5, 3.0))
             lower[part] = np.minimum(low, upper[part])
@@ -51,40 +51,40 @@ def random_bounds(rng: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndar
     return lower, upper
 
 
-def tried(
+def attempt(
     stiffness: BandStiffness, h: float, lower: np.ndarray, upper: np.ndarray
 ) -> tuple[np.ndarray, dict, bool]:
-    """Displacement, the problem and whether it has settled; if not, it is the best so far, and says so."""
-    u, _, settled = equilibrium(stiffness.stencil(h), stiffness.k_e * h, lower, upper)
+    """Displacement, the problem and whether it converged; if not, the residual is large."""
+    u, _, converged = equilibrium(stiffness.stencil(h), stiffness.k_e * h, lower, upper)
     problem = {"lower": lower, "upper": upper, "spacing": h, "stiffness": stiffness}
     assert np.isfinite(u).all()
-    if settled:
+    if converged:
         assert kkt_residual(u, **problem) <= rounding(u, problem)
     else:
         assert kkt_residual(u, **problem) > rounding(u, problem)
         assert band_energy(u, **problem) < band_energy(np.zeros_like(u), **problem)
-    return u, problem, bool(settled)
+    return u, problem, bool(converged)
 
 
-def solved(
+def solve(
     stiffness: BandStiffness, h: float, lower: np.ndarray, upper: np.ndarray
 ) -> tuple[np.ndarray, dict]:
-    u, problem, settled = tried(stiffness, h, lower, upper)
-    assert settled
+    u, problem, converged = attempt(stiffness, h, lower, upper)
+    assert converged
     return u, problem
 
 
 def rounding(u: np.ndarray, problem: dict) -> float:
-    """Residual that the last digits of the displacement alone can make [m]."""
+    """Residual due to rounding of the displacement [m]."""
     stiffness, h = problem["stiffness"], problem["spacing"]
     digits = np.finfo(float).eps * np.abs(u).max()
     return 1e-10 + 4.0 * digits * float(stiffness.stencil(h)[0]) / (stiffness.k_e * h)
 
 
 @given(some_stiffness, seeds, st.sampled_from([0.25, 0.5, 1.0, 2.0]), st.integers(20, 300))
-def test_settles_where_no_force_is_missing(stiffness: BandStiffness, seed: int, h: float, n: int) -> None:
+def test_converged_band_has_no_residual(stiffness: BandStiffness, seed: int, h: float, n: int) -> None:
     lower, upper = random_bounds(np.random.default_rng(seed), n)
-    u, _ = solved(stiffness, h, lower, upper)
+    u, _ = solve(stiffness, h, lower, upper)
     assert u.shape == (n,)
     np.testing.assert_array_equal(u[[0, 1, -2, -1]], 0.0)
 
@@ -94,43 +94,43 @@ def test_settles_where_no_force_is_missing(stiffness: BandStiffness, seed: int, 
 def test_ten_thousand_nodes(stiffness: BandStiffness, seed: int) -> None:
     rng = np.random.default_rng(seed)
     lower, upper = random_bounds(rng, 10_000)
-    for at in rng.integers(500, 9500, 20):  # many more to be passed
+    for at in rng.integers(500, 9500, 20):  # many more contacts
         lower[at : at + 8] = np.minimum(rng.uniform(0.0, 3.0), upper[at : at + 8])
-    settled = tried(stiffness, 1.0, lower, upper)[2]
-    assert settled or stiffness is BENDING_ALONE  # which may take more steps than there are
+    converged = attempt(stiffness, 1.0, lower, upper)[2]
+    assert converged or stiffness is BENDING_ALONE  # may need more steps than allowed
 
 
 @pytest.mark.parametrize("stiffness", [SOFT, *HARD_CONTACT])
-def test_settles_with_hard_contact(stiffness: BandStiffness) -> None:
-    """Most of it, and the default always."""
-    settled = [
-        tried(stiffness, h, *random_bounds(np.random.default_rng(seed), 100))[2]
+def test_hard_contact_converges_mostly(stiffness: BandStiffness) -> None:
+    """The default stiffness always converges."""
+    converged = [
+        attempt(stiffness, h, *random_bounds(np.random.default_rng(seed), 100))[2]
         for h in (0.25, 0.5, 1.0, 2.0)
         for seed in range(20)
     ]
-    assert np.mean(settled) >= (1.0 if stiffness is SOFT else 0.8)
+    assert np.mean(converged) >= (1.0 if stiffness is SOFT else 0.8)
 
 
 @given(some_stiffness, seeds, st.sampled_from([0.5, 1.0, 2.0]))
-def test_no_other_displacement_has_less_energy(stiffness: BandStiffness, seed: int, h: float) -> None:
+def test_equilibrium_has_minimal_energy(stiffness: BandStiffness, seed: int, h: float) -> None:
     rng = np.random.default_rng(seed)
     n = 101
-    u, problem = solved(stiffness, h, *random_bounds(rng, n))
-    least = band_energy(u, **problem)
-    place = np.linspace(0.0, 1.0, n)
+    u, problem = solve(stiffness, h, *random_bounds(rng, n))
+    energy = band_energy(u, **problem)
+    position = np.linspace(0.0, 1.0, n)
     for scale in (0.0, 0.99, 1.01):
-        assert band_energy(scale * u, **problem) >= least * (1.0 - 1e-9)
+        assert band_energy(scale * u, **problem) >= energy * (1.0 - 1e-9)
     for k in rng.integers(1, 8, 5):  # smooth directions, where the energy changes least
-        assert band_energy(u + 0.05 * np.sin(k * np.pi * place), **problem) >= least * (1.0 - 1e-9)
+        assert band_energy(u + 0.05 * np.sin(k * np.pi * position), **problem) >= energy * (1.0 - 1e-9)
 
 
 @each_stiffness
-def test_against_a_general_optimizer(stiffness: BandStiffness) -> None:
-    """The public energy and gradient are enough for somebody else's solver."""
+def test_equilibrium_equals_general_optimizer(stiffness: BandStiffness) -> None:
+    """The public energy and gradient suffice for another solver."""
     h, n = 1.0, 31
     lower, upper = np.full(n, -np.inf), np.full(n, np.inf)
     lower[12:17], upper[20:23] = 1.0, -0.4
-    u, problem = solved(stiffness, h, lower, upper)
+    u, problem = solve(stiffness, h, lower, upper)
     # in coordinates in which the elastic energy is a sphere
     root = np.linalg.inv(np.linalg.cholesky(dense_stiffness(stiffness, h, n))).T
     scale = stiffness.k_e
@@ -149,70 +149,70 @@ def test_against_a_general_optimizer(stiffness: BandStiffness) -> None:
 
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES + HARD_CONTACT)
-@pytest.mark.parametrize("bent", [False, True])
-def test_batch_is_the_same_bit_for_bit(stiffness: BandStiffness, bent: bool) -> None:
+@pytest.mark.parametrize("with_curvature_bounds", [False, True])
+def test_batch_is_bitwise_identical(stiffness: BandStiffness, with_curvature_bounds: bool) -> None:
     rng = np.random.default_rng(5)
     h = rng.uniform(0.5, 2.0, 24)
     lower, upper = (np.array(side) for side in zip(*(random_bounds(rng, 90) for _ in h), strict=True))
     stencil, contact = stiffness.stencil(h), stiffness.k_e * h
     free, _, _ = equilibrium(stencil, contact, lower, upper)
-    bends = None
-    if bent:
-        most = 0.9 * np.abs(np.diff(free, n=2)).max(axis=1)
-        limit = np.repeat(most[:, None], 90, axis=1)
-        bends = CurvatureBounds(100.0 * contact, -limit, limit)
-    u, solves, settled = equilibrium(stencil, contact, lower, upper, bends)
+    bounds = None
+    if with_curvature_bounds:
+        peak = 0.9 * np.abs(np.diff(free, n=2)).max(axis=1)
+        limit = np.repeat(peak[:, None], 90, axis=1)
+        bounds = CurvatureBounds(100.0 * contact, -limit, limit)
+    u, solves, converged = equilibrium(stencil, contact, lower, upper, bounds)
     for i in range(len(h)):
         one = (
-            None if bends is None else CurvatureBounds(bends.contact[[i]], bends.lower[[i]], bends.upper[[i]])
+            None
+            if bounds is None
+            else CurvatureBounds(bounds.contact[[i]], bounds.lower[[i]], bounds.upper[[i]])
         )
         alone = equilibrium(stencil[[i]], contact[[i]], lower[[i]], upper[[i]], one)
         np.testing.assert_array_equal(alone[0][0], u[i])
-        assert (alone[1][0], alone[2][0]) == (solves[i], settled[i])
+        assert (alone[1][0], alone[2][0]) == (solves[i], converged[i])
 
 
-def test_leading_axes_of_any_number() -> None:
+def test_batch_of_two_axes() -> None:
     rng = np.random.default_rng(6)
     lower, upper = (
         np.array(side).reshape(2, 3, 60)
         for side in zip(*(random_bounds(rng, 60) for _ in range(6)), strict=True)
     )
-    u, solves, settled = equilibrium(SOFT.stencil(1.0), SOFT.k_e, lower, upper)
+    u, solves, converged = equilibrium(SOFT.stencil(1.0), SOFT.k_e, lower, upper)
     assert u.shape == (2, 3, 60)
-    assert solves.shape == settled.shape == (2, 3)
+    assert solves.shape == converged.shape == (2, 3)
     np.testing.assert_array_equal(
         u[1, 2], equilibrium(SOFT.stencil(1.0), SOFT.k_e, lower[1, 2], upper[1, 2])[0]
     )
 
 
-def test_bends_give_way_by_their_stiffness_only() -> None:
-    """Held by one-sided contact: the missing bend times the contact stiffness balances the other forces."""
+def test_curvature_bounds_balance_other_forces() -> None:
+    """Violation times contact stiffness balances the other forces."""
     h, n = 1.0, 81
     lower, upper = np.full(n, -np.inf), np.full(n, np.inf)
     lower[35:46] = 2.0
     stencil, contact = SOFT.stencil(h), SOFT.k_e * h
     free = equilibrium(stencil, contact, lower, upper)[0]
     limit = 0.7 * np.abs(np.diff(free, n=2)).max()
-    most = np.full((1, n), limit)
+    bound = np.full((1, n), limit)
     for stiff in (0.25, 25.0):
-        u, _, settled = equilibrium(
-            stencil, contact, lower[None], upper[None], CurvatureBounds(np.array([stiff]), -most, most)
+        u, _, converged = equilibrium(
+            stencil, contact, lower[None], upper[None], CurvatureBounds(np.array([stiff]), -bound, bound)
         )
-        assert settled.all()
+        assert converged.all()
         bend = np.diff(u[0], n=2)  # at all nodes but the ends
-        short = (bend.clip(-limit, limit) - bend) * stiff
+        force = (bend.clip(-limit, limit) - bend) * stiff
         K = dense_stiffness(SOFT, h, n)
         pushed = contact * np.maximum(lower[2:-2] - u[0, 2:-2], 0.0)
-        np.testing.assert_allclose(K @ u[0, 2:-2], pushed + np.diff(short, n=2), rtol=0.0, atol=1e-9)
-        assert np.abs(short).max() > 0.0
+        np.testing.assert_allclose(K @ u[0, 2:-2], pushed + np.diff(force, n=2), rtol=0.0, atol=1e-9)
+        assert np.abs(force).max() > 0.0
         over = np.abs(bend).max() - limit
     assert over < 1e-4
 
 
 @given(any_stiffness, seeds, st.sampled_from([0.5, 1.0, 2.0]))
-def test_energy_gradient_and_hessian_against_dense_matrices(
-    stiffness: BandStiffness, seed: int, h: float
-) -> None:
+def test_energy_and_derivatives_equal_dense_matrices(stiffness: BandStiffness, seed: int, h: float) -> None:
     rng = np.random.default_rng(seed)
     n = 24
     lower, upper = random_bounds(rng, n)
@@ -236,13 +236,13 @@ def test_energy_gradient_and_hessian_against_dense_matrices(
         for k in (1, 2, 3):
             np.testing.assert_array_equal(hessian[i, 3 - k, :k], 0.0)
             dense += np.diag(hessian[i, 3 - k, k:], k) + np.diag(hessian[i, 3 - k, k:], -k)
-        touched = np.diag(contact * ((under > 0.0) | (over > 0.0)))
-        np.testing.assert_allclose(dense, K + touched, rtol=0.0, atol=1e-12 * scale)
+        contacts = np.diag(contact * ((under > 0.0) | (over > 0.0)))
+        np.testing.assert_allclose(dense, K + contacts, rtol=0.0, atol=1e-12 * scale)
         assert kkt_residual(u[i], **problem) == pytest.approx(np.abs(gradient[i]).max() / contact, rel=1e-12)
 
 
 @given(any_stiffness, seeds)
-def test_gradient_and_hessian_against_finite_differences(stiffness: BandStiffness, seed: int) -> None:
+def test_derivatives_equal_finite_differences(stiffness: BandStiffness, seed: int) -> None:
     rng = np.random.default_rng(seed)
     n, h, step = 16, 1.0, 1e-5
     lower, upper = random_bounds(rng, n)
@@ -264,12 +264,12 @@ def test_gradient_and_hessian_against_finite_differences(stiffness: BandStiffnes
     np.testing.assert_allclose(change[:, 2:-2], dense, rtol=0.0, atol=1e-7 * np.abs(dense).max())
 
 
-def test_newton_by_hand_finds_the_same() -> None:
-    """The Hessian is in the storage that SciPy's banded solver takes."""
+def test_newton_with_hessian_finds_equilibrium() -> None:
+    """The Hessian has the storage of SciPy's banded solver."""
     n, h = 80, 1.0
     lower = np.full(n, -np.inf)
     lower[35:45] = 1.5
-    u, problem = solved(SOFT, h, lower, np.full(n, np.inf))
+    u, problem = solve(SOFT, h, lower, np.full(n, np.inf))
     at = np.zeros(n)
     for _ in range(20):
         step = solveh_banded(band_hessian(at, **problem), band_gradient(at, **problem)[2:-2])
@@ -289,7 +289,7 @@ def test_newton_by_hand_finds_the_same() -> None:
         ({"spacing": 0.0}, "^spacing must be greater than 0"),
     ],
 )
-def test_bad_input(function: object, changes: dict, words: str) -> None:
+def test_invalid_argument_raises(function: object, changes: dict, words: str) -> None:
     good = {"u": np.zeros(9), "lower": -1.0, "upper": 1.0, "spacing": 1.0, "stiffness": SOFT}
     arguments = {**good, **changes}
     with pytest.raises(InputError, match=words):

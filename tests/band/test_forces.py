@@ -1,4 +1,4 @@
-"""Eq 8, and the spans of obstacles in the frame of the nodes."""
+"""Eq 8, and the corridor between obstacles in the frame of the nodes."""
 
 import dataclasses
 import math
@@ -26,7 +26,7 @@ def force(r: float, phi: float, obstacle: tuple[float, float] = (3.0, -2.0)) -> 
 
 
 @given(inside, angle)
-def test_eq_8_pushes_away_with_k_e_times_the_shortfall(r: float, phi: float) -> None:
+def test_eq_8_repels_with_k_e_times_shortfall(r: float, phi: float) -> None:
     F = force(r, phi)
     away = np.array([math.cos(phi), math.sin(phi)])
     assert F @ away == pytest.approx(K_E * (R_0 - r), abs=1e-9)  # repulsion, closed form
@@ -39,7 +39,7 @@ def test_no_force_beyond_the_threshold(excess: float, phi: float) -> None:
 
 
 @given(angle, st.floats(1e-9, 1e-3))
-def test_continuous_at_the_threshold(phi: float, step: float) -> None:
+def test_force_is_continuous_at_threshold(phi: float, step: float) -> None:
     assert np.hypot(*force(R_0 - step, phi)) == pytest.approx(K_E * step, abs=1e-12 + 1e-6 * step)
     assert np.hypot(*force(R_0, phi)) < 1e-12
 
@@ -93,7 +93,7 @@ def test_rotation_and_mirror(r: float, phi: float, turn: float) -> None:
         ({"r_0": math.nan}, "^r_0 must be finite"),
     ],
 )
-def test_bad_input(changes: dict, words: str) -> None:
+def test_invalid_argument_raises(changes: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         external_force(**{"nodes": [[0.0, 1.0]], "obstacle": [0.0, 0.0], "k_e": 1.0, "r_0": 4.0, **changes})
 
@@ -103,10 +103,10 @@ def test_bad_input(changes: dict, words: str) -> None:
     st.floats(-20.0, 20.0), st.floats(-6.0, 6.0), angle, st.floats(0.5, 10.0), st.floats(0.5, 3.0), angle,
     st.floats(0.0, 2.0),
 )  # fmt: skip
-def test_corridor_is_what_the_boxes_leave_free(
+def test_corridor_equals_polygon_intersection(
     lead: float, x: float, y: float, psi: float, length: float, width: float, heading: float, clearance: float
 ) -> None:
-    """Against shapely: the part of the grown obstacle that is beside the ego."""
+    """By shapely: the part of the inflated obstacle alongside the ego."""
     car = dataclasses.replace(VehicleParams.bmw_320i(), box_offset=0.4)
     unit = complex(math.cos(heading), math.sin(heading))
     base, tangents = np.full((1, 5), 2.0 + 1.0j), np.full((1, 5), unit)
@@ -123,10 +123,10 @@ def test_corridor_is_what_the_boxes_leave_free(
     if not part.is_empty and part.area > 1e-9:
         right, left = (float(bound[0, 0, 0]) for bound in (found.right, found.left))
         lowest, highest = part.bounds[1] - 0.5 * car.width, part.bounds[3] + 0.5 * car.width
-        # nothing of the box beside the ego is left out, and nothing that is far from it is counted
+        # the range covers the part alongside the ego, and little more
         assert right <= lowest + 1e-9
         assert left >= highest - 1e-9
         turned = abs(math.sin(psi - heading))
-        spare = 1e-9 if 0.03 < turned < 0.999 else 0.02 * (length + width + 4.0 * clearance)
-        assert right >= lowest - spare
-        assert left <= highest + spare
+        slack = 1e-9 if 0.03 < turned < 0.999 else 0.02 * (length + width + 4.0 * clearance)
+        assert right >= lowest - slack
+        assert left <= highest + slack

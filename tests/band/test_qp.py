@@ -1,4 +1,4 @@
-"""The smoothest band against an independent dense solve, its limits, and outcomes without a solution."""
+"""Smoothing QP against an independent dense solve, its limits and its failures."""
 
 import math
 from importlib.util import find_spec
@@ -35,8 +35,8 @@ def linear_curvature(u: np.ndarray, h: float, kappa: np.ndarray) -> np.ndarray:
     return kappa + kappa**2 * u + np.diff(np.pad(u, 1), 2) / h**2
 
 
-def least_distance(problem: dict[str, Any]) -> np.ndarray | None:
-    """Solve the same problem by Lawson and Hanson's least distance programming; None if infeasible."""
+def solve_by_nnls(problem: dict[str, Any]) -> np.ndarray | None:
+    """Solve the problem by Lawson and Hanson's reduction to NNLS; None if infeasible."""
     h, kappa = problem["spacing"], problem["route_curvature"]
     n = len(kappa)
     inner = np.eye(n)[:, 2:-2]
@@ -45,7 +45,7 @@ def least_distance(problem: dict[str, Any]) -> np.ndarray | None:
     first, second = problem.get("weights", (0.0, 1.0))
     R = np.linalg.qr(np.vstack((math.sqrt(first) * curvature, math.sqrt(second) * change)), mode="r")
     before = np.diff(np.pad(kappa, 1, mode="edge")) / h
-    rows, least = [inner, -inner], [problem["lower"], -problem["upper"]]
+    rows, bounds = [inner, -inner], [problem["lower"], -problem["upper"]]
     for matrix, offset, name in (
         (curvature, kappa, "curvature_limit"),
         (change, before, "curvature_rate_limit"),
@@ -53,8 +53,8 @@ def least_distance(problem: dict[str, Any]) -> np.ndarray | None:
         limit = problem.get(name, math.inf)
         if limit < math.inf:
             rows += [matrix, -matrix]
-            least += [-limit - offset, offset - limit]
-    G, bound = np.vstack(rows), np.concatenate(least)
+            bounds += [-limit - offset, offset - limit]
+    G, bound = np.vstack(rows), np.concatenate(bounds)
     size = np.abs(G).max(axis=1)
     keep = (size > 0.0) & np.isfinite(bound)
     G, bound = G[keep] / size[keep, None], bound[keep] / size[keep]
@@ -80,8 +80,8 @@ PROBLEMS = [
 
 @both
 @pytest.mark.parametrize("problem", PROBLEMS)
-def test_optimum_against_least_distance_programming(problem: dict[str, Any], solver: Any) -> None:
-    expected = least_distance(problem)
+def test_optimum_equals_nnls_solution(problem: dict[str, Any], solver: Any) -> None:
+    expected = solve_by_nnls(problem)
     assert expected is not None
     band = solve_smoothing_qp(**problem, solver=solver)
     assert band.solved, band.message
@@ -89,27 +89,27 @@ def test_optimum_against_least_distance_programming(problem: dict[str, Any], sol
 
 
 @both
-def test_nothing_in_the_way_is_no_displacement(solver: Any) -> None:
+def test_free_route_has_zero_displacement(solver: Any) -> None:
     band = solve_smoothing_qp(**passing(100, at=-4.0, curvature_limit=0.1), solver=solver)
     assert band.solved
     np.testing.assert_allclose(band.u, 0.0, atol=1e-6)
 
 
-def test_limits_bind() -> None:
+def test_limits_are_reached() -> None:
     free = solve_smoothing_qp(**passing(100, at=2.5)).u
     kappa = np.zeros(100)
     peak = np.abs(linear_curvature(free, 1.0, kappa)).max()
     rate = np.abs(np.diff(np.pad(free, 2), 3)).max()
-    bent = solve_smoothing_qp(**passing(100, at=2.5, curvature_limit=0.9 * peak)).u
-    assert np.abs(linear_curvature(bent, 1.0, kappa)).max() == pytest.approx(0.9 * peak, abs=1e-8)
-    bent = solve_smoothing_qp(**passing(100, at=2.5, curvature_rate_limit=0.9 * rate)).u
-    assert np.abs(np.diff(np.pad(bent, 2), 3)).max() == pytest.approx(0.9 * rate, abs=1e-8)
+    limited = solve_smoothing_qp(**passing(100, at=2.5, curvature_limit=0.9 * peak)).u
+    assert np.abs(linear_curvature(limited, 1.0, kappa)).max() == pytest.approx(0.9 * peak, abs=1e-8)
+    limited = solve_smoothing_qp(**passing(100, at=2.5, curvature_rate_limit=0.9 * rate)).u
+    assert np.abs(np.diff(np.pad(limited, 2), 3)).max() == pytest.approx(0.9 * rate, abs=1e-8)
     per_node = np.where(np.arange(100) < 50, 0.9 * peak, math.inf)
-    bent = solve_smoothing_qp(**passing(100, at=2.5, curvature_limit=per_node)).u
-    assert np.abs(linear_curvature(bent, 1.0, kappa))[:50].max() <= 0.9 * peak + 1e-8
+    limited = solve_smoothing_qp(**passing(100, at=2.5, curvature_limit=per_node)).u
+    assert np.abs(linear_curvature(limited, 1.0, kappa))[:50].max() <= 0.9 * peak + 1e-8
 
 
-def test_rate_counts_the_route_s_own_change() -> None:
+def test_curvature_rate_includes_route() -> None:
     problem = passing(60, at=-4.0)
     problem["route_curvature"] = 0.02 * np.sin(np.linspace(0.0, 2.0 * np.pi, 60))
     rate = np.abs(np.diff(problem["route_curvature"])).max()
@@ -122,7 +122,7 @@ def test_rate_counts_the_route_s_own_change() -> None:
 
 
 @both
-def test_solver_s_word_is_checked_by_the_kkt_conditions(solver: Any) -> None:
+def test_solution_satisfies_kkt_conditions(solver: Any) -> None:
     band = solve_smoothing_qp(
         **passing(100, at=2.5, curvature_limit=0.01, curvature_rate_limit=0.02), solver=solver
     )
@@ -145,16 +145,16 @@ def test_solver_s_word_is_checked_by_the_kkt_conditions(solver: Any) -> None:
         passing(60, kappa=0.1, curvature_limit=0.05),
     ],
 )
-def test_infeasible_is_an_outcome(problem: dict[str, Any], solver: Any) -> None:
+def test_infeasible_problem_is_reported(problem: dict[str, Any], solver: Any) -> None:
     band = solve_smoothing_qp(**problem, solver=solver)
     assert not band.solved
-    assert "room" in band.message or "no band within" in band.message
+    assert "no feasible displacement" in band.message or "no band within" in band.message
     assert band.gap == band.dual_residual == band.primal_residual == math.inf
     np.testing.assert_array_equal(band.u, 0.0)
 
 
 @both
-def test_out_of_iterations_is_an_outcome(solver: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_iteration_limit_is_reported(solver: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(quadratic._SETTINGS[solver], "max_iter", 3)
     band = solve_smoothing_qp(**passing(60), solver=solver)
     assert not band.solved
@@ -162,17 +162,17 @@ def test_out_of_iterations_is_an_outcome(solver: Any, monkeypatch: pytest.Monkey
     np.testing.assert_array_equal(band.u, 0.0)
 
 
-def test_warm_start_takes_no_more_iterations() -> None:
-    yesterday = solve_smoothing_qp(**passing(100, at=2.5)).u
+def test_warm_start_needs_no_more_iterations() -> None:
+    previous = solve_smoothing_qp(**passing(100, at=2.5)).u
     cold = solve_smoothing_qp(**passing(100, at=2.55), solver="osqp")
-    warm = solve_smoothing_qp(**passing(100, at=2.55), solver="osqp", start=yesterday)
+    warm = solve_smoothing_qp(**passing(100, at=2.55), solver="osqp", start=previous)
     assert cold.solved
     assert warm.solved
     assert warm.iterations <= cold.iterations
     np.testing.assert_allclose(warm.u, cold.u, rtol=0.0, atol=1e-4)
 
 
-def test_correction_makes_the_true_curvature_keep_the_limit() -> None:
+def test_curvature_error_corrects_true_curvature() -> None:
     n, kappa, limit = 121, 0.02, 0.023
     error: float | np.ndarray = 0.0
     over = []
@@ -200,7 +200,7 @@ def test_correction_makes_the_true_curvature_keep_the_limit() -> None:
     st.sampled_from([0.05, 0.2, math.inf]),
     st.sampled_from([0.01, math.inf]),
 )
-def test_every_outcome_is_finite_and_keeps_what_it_says(
+def test_result_is_finite_and_within_its_bounds(
     n: int, h: float, at: float, kappa: float, limit: float, rate: float
 ) -> None:
     problem = passing(n, h=h, at=at, kappa=kappa, curvature_limit=limit, curvature_rate_limit=rate)
@@ -214,10 +214,10 @@ def test_every_outcome_is_finite_and_keeps_what_it_says(
         assert np.abs(curvature).max() <= limit + 1e-6
         assert np.abs(np.diff(np.pad(curvature, 1, constant_values=kappa))).max() <= rate * h + 1e-6
     else:
-        assert "no band within" in band.message or "room" in band.message, band.message
+        assert "no band within" in band.message or "no feasible" in band.message, band.message
 
 
-def test_misuse_and_absence_raise(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_invalid_or_missing_solver_raises(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match="solver must be"):
         solve_smoothing_qp(**passing(10), solver="simplex")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="finite"):

@@ -1,4 +1,4 @@
-"""Bands around obstacles in the plainest scenes, and misuse."""
+"""Bands around obstacles in plain scenes, and invalid arguments."""
 
 import math
 
@@ -26,12 +26,12 @@ GOOD = boxes(75.0, 0.0, 0.0, 4.5, 1.8)
 each_side = pytest.mark.parametrize(("side", "sign"), [("left", 1.0), ("right", -1.0)])
 
 
-# --- without obstacles in the way -----------------------------------------------------------------------
+# --- without blocking obstacles -----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("route", [straight(), bend(), bend(-80.0)])
 @pytest.mark.parametrize("side", [None, "left", "right", []])
-def test_route_is_untouched_without_obstacles(route: np.ndarray, side: object) -> None:
+def test_route_without_obstacles_is_unchanged(route: np.ndarray, side: object) -> None:
     band = relax_band(route, side=side, vehicle=CAR)  # type: ignore[arg-type]
     np.testing.assert_array_equal(band.nodes, route)
     np.testing.assert_array_equal(band.displacement, 0.0)
@@ -46,26 +46,26 @@ def test_route_is_untouched_without_obstacles(route: np.ndarray, side: object) -
 
 @pytest.mark.parametrize("d", [4.0, -4.0])
 @pytest.mark.parametrize("side", [None, "left", "right"])
-def test_route_is_untouched_by_an_obstacle_far_enough_beside_it(d: float, side: str | None) -> None:
+def test_distant_obstacle_leaves_route_unchanged(d: float, side: str | None) -> None:
     band = relax(scene(straight(), [boxes(75.0, d, 0.0, 4.5, 1.8)]), side=side)
     np.testing.assert_array_equal(band.displacement, 0.0)
     assert band.clearance == pytest.approx(4.0 - 0.9 - 0.5 * CAR.width, abs=1e-12)
     assert band.sides == ("right" if d > 0.0 else "left",)
 
 
-def test_curvature_is_that_of_the_circle() -> None:
+def test_curvature_of_circle() -> None:
     assert relax(scene(bend(200.0), [])).curvature == pytest.approx(1 / 200.0, rel=1e-4)
     assert relax(scene(straight(), [])).curvature == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("h", [0.5, 1.0, 2.0])
-def test_curvature_is_that_of_the_driven_curve(h: float) -> None:
+def test_curvature_equals_that_of_path(h: float) -> None:
     for route in (straight(150.0, h), bend(100.0, 150.0, h)):
         band = relax(scene(route, [on(route, len(route) // 2, 0.2)]))
         assert band.curvature == pytest.approx(peak_curvature(band.nodes), rel=0.02)
 
 
-def test_no_corridor_is_the_same_as_a_wide_one() -> None:
+def test_wide_corridor_equals_none() -> None:
     for side in ("left", None):
         wide, none = (
             relax_band(straight(), [GOOD], side=side, vehicle=CAR, corridor=corridor)  # type: ignore[arg-type]
@@ -81,7 +81,7 @@ def test_no_corridor_is_the_same_as_a_wide_one() -> None:
 @pytest.mark.parametrize("route", [straight(), bend(), bend(-150.0)])
 @each_side
 @pytest.mark.parametrize("d", [0.0, 0.7, -0.7])
-def test_obstacle_in_the_way_is_passed_on_the_chosen_side(
+def test_blocking_obstacle_is_passed_on_given_side(
     route: np.ndarray, side: str, sign: float, d: float
 ) -> None:
     case = scene(route, [on(route, 75, d)])
@@ -90,11 +90,11 @@ def test_obstacle_in_the_way_is_passed_on_the_chosen_side(
     assert band.status is Status.OK
     assert band.side == side
     assert sign * band.displacement[75] >= need - 0.02
-    assert (sign * band.displacement).max() <= need + 0.5  # and no farther than useful
+    assert (sign * band.displacement).max() <= need + 0.5  # and little more
     assert_certified(band, case)
 
 
-def test_one_box_and_the_same_box_at_each_node_are_the_same() -> None:
+def test_constant_box_equals_box_per_node() -> None:
     route, o = straight(), boxes(70.0, 0.4, 0.1, 4.5, 1.8)
     full = Boxes(*(np.full(151, float(v)) for v in (o.x, o.y, o.psi, o.length, o.width)))
     a, b = (relax(scene(route, [each]), side="left") for each in (o, full))
@@ -102,15 +102,15 @@ def test_one_box_and_the_same_box_at_each_node_are_the_same() -> None:
 
 
 @pytest.mark.parametrize("lead", [0.0, 20.0])
-def test_lead_widens_the_stretch_before_the_obstacle(lead: float) -> None:
+def test_lead_distance_widens_the_displaced_stretch(lead: float) -> None:
     case = scene(straight(200.0), [boxes(110.0, 0.0, 0.0, 4.5, 1.8)])
     band = relax(case, side="left", lead_distance=lead)
-    beside = 110.0 - 2.25 - 0.5 * CAR.length - 1.0 - lead
+    displaced_from = 110.0 - 2.25 - 0.5 * CAR.length - 1.0 - lead
     need = 0.9 + 1.0 + 0.5 * CAR.width
-    assert band.displacement[math.ceil(beside)] >= need - 0.1
+    assert band.displacement[math.ceil(displaced_from)] >= need - 0.1
     if lead:
         short = relax(case, side="left")
-        assert short.displacement[math.ceil(beside)] < need - 0.3
+        assert short.displacement[math.ceil(displaced_from)] < need - 0.3
         np.testing.assert_allclose(band.displacement[130:], short.displacement[130:], atol=0.6)
 
 
@@ -119,23 +119,23 @@ def test_lead_widens_the_stretch_before_the_obstacle(lead: float) -> None:
 
 @pytest.mark.parametrize("route", [straight(), bend(60.0), bend(-60.0)])
 @each_side
-def test_edges_bound_the_whole_body(route: np.ndarray, side: str, sign: float) -> None:
-    """Corners stick out of a turned body: with little room the band is held by them, not by its middle."""
+def test_edges_bound_the_corners_of_the_body(route: np.ndarray, side: str, sign: float) -> None:
+    """Corners of a rotated body protrude: in a narrow corridor they limit the band."""
     need = 0.3 + 0.9 + 1.0 + CAR.width  # to the far side of the body
-    for spare in (0.15, 0.3, 0.6):
-        edges = (-20.0, need + spare) if sign > 0.0 else (-need - spare, 20.0)
+    for slack in (0.15, 0.3, 0.6):
+        edges = (-20.0, need + slack) if sign > 0.0 else (-need - slack, 20.0)
         case = scene(route, [on(route, 75, 0.3 * sign)], corridor=edges)
         band = relax(case, side=side)
         assert_certified(band, case)
-        if spare > 0.2:
+        if slack > 0.2:
             assert band.ok, band.message
             assert band.edge_clearance >= -1e-9
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_narrow_corridor_is_kept_or_refused(seed: int) -> None:
+def test_narrow_corridor_is_satisfied_or_infeasible(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    edge = rng.uniform(3.3, 3.8)  # the body needs 3.51 m at most, and some more where it turns
+    edge = rng.uniform(3.3, 3.8)  # the body needs up to 3.51 m, more where it rotates
     case = scene(
         straight(),
         [boxes(75.0, rng.uniform(-0.3, 0.0), 0.0, rng.uniform(2.0, 10.0), 1.8)],
@@ -146,7 +146,7 @@ def test_narrow_corridor_is_kept_or_refused(seed: int) -> None:
     assert band.ok or edge < 3.51 + 0.25
 
 
-def test_edge_that_draws_in_pushes_the_band() -> None:
+def test_narrowing_edge_displaces_band() -> None:
     x = straight()[:, 0]
     right = np.interp(x, (60.0, 70.0, 80.0, 90.0), (-3.0, 0.0, 0.0, -3.0))
     case = scene(straight(), [], corridor=(right, 6.0))
@@ -161,9 +161,7 @@ def test_edge_that_draws_in_pushes_the_band() -> None:
 
 
 @each_side
-def test_internal_forces_vanish_where_the_band_is_free_and_push_one_way_elsewhere(
-    side: str, sign: float
-) -> None:
+def test_internal_forces_act_at_contacts_only(side: str, sign: float) -> None:
     route = straight()
     band = relax(scene(route, [boxes(75.0, 0.3, 0.1, 4.5, 1.8)]), side=side)
     forces = sign * dense_stiffness(SOFT, 1.0, len(route)) @ band.displacement[2:-2]
@@ -175,7 +173,7 @@ def test_internal_forces_vanish_where_the_band_is_free_and_push_one_way_elsewher
 
 
 @pytest.mark.parametrize("stiffness", [SOFT, BandStiffness(k_s=1e-3, k_b=0.05, k_c=0.5, k_e=1e-2)])
-def test_residual_says_that_it_is_an_equilibrium(stiffness: BandStiffness) -> None:
+def test_residual_of_equilibrium_is_zero(stiffness: BandStiffness) -> None:
     case = scene(straight(), [GOOD, boxes(110.0, 1.0, 0.1, 4.5, 1.8)])
     band = relax(case, side="left", stiffness=stiffness)
     assert band.ok, band.message
@@ -183,14 +181,14 @@ def test_residual_says_that_it_is_an_equilibrium(stiffness: BandStiffness) -> No
     assert 1 <= band.n_solves <= 60
 
 
-def test_a_handful_of_solves() -> None:
+def test_number_of_solves_is_small() -> None:
     solves = [
         relax(scene(straight(), [boxes(75.0, d, 0.1, 4.5, 1.8)])).n_solves for d in np.linspace(-2, 2, 21)
     ]
     assert np.median(solves) <= 12
 
 
-def test_result_is_read_only_and_input_untouched() -> None:
+def test_result_is_read_only_and_input_unchanged() -> None:
     route = straight()
     before = route.copy()
     band = relax_band(route, [GOOD], side="left", vehicle=CAR)
@@ -200,13 +198,12 @@ def test_result_is_read_only_and_input_untouched() -> None:
             array[0] = 1.0
 
 
-def test_repr_says_what_matters() -> None:
+def test_repr() -> None:
     case: Case = scene(straight(), [GOOD])
-    words = repr(relax(case, side="left"))
-    assert words.startswith("Band(OK, 151 nodes, swerves left by 2.")
+    assert repr(relax(case, side="left")).startswith("Band(OK, 151 nodes, left by 2.")
 
 
-# --- misuse ---------------------------------------------------------------------------------------------
+# --- invalid arguments ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -254,7 +251,7 @@ def test_repr_says_what_matters() -> None:
         ({"vehicle": None}, "^vehicle must"),
     ],
 )  # fmt: skip
-def test_bad_input(changes: dict, words: str) -> None:
+def test_invalid_argument_raises(changes: dict, words: str) -> None:
     good = {"nodes": straight(), "obstacles": [GOOD], "vehicle": CAR}
     with pytest.raises(InputError, match=words):
         relax_band(**{**good, **changes})

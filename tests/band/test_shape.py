@@ -24,7 +24,7 @@ def heading(nodes: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("d", [0.0, -1.0, -1.5])
 @pytest.mark.parametrize("shift", [0.0, 0.37])
 @pytest.mark.parametrize("psi", [0.0, 0.05])
-def test_peak_does_not_depend_on_the_mesh(d: float, shift: float, psi: float) -> None:
+def test_peak_is_mesh_independent(d: float, shift: float, psi: float) -> None:
     peaks, midway = [], []
     for h in MESHES:
         route = straight(160.0, h)
@@ -37,7 +37,7 @@ def test_peak_does_not_depend_on_the_mesh(d: float, shift: float, psi: float) ->
 
 
 @pytest.mark.parametrize("radius", [100.0, -150.0])
-def test_peak_does_not_depend_on_the_mesh_on_a_bend(radius: float) -> None:
+def test_peak_is_mesh_independent_on_curve(radius: float) -> None:
     peaks = []
     for h in MESHES:
         route = bend(radius, 160.0, h)
@@ -54,7 +54,7 @@ OFFSETS = np.linspace(-2.0, 2.0, 161)
 
 @pytest.mark.parametrize("h", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize(("side", "sign"), [("left", 1.0), ("right", -1.0)])
-def test_peak_grows_with_the_offset_toward_the_side(side: str, sign: float, h: float) -> None:
+def test_peak_grows_with_offset_toward_given_side(side: str, sign: float, h: float) -> None:
     """Steadily, without a dead zone or a jump at 0."""
     route = straight(150.0, h)
     bands = [relax(scene(route, [boxes(75.0, d, 0.0, 4.5, 1.8)]), side=side) for d in OFFSETS]
@@ -68,7 +68,7 @@ def test_peak_grows_with_the_offset_toward_the_side(side: str, sign: float, h: f
     assert peaks[80] == pytest.approx(0.9 + 1.0 + 0.5 * CAR.width, abs=0.06)
 
 
-def test_peak_without_a_side_falls_with_the_offset_on_each_side() -> None:
+def test_peak_on_chosen_side_falls_with_offset() -> None:
     """Passed on the nearer side, always far enough: least where the obstacle is farthest off."""
     route = straight()
     bands = [relax(scene(route, [boxes(75.0, d, 0.0, 4.5, 1.8)])) for d in OFFSETS]
@@ -93,7 +93,7 @@ def test_peak_without_a_side_falls_with_the_offset_on_each_side() -> None:
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("side", ["left", "right"])
-def test_heading_and_curvature_do_not_jump_at_the_pins(route: np.ndarray, side: str) -> None:
+def test_heading_and_curvature_are_continuous_at_pins(route: np.ndarray, side: str) -> None:
     """Measured on the curve that is driven, against the route's own at the pins."""
     band = relax(scene(route, [on(route, len(route) // 2, 0.3)]), side=side)
     assert band.ok, band.message
@@ -114,7 +114,7 @@ def test_heading_and_curvature_do_not_jump_at_the_pins(route: np.ndarray, side: 
 
 @pytest.mark.parametrize("h", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("radius", [60.0, -100.0, 300.0])
-def test_driven_curve_begins_and_ends_along_a_bend(radius: float, h: float) -> None:
+def test_path_begins_and_ends_along_curved_route(radius: float, h: float) -> None:
     """Along the circle itself, not along the first chord of the nodes; no kink of curvature either."""
     route = bend(radius, 150.0, h)
     for obstacles in ([], [on(route, len(route) // 2, 0.3)]):
@@ -128,7 +128,7 @@ def test_driven_curve_begins_and_ends_along_a_bend(radius: float, h: float) -> N
         assert band.curvature == pytest.approx(np.abs(path.curvature(path.breaks)).max(), rel=0.02)
 
 
-def test_pins_are_flat_in_slope_and_curvature_as_the_mesh_gets_finer() -> None:
+def test_pins_are_flat_in_slope_and_curvature() -> None:
     """u(h) ~ h^3 at a pin: displacement, heading change and curvature change are zero there."""
     first, bent = [], []
     for h in (1.0, 0.5):
@@ -175,7 +175,7 @@ def test_mirror_invariance(h: float, radius: float | None, share: float, d: floa
 
 
 @pytest.mark.parametrize("d", [-1.1, -0.2, 0.3, 1.7])
-def test_mirror_invariance_of_the_chosen_side(d: float) -> None:
+def test_chosen_side_is_mirror_invariant(d: float) -> None:
     route = bend(200.0)
     obstacles = [on(route, 50, d, 0.1), on(route, 100, -0.7 * d, -0.05)]
     band = relax(scene(route, obstacles))
@@ -207,7 +207,7 @@ def test_rotation_invariance(radius: float | None, h: float, turn: float) -> Non
 # --- meaning of the stiffness ---------------------------------------------------------------------------
 
 
-def test_quintic_lane_change_of_the_docstring() -> None:
+def test_curvature_rate_stiffness_gives_quintic() -> None:
     """k_c alone between a stretch held at 0 and one held at w: peak curvature 5.7735 w / L^2."""
     w, length, h = 3.5, 100.0, 0.5
     x = np.arange(0.0, 300.0 + h / 2, h)
@@ -224,7 +224,7 @@ def test_quintic_lane_change_of_the_docstring() -> None:
     assert np.abs(curvature).max() == pytest.approx(5.7735 * w / length**2, rel=0.05)
 
 
-def test_tension_makes_free_spans_straight_and_so_longer() -> None:
+def test_tension_widens_the_deformed_span() -> None:
     route, o = straight(200.0), [boxes(100.0, 0.0, 0.0, 4.5, 1.8)]
     widths = [
         (

@@ -1,4 +1,4 @@
-"""Bands smoothed by quadratic programming: hard limits, and what stands where that fails."""
+"""Bands smoothed by quadratic programming: hard limits, and the result of a failure."""
 
 import math
 from importlib.util import find_spec
@@ -25,29 +25,27 @@ def rate(band: Band) -> float:
 
 
 def roughness(band: Band) -> float:
-    """What is minimized: change of curvature by the displacement, squared and summed."""
+    """Cost: squared change of curvature by the displacement, summed."""
     return float((np.diff(np.pad(band.displacement, 2), 3) ** 2).sum()) / band.spacing**5
 
 
-def one(d: float = 0.3, route: np.ndarray | None = None, **asked: Any) -> Case:
+def one(d: float = 0.3, route: np.ndarray | None = None, **problem: Any) -> Case:
     nodes = straight() if route is None else route
-    return scene(nodes, [on(nodes, len(nodes) // 2, d, 0.05)], **asked)
+    return scene(nodes, [on(nodes, len(nodes) // 2, d, 0.05)], **problem)
 
 
 @both
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize("route", [straight(), bend(150.0), straight(160.0, 2.0), straight(100.0, 0.5)])
-def test_smoother_and_everything_kept(solver: Any, side: str, route: np.ndarray) -> None:
-    asked = one(route=route)
-    band = relax(asked, side=side)
+def test_smoothed_band_is_smoother_and_certified(solver: Any, side: str, route: np.ndarray) -> None:
+    problem = one(route=route)
+    band = relax(problem, side=side)
     smooth = smooth_band(band, solver=solver)
     assert smooth.status is Status.OK, smooth.message
-    assert_certified(smooth, asked)
+    assert_certified(smooth, problem)
     assert smooth.sides == band.sides
-    farther = (
-        np.abs(smooth.displacement).max() / np.abs(band.displacement).max()
-    )  # contact gives way a little
-    assert roughness(smooth) < farther**2 * roughness(band)
+    ratio = np.abs(smooth.displacement).max() / np.abs(band.displacement).max()  # contacts yield a little
+    assert roughness(smooth) < ratio**2 * roughness(band)
     np.testing.assert_array_equal(smooth.displacement[[0, -1]], 0.0)
     assert smooth.qp_residual is not None
     assert smooth.qp_residual < 1e-3
@@ -56,89 +54,90 @@ def test_smoother_and_everything_kept(solver: Any, side: str, route: np.ndarray)
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
 @pytest.mark.parametrize("seed", range(5))
-def test_random_cases_keep_what_they_say(count: int, seed: int) -> None:
-    asked = case(np.random.default_rng([9, count, seed]), count)
-    band = relax(asked)
+def test_smoothed_random_cases_are_certified(count: int, seed: int) -> None:
+    problem = case(np.random.default_rng([9, count, seed]), count)
+    band = relax(problem)
     smooth = smooth_band(band)
     if not smooth.ok:
         np.testing.assert_array_equal(smooth.nodes, band.nodes)
         return
-    assert_certified(smooth, asked)
-    assert smooth.clearance >= asked.clearance - 1e-9
+    assert_certified(smooth, problem)
+    assert smooth.clearance >= problem.clearance - 1e-9
     assert (smooth.passes_left == band.passes_left).all()
 
 
 def test_moving_obstacle() -> None:
     route = straight(200.0)
-    asked = scene(route, [moving(route, 60.0, (60.0, 0.0), (0.5, 0.0))])
-    smooth = smooth_band(relax(asked, side="left"))
+    problem = scene(route, [moving(route, 60.0, (60.0, 0.0), (0.5, 0.0))])
+    smooth = smooth_band(relax(problem, side="left"))
     assert smooth.status is Status.OK, smooth.message
-    assert_certified(smooth, asked)
+    assert_certified(smooth, problem)
 
 
 @both
-def test_curvature_rate_is_bounded_hard(solver: Any) -> None:
+def test_curvature_rate_limit_is_satisfied(solver: Any) -> None:
     band = relax(one(), side="left")
     free = smooth_band(band, solver=solver)
     steepest = float(np.abs(np.diff(np.pad(free.displacement, 2), 3)).max())  # at the pins
-    for share in (0.95, 0.8):
-        asked = share * steepest
-        smooth = smooth_band(band, curvature_rate_limit=asked, solver=solver)
-        if share == 0.95:
+    for fraction in (0.95, 0.8):
+        problem = fraction * steepest
+        smooth = smooth_band(band, curvature_rate_limit=problem, solver=solver)
+        if fraction == 0.95:
             assert smooth.status is Status.OK, smooth.message
         if smooth.ok:
-            assert rate(smooth) <= 1.02 * asked
+            assert rate(smooth) <= 1.02 * problem
             assert_certified(smooth, one())
         else:
             assert smooth.status is Status.DEGRADED
 
 
-def test_route_that_changes_its_curvature_too_fast() -> None:
-    """The route's own changes count, and the displacement may take them back."""
+def test_rate_limit_includes_changes_of_route() -> None:
+    """The limit holds for route and displacement together."""
     s = np.arange(151.0)
     psi = np.cumsum(0.01 * np.cos(s / 15.0))
     route = np.cumsum(np.column_stack((np.cos(psi), np.sin(psi))), axis=0)
     band = relax(scene(route, []))
-    own = rate(band)
-    np.testing.assert_allclose(smooth_band(band, curvature_rate_limit=1.2 * own).displacement, 0.0, atol=1e-5)
-    smooth = smooth_band(band, curvature_rate_limit=0.9 * own)
+    route_rate = rate(band)
+    np.testing.assert_allclose(
+        smooth_band(band, curvature_rate_limit=1.2 * route_rate).displacement, 0.0, atol=1e-5
+    )
+    smooth = smooth_band(band, curvature_rate_limit=0.9 * route_rate)
     assert smooth.ok, smooth.message
-    assert rate(smooth) <= 0.92 * own
+    assert rate(smooth) <= 0.92 * route_rate
 
 
-def test_curvature_limit_that_the_band_alone_misses() -> None:
-    """A band that bends too much is smoothed into one that does not."""
+def test_smoothing_meets_limit_that_band_exceeds() -> None:
     free = smooth_band(relax(one(), side="left"))
     band = relax(one(), side="left", stiffness=None)
     limit = 1.02 * free.curvature
-    asked = one(curvature_limit=limit)
-    smooth = smooth_band(relax(asked, side="left"))
+    problem = one(curvature_limit=limit)
+    smooth = smooth_band(relax(problem, side="left"))
     assert smooth.status is Status.OK, smooth.message
     assert smooth.curvature <= limit
     assert band.curvature > limit
-    assert_certified(smooth, asked)
+    assert_certified(smooth, problem)
 
 
 @both
-def test_fallback_keeps_the_band(solver: Any) -> None:
+def test_failed_smoothing_returns_given_band(solver: Any) -> None:
     band = relax(one(), side="left")
-    stands = smooth_band(band, curvature_rate_limit=1e-5, solver=solver)
-    assert stands.status is Status.DEGRADED
-    assert not stands.ok
-    assert "not smoothed" in stands.message
-    assert stands.qp_residual is None
+    result = smooth_band(band, curvature_rate_limit=1e-5, solver=solver)
+    assert result.status is Status.DEGRADED
+    assert not result.ok
+    assert "not smoothed" in result.message
+    assert result.qp_residual is None
     for name in ("nodes", "displacement", "lower", "upper", "passes_left"):
-        np.testing.assert_array_equal(getattr(stands, name), getattr(band, name))
+        np.testing.assert_array_equal(getattr(result, name), getattr(band, name))
     for name in ("clearance", "edge_clearance", "curvature", "active_constraint", "sides"):
-        assert getattr(stands, name) == getattr(band, name)
+        assert getattr(result, name) == getattr(band, name)
 
 
-def test_infeasible_stays_infeasible() -> None:
+def test_infeasible_band_stays_infeasible() -> None:
     band = relax(one(corridor=(-2.0, 2.0)))
-    stands = smooth_band(band)
-    assert stands.status is band.status is Status.INFEASIBLE
-    assert band.message in stands.message
-    np.testing.assert_array_equal(stands.nodes, band.nodes)
+    result = smooth_band(band)
+    assert result.status is band.status is Status.INFEASIBLE
+    assert band.message in result.message
+    np.testing.assert_array_equal(result.nodes, band.nodes)
 
 
 @pytest.mark.parametrize("d", [-0.5, 0.0, 0.8])
@@ -151,8 +150,8 @@ def test_solvers_agree(d: float, route: np.ndarray) -> None:
     np.testing.assert_allclose(other.displacement, first.displacement, rtol=0.0, atol=2e-3)
 
 
-def test_weights() -> None:
-    """More weight on curvature against its change: less of it altogether, but less evenly."""
+def test_weights_trade_curvature_for_its_rate() -> None:
+    """More weight on curvature: less of it in total, but more change."""
     band = relax(one(), side="left")
     even, flat = smooth_band(band), smooth_band(band, weights=(1.0, 0.0))
     assert even.ok
@@ -175,13 +174,13 @@ def test_mirror_invariance() -> None:
     assert right.status is left.status is Status.OK
 
 
-def test_nothing_in_the_way_is_no_displacement() -> None:
+def test_free_route_has_zero_displacement() -> None:
     smooth = smooth_band(relax(scene(bend(200.0), [])))
     assert smooth.status is Status.OK
     np.testing.assert_allclose(smooth.displacement, 0.0, atol=1e-6)
 
 
-def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_extra_raises(monkeypatch: pytest.MonkeyPatch) -> None:
     band = relax(one())
     monkeypatch.setattr(
         "cca_core._optional.find_spec", lambda name: None if name == "qpsolvers" else find_spec(name)
@@ -203,19 +202,19 @@ def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
         ({"weights": 1.0}, "^weights must"),
     ],
 )
-def test_bad_input(changes: dict, words: str) -> None:
+def test_invalid_argument_raises(changes: dict, words: str) -> None:
     arguments = {"band": relax(one()), **changes}
     with pytest.raises(InputError, match=words):
         smooth_band(arguments.pop("band"), **arguments)
 
 
-def test_many_bands_are_refused() -> None:
+def test_smoothing_a_batch_raises() -> None:
     many = relax_band(np.array([straight(), bend()]), vehicle=CAR)
     with pytest.raises(InputError, match=r"^band must be a single band"):
         smooth_band(many)
 
 
-def test_says_in_words_that_no_band_is_smooth_enough() -> None:
-    stands = smooth_band(relax(one(), side="left"), curvature_rate_limit=1e-9)
-    assert stands.status is Status.DEGRADED
-    assert stands.message.startswith("not smoothed (no band within these bounds); ")
+def test_infeasible_smoothing_message() -> None:
+    result = smooth_band(relax(one(), side="left"), curvature_rate_limit=1e-9)
+    assert result.status is Status.DEGRADED
+    assert result.message.startswith("not smoothed (no band within these bounds); ")

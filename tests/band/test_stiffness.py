@@ -46,7 +46,7 @@ def test_eigenvalues_of_k(n: int) -> None:
 
 
 @given(sizes, st.integers(0, 1000), st.floats(0.01, 1e4))
-def test_eq_9_against_a_dense_solve(n: int, seed: int, k_s: float) -> None:
+def test_eq_9_equals_dense_solve(n: int, seed: int, k_s: float) -> None:
     F = random_rows(n, seed)
     u = displacement(F, k_s=k_s)
     dense = np.linalg.solve(stiffness_matrix(n), F[1:-1] / k_s)
@@ -70,7 +70,7 @@ def test_eqs_3_4_5_7_agree(n: int, seed: int, k_s: float) -> None:
     np.testing.assert_allclose(back, u, rtol=0.0, atol=1e-10)
 
 
-def test_eq_9_mid_load_is_a_triangle() -> None:
+def test_eq_9_mid_load_gives_triangle() -> None:
     """A unit force at the middle of 2 m + 1 springs lifts it by m / 2 and leaves straight sides."""
     n = 21
     F = np.zeros((n, 2))
@@ -80,14 +80,14 @@ def test_eq_9_mid_load_is_a_triangle() -> None:
     np.testing.assert_array_equal(u[:, 0], 0.0)
 
 
-def test_forces_at_the_pins_do_not_matter() -> None:
+def test_forces_at_pins_have_no_effect() -> None:
     F = random_rows(12, 3)
     G = F.copy()
     G[[0, -1]] = 1e6
     np.testing.assert_array_equal(displacement(F, k_s=2.0), displacement(G, k_s=2.0))
 
 
-def test_no_force_no_displacement_and_eq_10() -> None:
+def test_eqs_9_and_10_without_force() -> None:
     nodes = random_rows(9, 1)
     u = displacement(np.zeros((9, 2)), k_s=1.0)
     np.testing.assert_array_equal(deformed(nodes, u), nodes)
@@ -101,7 +101,7 @@ def test_three_nodes() -> None:
 
 
 @pytest.mark.parametrize("n", [2, 0, -5, math.nan, None, 3.7])
-def test_bad_size(n: object) -> None:
+def test_invalid_size_raises(n: object) -> None:
     with pytest.raises(InputError, match=r"^n must be"):
         stiffness_matrix(n)  # type: ignore[arg-type]
 
@@ -119,7 +119,7 @@ def test_bad_size(n: object) -> None:
         (np.zeros((5, 2)), math.nan, "^k_s must be finite"),
     ],
 )
-def test_bad_rows(function: object, rows: object, k_s: float, words: str) -> None:
+def test_invalid_rows_raise(function: object, rows: object, k_s: float, words: str) -> None:
     with pytest.raises(InputError, match=words):
         function(rows, k_s=k_s)  # type: ignore[operator]
 
@@ -129,7 +129,7 @@ def test_balancing_force_needs_an_inner_node() -> None:
         balancing_force(np.zeros((2, 2)), k_s=1.0)
 
 
-def test_deformed_refuses_shapes_that_differ() -> None:
+def test_deformed_with_other_shape_raises() -> None:
     with pytest.raises(InputError, match=r"^u must have shape \(3, 2\), had \(2, 2\)"):
         deformed(np.zeros((3, 2)), np.zeros((2, 2)))
 
@@ -150,7 +150,7 @@ def dense(stiffness: BandStiffness, h: float, n: int) -> np.ndarray:
 @given(
     st.floats(0.0, 10.0), st.floats(0.0, 10.0), st.floats(0.1, 10.0), st.floats(0.25, 4.0), st.integers(1, 12)
 )
-def test_stencil_is_the_dense_form(k_s: float, k_b: float, k_c: float, h: float, n: int) -> None:
+def test_stencil_equals_dense_form(k_s: float, k_b: float, k_c: float, h: float, n: int) -> None:
     stiffness = BandStiffness(k_s=k_s, k_b=k_b, k_c=k_c)
     row = stiffness.stencil(h)
     assert row.shape == (4,)
@@ -159,7 +159,7 @@ def test_stencil_is_the_dense_form(k_s: float, k_b: float, k_c: float, h: float,
     np.testing.assert_allclose(toeplitz, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
-def test_tension_alone_is_the_paper_s_spring() -> None:
+def test_tension_equals_spring_of_paper() -> None:
     row = BandStiffness(k_s=3.0, k_b=0.0, k_c=0.0).stencil(0.5)
     np.testing.assert_allclose(row, 6.0 * np.array([2.0, -1.0, 0.0, 0.0]))
     K = row[0] * np.eye(5) + row[1] * (np.eye(5, k=1) + np.eye(5, k=-1))
@@ -167,7 +167,7 @@ def test_tension_alone_is_the_paper_s_spring() -> None:
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
-def test_stencils_vanish_on_what_they_do_not_resist(order: int) -> None:
+def test_stencils_vanish_on_polynomials(order: int) -> None:
     """Slope, curvature and its rate: no force on a constant, a line, a parabola."""
     row = BandStiffness(
         **{name: float(i == order) for i, name in enumerate(("k_s", "k_b", "k_c"), 1)}
@@ -181,12 +181,12 @@ def test_stencils_vanish_on_what_they_do_not_resist(order: int) -> None:
 
 @pytest.mark.parametrize("name", ["k_s", "k_b", "k_c", "k_e"])
 @pytest.mark.parametrize("value", [-1.0, math.nan, math.inf, "a"])
-def test_bad_stiffness(name: str, value: object) -> None:
+def test_invalid_stiffness_raises(name: str, value: object) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be"):
         BandStiffness(**{name: value})
 
 
-def test_stiffness_needs_something_stiff() -> None:
+def test_zero_stiffness_raises() -> None:
     with pytest.raises(InputError, match="must be positive, all were 0"):
         BandStiffness(k_s=0.0, k_b=0.0, k_c=0.0)
     with pytest.raises(InputError, match=r"^k_e must be greater than 0"):
@@ -195,9 +195,7 @@ def test_stiffness_needs_something_stiff() -> None:
 
 @settings(max_examples=40)
 @given(st.floats(-8.0, 4.0), st.floats(-8.0, 4.0), st.sampled_from([0.0, 1.0]), st.sampled_from([0.5, 1.0]))
-def test_the_default_contact_holds_whatever_bends(
-    log_k_c: float, log_k_s: float, k_b: float, h: float
-) -> None:
+def test_default_contact_stiffness_suffices(log_k_c: float, log_k_s: float, k_b: float, h: float) -> None:
     x = np.arange(0.0, 121.0, h)
     stiffness = BandStiffness(k_s=10.0**log_k_s, k_b=k_b * 10.0**log_k_c, k_c=10.0**log_k_c)
     band = relax_band(
