@@ -9,7 +9,7 @@ import pytest
 from cca_core import InputError, Status
 from cca_core.baselines.methods.primitives import MotionPrimitives
 from cca_core.baselines.problems.problem import Problem
-from tests.support.table1_problems import BLOCKED, CASES, SLALOM, judge, problem, road
+from tests.support.table1_problems import BLOCKED, CASES, SLALOM, measured_distances, problem, road
 
 METHOD = MotionPrimitives()
 
@@ -27,7 +27,7 @@ def test_an_empty_road_is_driven_along_the_route(radius: float) -> None:
 def test_keeps_limits_and_clearance(task: Problem) -> None:
     plan = METHOD.plan(task)
     assert plan.status is Status.OK
-    gap, edge = judge(task, plan)
+    gap, edge = measured_distances(task, plan)
     assert gap >= task.clearance - 2e-3
     assert edge >= -2e-3
 

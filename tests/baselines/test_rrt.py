@@ -10,7 +10,7 @@ import pytest
 from cca_core import InputError, MissingExtraError, Status
 from cca_core.baselines.methods.rrt import Rrt, Variant
 from cca_core.baselines.problems.problem import Problem
-from tests.support.table1_problems import BLOCKED, CASES, SLALOM, judge, problem, road
+from tests.support.table1_problems import BLOCKED, CASES, SLALOM, measured_distances, problem, road
 
 pytestmark = pytest.mark.requires("ompl")
 VARIANTS: tuple[Variant, ...] = ("rrt", "rrt_star")
@@ -22,7 +22,7 @@ def test_reaches_the_goal_on_an_empty_road(variant: Variant, radius: float) -> N
     task = problem([], on=road(radius), v_x=15.0)
     plan = Rrt(variant=variant).plan(task)
     assert plan.status is Status.OK
-    judge(task, plan)
+    measured_distances(task, plan)
     assert plan.t[-1] == pytest.approx(task.duration)
 
 
@@ -31,7 +31,7 @@ def test_reaches_the_goal_on_an_empty_road(variant: Variant, radius: float) -> N
 def test_keeps_limits_and_clearance(variant: Variant, task: Problem) -> None:
     plan = Rrt(variant=variant, time_limit=10.0).plan(task)
     assert plan.status is Status.OK
-    gap, edge = judge(task, plan)
+    gap, edge = measured_distances(task, plan)
     assert gap >= task.clearance - 5e-3
     assert edge >= -5e-3
 
@@ -39,7 +39,7 @@ def test_keeps_limits_and_clearance(variant: Variant, task: Problem) -> None:
 def test_a_slalom() -> None:
     plan = Rrt(variant="rrt", time_limit=10.0).plan(SLALOM)
     assert plan.status is Status.OK
-    assert judge(SLALOM, plan)[0] >= SLALOM.clearance - 5e-3
+    assert measured_distances(SLALOM, plan)[0] >= SLALOM.clearance - 5e-3
 
 
 @pytest.mark.parametrize("variant", VARIANTS)

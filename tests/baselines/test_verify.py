@@ -127,7 +127,7 @@ def test_malformed_trajectories_are_violations() -> None:
 def test_agrees_with_an_independent_judge(name: str) -> None:
     task = CASES[name]
     plan = MotionPrimitives().plan(task)
-    gap, edge = independent.judge(task, plan)
+    gap, edge = independent.measured_distances(task, plan)
     verdict = verify_plan(task, plan)
     assert verdict.passed
     assert verdict.clearance == pytest.approx(gap, abs=0.01)

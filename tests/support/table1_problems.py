@@ -1,4 +1,4 @@
-"""Problems on straight and curved roads, and an independent judge of the plans."""
+"""Problems on straight and curved roads, and distances of plans measured by shapely."""
 
 from dataclasses import replace
 from functools import cache
@@ -52,7 +52,7 @@ SLALOM = problem([(35.0, 0.0, 0.0), (60.0, 3.5, 0.0), (85.0, 0.0, 0.0)])
 BLOCKED = problem([(60.0, 0.0, 0.0), (60.0, 3.5, 0.0)])
 
 
-def judge(task: Problem, plan: Plan) -> tuple[float, float]:
+def measured_distances(task: Problem, plan: Plan) -> tuple[float, float]:
     """Least distance to the others, by shapely, and from the edges, checking the motion on the way."""
     xy, t = plan.xy, plan.t
     assert t[0] == 0.0

@@ -3,16 +3,17 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
+from functools import partial
 from typing import Any
 
-from cca_core.baselines.problems.csv_rows import append_row, read_rows
 from cca_core.baselines.problems.drive import drive_plan
+from cca_core.baselines.problems.kept_row import kept_row
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.baselines.problems.sampling import SampledProblem
 from cca_core.baselines.problems.verify import Tolerances, verify_plan
 from cca_core.baselines.problems.worker import PlanningMethod, Worker
 from cca_core.errors import Status
+from cca_core.sim.study.store import Store
 
 __all__ = ["ComparisonRow", "compare"]
 
@@ -85,7 +86,7 @@ def compare(
     methods: Mapping[str, Callable[[], PlanningMethod]],
     problems: Sequence[SampledProblem],
     *,
-    out: Path | str,
+    store: Store | None = None,
     tolerances: Tolerances | None = None,
     limit: float = 10.0,
     core: int | None = None,
@@ -100,9 +101,9 @@ def compare(
         importable by name: a class, or a `functools.partial` of one.
     problems : sequence of SampledProblem
         The problems.
-    out : path
-        File of comma-separated values to which each row is added at once. Rows that it holds are not made
-        again: an interrupted run can be continued.
+    store : Store, optional
+        Rows on disk (`cca_core.sim.study.store.Store`). New rows are added at once, and rows that it holds
+        are not made again: an interrupted run can be continued.
     tolerances : Tolerances, optional
         Of the verification.
     limit : float
@@ -122,18 +123,13 @@ def compare(
     A method that raises or does not return is a row of its own. Each problem is planned once, and up to three
     times again until 0.3 s are spent. Plans, but not times, are the same for equal problems.
     """
-    known = {(row.method, row.kind, row.seed): row for row in read_rows(out, ComparisonRow)}
     rows = []
     for name, make in methods.items():
         with Worker(make, limit=limit, core=core) as worker:
             for sampled in problems:
-                row = known.get((name, sampled.kind, sampled.seed))
-                if row is None:
-                    row = _row(name, sampled, worker, tolerances)
-                    append_row(out, row)
-                    if progress is not None:
-                        progress(row)
-                rows.append(row)
+                measure = partial(_row, name, sampled, worker, tolerances)
+                key = ("plan", name, sampled.kind, sampled.seed)
+                rows.append(kept_row(store, key, ComparisonRow, measure, progress))
     return rows
 
 

@@ -1,6 +1,6 @@
 """Measure the paper's Table 1 and write docs/table1.md, its rows and its figures; called by `make table1`.
 
-An interrupted run continues: its rows are in out/table1. With ``--page`` nothing is measured: page and
+An interrupted run continues: its rows are in out/table1.sqlite. With ``--page`` nothing is measured: page and
 figures are written from the rows in docs/table1.
 """
 
@@ -14,15 +14,17 @@ from pathlib import Path
 from typing import Any
 
 from cca_core.baselines.problems.compare import ComparisonRow, compare
-from cca_core.baselines.problems.csv_rows import read_rows
 from cca_core.baselines.problems.sampling import KINDS, sample_problem
 from cca_core.baselines.table1.closed_loop import ClosedLoop, drive_closed
+from cca_core.baselines.table1.csv_rows import read_rows, write_rows
 from cca_core.baselines.table1.experiment import AXES, methods, planners, scaling_points
 from cca_core.baselines.table1.page import main_table, page
 from cca_core.baselines.table1.scaling import ScalingResult, measure_scaling
 from cca_core.baselines.table1.statistics import Statistics
 from cca_core.plot.comparison import plot_growth, plot_time_quality
 from cca_core.sim import paper_scenarios
+from cca_core.sim.study.store import Store
+from cca_core.sim.study.study import source_digest
 
 FILES: dict[str, type[Any]] = {
     "plans.csv": ComparisonRow, "scaling.csv": ScalingResult, "drives.csv": ClosedLoop
@@ -33,24 +35,29 @@ def main() -> int:
     """Measure, and write the page."""
     parser = argparse.ArgumentParser(prog="python -m cca_core.baselines.table1", description=__doc__)
     parser.add_argument("--docs", type=Path, default=Path("docs"), help="folder of the page")
-    parser.add_argument("--out", type=Path, default=Path("out/table1"), help="folder of an unfinished run")
+    parser.add_argument(
+        "--out", type=Path, default=Path("out"), help="folder of the rows of an unfinished run"
+    )
     parser.add_argument("--page", action="store_true", help="write the page from the rows in docs")
     given = parser.parse_args()
-    rows_folder = given.docs / "table1"
-    rows_folder.mkdir(parents=True, exist_ok=True)
+    (given.docs / "table1").mkdir(parents=True, exist_ok=True)
     if not given.page:
-        measure(given.out)
-        for name in FILES:
-            (given.out / name).replace(rows_folder / name)
+        given.out.mkdir(parents=True, exist_ok=True)
+        unfinished = given.out / "table1.sqlite"
+        with Store(unfinished, source_digest()) as store:
+            measured = measure(store)
+        for name, rows in zip(FILES, measured, strict=True):
+            write_rows(given.docs / "table1" / name, rows)
         today = datetime.now(tz=UTC).date()
         text = f"Measured on {today}: {_processor()}, Python {platform.python_version()}.\n"
-        (rows_folder / "measured.txt").write_text(text, encoding="utf-8")
+        (given.docs / "table1" / "measured.txt").write_text(text, encoding="utf-8")
+        unfinished.unlink()
     sys.stdout.write(write(given.docs) + "\n")
     return 0
 
 
-def measure(out: Path) -> None:
-    """Measure what is missing in the files of an unfinished run."""
+def measure(store: Store) -> tuple[list[Any], ...]:
+    """Return plans, scaling and drives; measure what is missing in the store."""
     begun = time.perf_counter()
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else [None]
     core = cores[-1]
@@ -59,23 +66,24 @@ def measure(out: Path) -> None:
         sys.stdout.write(f"{time.perf_counter() - begun:5.0f} s  {line}\n")
         sys.stdout.flush()
 
-    compare(
+    rows = compare(
         methods(), [sample_problem(kind, seed) for kind in KINDS for seed in range(1, 21)],
-        out=out / "plans.csv", core=core,
+        store=store, core=core,
         progress=lambda r: report(f"{r.method}: {r.kind} {r.seed}: {r.outcome}") if r.seed == 20 else None,
     )  # fmt: skip
-    measure_scaling(
-        scaling_points(), out=out / "scaling.csv", core=core,
+    scaling = measure_scaling(
+        scaling_points(), store=store, core=core,
         progress=lambda r: report(f"{r.method}: {r.axis} {r.value:g}: {r.time_ms:.1f} ms"),
     )  # fmt: skip
     if core is not None:
         os.sched_setaffinity(0, {core})
-    drive_closed(
+    drives = drive_closed(
         planners(),
         [s for s in paper_scenarios() if s.name == "maneuver" and s.v2v and s.case != "1-smooth"],
-        out=out / "drives.csv",
+        store=store,
         progress=lambda d: report(f"{d.planner}: maneuver {d.case}: {d.cycle_us:.0f} us per cycle"),
     )  # fmt: skip
+    return rows, scaling, drives
 
 
 def write(docs: Path) -> str:

@@ -2,16 +2,17 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from cca_core.baselines.problems.csv_rows import append_row, read_rows
+from cca_core.baselines.problems.kept_row import kept_row
 from cca_core.baselines.problems.verify import max_jerk
 from cca_core.sim.log import Log
 from cca_core.sim.loop import simulate
 from cca_core.sim.scenarios.scenario import Scenario
+from cca_core.sim.study.store import Store
 
 __all__ = ["ClosedLoop", "drive_closed"]
 
@@ -39,22 +40,22 @@ def drive_closed(
     planners: Mapping[str, Callable[[Scenario], Any]],
     scenarios: Sequence[Scenario],
     *,
-    out: Path | str,
+    store: Store | None = None,
     progress: Callable[[ClosedLoop], None] | None = None,
 ) -> list[ClosedLoop]:
-    """Drive each scenario with each planner, on the single-track plant, unless the file holds it."""
-    known = {(drive.planner, drive.case): drive for drive in read_rows(out, ClosedLoop)}
-    drives = []
-    for scenario in scenarios:
-        for name, make in planners.items():
-            drive = known.get((name, str(scenario.case)))
-            if drive is None:
-                drive = _measured(name, simulate(scenario, planner=make(scenario)))
-                append_row(out, drive)
-                if progress is not None:
-                    progress(drive)
-            drives.append(drive)
-    return drives
+    """Drive each scenario with each planner, on the single-track plant, unless the store holds the drive."""
+    return [
+        kept_row(
+            store, ("drive", name, scenario.case), ClosedLoop, partial(_driven, name, make, scenario), progress
+        )
+        for scenario in scenarios
+        for name, make in planners.items()
+    ]  # fmt: skip
+
+
+def _driven(name: str, make: Callable[[Scenario], Any], scenario: Scenario) -> ClosedLoop:
+    """Drive a scenario and measure the log."""
+    return _measured(name, simulate(scenario, planner=make(scenario)))
 
 
 def _measured(name: str, log: Log) -> ClosedLoop:

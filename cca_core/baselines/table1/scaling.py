@@ -3,13 +3,14 @@
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 
-from cca_core.baselines.problems.csv_rows import append_row, read_rows
+from cca_core.baselines.problems.kept_row import kept_row
 from cca_core.baselines.problems.problem import Problem
 from cca_core.baselines.problems.worker import PlanningMethod, Worker
+from cca_core.sim.study.store import Store
 
 __all__ = ["ScalingPoint", "ScalingResult", "measure_scaling"]
 
@@ -40,23 +41,19 @@ class ScalingResult:
 def measure_scaling(
     points: Iterable[ScalingPoint],
     *,
-    out: Path | str,
+    store: Store | None = None,
     limit: float = 10.0,
     core: int | None = None,
     progress: Callable[[ScalingResult], None] | None = None,
 ) -> list[ScalingResult]:
-    """Time the plan of each point that the file does not hold yet."""
-    known = {(r.method, r.axis, r.value): r for r in read_rows(out, ScalingResult)}
-    results = []
-    for point in points:
-        result = known.get((point.method, point.axis, point.value))
-        if result is None:
-            result = _timed(point, limit, core)
-            append_row(out, result)
-            if progress is not None:
-                progress(result)
-        results.append(result)
-    return results
+    """Time the plan of each point that the store does not hold yet."""
+    return [
+        kept_row(
+            store, ("scaling", point.method, point.axis, point.value), ScalingResult,
+            partial(_timed, point, limit, core), progress,
+        )
+        for point in points
+    ]  # fmt: skip
 
 
 def _timed(point: ScalingPoint, limit: float, core: int | None) -> ScalingResult:

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import asdict, dataclass
 from itertools import count, islice
@@ -70,7 +70,9 @@ class Study:
         """Text of everything that a row depends on: parameters, seed, plant and the library's source."""
         content = asdict(self)
         del content["runs"], content["avoidable"]
-        return json.dumps({**content, "source": _source_digest()}, sort_keys=True)
+        return json.dumps(
+            {**content, "source": source_digest(without=("plot", "report", "baselines"))}, sort_keys=True
+        )
 
     def table(self, rows: Mapping[int | str, dict[str, Any]]) -> tuple[int, StudyTable | None]:
         """Return the progress, and the table once the study is complete.
@@ -184,12 +186,12 @@ def _report_progress(
     return table
 
 
-def _source_digest() -> str:
-    """Digest of all source files that a run may depend on."""
+def source_digest(without: Collection[str] = ()) -> str:
+    """Digest of the library's source files, without those of the packages that no run depends on."""
     package = FilePath(__file__).resolve().parents[2]
     digest = hashlib.sha256()
     for file in sorted(package.rglob("*.py")):
         name = file.relative_to(package)
-        if name.parts[0] not in ("plot", "report", "baselines"):  # no run depends on these
+        if name.parts[0] not in without:
             digest.update(name.as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
     return digest.hexdigest()
