@@ -16,7 +16,8 @@ from tqdm import tqdm
 
 from cca_core import InputError, LocalFrame, Path, fit_path
 from cca_core.path import Waypoints, read_waypoints
-from cca_core.plot import group_by_case, headline, summarize_outcome, title, write_report
+from cca_core.plot import title
+from cca_core.report import group_by_case, headline, summarize_outcome, write_report
 from cca_core.sim import Log, Scenario, paper_scenarios, simulate
 from cca_core.sim.loop import CYCLE_TIME
 from cca_core.sim.scenarios.demo_road import demo_route, longest_stretch

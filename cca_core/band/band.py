@@ -3,16 +3,15 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from importlib import import_module
 from typing import Annotated, Any, Self
 
 import numpy as np
 
 from cca_core._checks import Array, Index, Mask
-from cca_core._svg import drawing
 from cca_core.band.certificate import Certificate
 from cca_core.band.corridor import Side
 from cca_core.band.energy import kkt_residual
-from cca_core.band.picture import band_marks
 from cca_core.band.problem import MAX_DISPLACEMENT, BandProblem
 from cca_core.errors import InfeasibleError, InputError, Status
 from cca_core.path import Path
@@ -93,24 +92,11 @@ class Band:
             f"curvature {self.curvature:.4f} 1/m)"
         )
 
-    def to_svg(self) -> str:
-        """Draw a single band to scale, with route, edges and obstacles.
-
-        Returns
-        -------
-        svg : str
-            One self-contained ``svg`` element.
-
-        Raises
-        ------
-        InputError
-            If this is a batch.
-        """
-        band = self._single()
-        return drawing(band_marks(band), repr(band) if band.ok else f"{band.status.name}: {band.message}")
-
     def _repr_svg_(self) -> str | None:
-        return self.to_svg() if self.nodes.ndim == 2 else None
+        if self.nodes.ndim > 2:
+            return None
+        svg: str = import_module("cca_core.plot.svg").to_svg(self)
+        return svg
 
     def __len__(self) -> int:
         return len(self.nodes)

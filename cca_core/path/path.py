@@ -6,13 +6,13 @@ others.
 
 import math
 from functools import cached_property
+from importlib import import_module
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_array, check_real
-from cca_core._svg import EGO, SAMPLES, Mark, drawing
 from cca_core.errors import InputError
 from cca_core.path.cubics import Cubics
 
@@ -70,18 +70,9 @@ class Path:
     def __repr__(self) -> str:
         return f"Path({len(self._coefficients)} segments, {self.length:.1f} m)"
 
-    def to_svg(self) -> str:
-        """Draw it to scale, as Jupyter shows it.
-
-        Returns
-        -------
-        svg : str
-            One ``svg`` element that needs nothing else.
-        """
-        xy = self.position(np.linspace(self.start, self.end, SAMPLES + 1))
-        return drawing([Mark(xy=xy, color=EGO, kind=kind) for kind in ("line", "arrow")], repr(self))
-
-    _repr_svg_ = to_svg
+    def _repr_svg_(self) -> str:
+        svg: str = import_module("cca_core.plot.svg").to_svg(self)
+        return svg
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Path._trusted, (self._breaks, self._coefficients)

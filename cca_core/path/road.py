@@ -2,11 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-
-import numpy as np
+from importlib import import_module
 
 from cca_core._checks import check_real
-from cca_core._svg import EDGE, EGO, ROUTE, SAMPLES, Mark, drawing
 from cca_core.errors import InputError
 from cca_core.path.path import Path
 
@@ -96,28 +94,9 @@ class Road:
     def __repr__(self) -> str:
         return f"Road({self.path!r}, {len(self.lanes)} lanes, {self.speed_limit:g} m/s)"
 
-    def to_svg(self) -> str:
-        """Draw its lanes to scale, as Jupyter shows them.
-
-        Returns
-        -------
-        svg : str
-            One ``svg`` element that needs nothing else.
-        """
-        s = np.linspace(self.path.start, self.path.end, SAMPLES + 1)
-        own = self.path.position(s)
-        marks, borders = [], set()
-        for lane in self.lanes:
-            center = self.path.to_cartesian(s, np.full_like(s, lane.d))
-            borders |= {lane.right, lane.left}
-            marks.append(Mark(xy=center, color=ROUTE, kind="swath", width=lane.width))
-            marks.append(Mark(xy=center[:: lane.direction], color=ROUTE, kind="arrow"))
-        lines = (self.path.to_cartesian(s, np.full_like(s, d)) for d in sorted(borders))
-        marks += [Mark(xy=line, color=EDGE, width=0.8) for line in lines]
-        marks += [Mark(xy=own, color=EGO, kind=kind) for kind in ("dashes", "arrow")]
-        return drawing(marks, repr(self))
-
-    _repr_svg_ = to_svg
+    def _repr_svg_(self) -> str:
+        svg: str = import_module("cca_core.plot.svg").to_svg(self)
+        return svg
 
     @property
     def right_edge(self) -> float:

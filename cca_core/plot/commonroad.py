@@ -1,4 +1,4 @@
-"""A drive through a recorded world, seen from above at several moments."""
+"""A run in a recorded world, seen from above at several times."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -9,7 +9,7 @@ from cca_core._checks import Array, check_array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
-from cca_core.plot.style import ASPHALT, EGO, assign_colors
+from cca_core.plot.style import COLORS, PAGE_WIDTH, TEXT, assign_colors, new_figure
 from cca_core.sim.commonroad.drive import CommonRoadRun
 
 if TYPE_CHECKING:
@@ -17,32 +17,28 @@ if TYPE_CHECKING:
 
 __all__ = ["plot_commonroad"]
 
-_MARGIN = 7.0  # shown around the ego's trace and the goal [m]
-_WIDTH = 9.0  # of the figure [in]
-_GOAL = "#009E73"
-
 
 def plot_commonroad(run: CommonRoadRun, *, times: Sequence[float] | None = None) -> "Figure":
-    """Draw lanelets, recorded traffic and the ego at several moments.
+    """Draw lanelets, recorded traffic and the ego at several times.
 
     Parameters
     ----------
     run : CommonRoadRun
-        The drive.
+        The run.
     times : sequence of float, shape (n,), optional
-        The moments [s]; the default are four, evenly from start to end.
+        Times [s]; by default four, evenly from start to end.
 
     Returns
     -------
     figure : Figure
-        One view for each moment, x to the right and y up as in the file. Each box is a polygon with the gid
+        One view for each time, x to the right and y up as in the file. Each box is a polygon with the gid
         ``"id@view"``; the ego's trace is a full line where it was and a dotted one where it will be. Goal
         regions are outlined in green.
 
     Raises
     ------
     InputError
-        If `times` are not finite or none is given.
+        If `times` are not finite or empty.
     MissingExtraError
         If matplotlib is not installed.
     """
@@ -51,15 +47,13 @@ def plot_commonroad(run: CommonRoadRun, *, times: Sequence[float] | None = None)
         raise InputError("times must hold at least one time")
     regions = [region for goal in run.problem.goals for region in goal.regions]
     shown = np.vstack([run.ego[:, :2], *regions])
-    low, high = shown.min(axis=0) - _MARGIN, shown.max(axis=0) + _MARGIN
+    low, high = shown.min(axis=0) - 7.0, shown.max(axis=0) + 7.0  # a margin of 7 m
     tall = bool((high - low)[1] > 0.6 * (high - low)[0])
     columns = 2 if tall else 1
     rows = -(-len(moments) // columns)
-    height = rows * (0.5 + _WIDTH / columns * float((high - low)[1] / (high - low)[0])) + 0.3
-    figure: Figure = require_extra("matplotlib.figure", "plot").Figure(
-        figsize=(_WIDTH, height), layout="constrained"
-    )
-    figure.suptitle(f"{run.scenario.name} ({run.plant})", weight="bold", fontsize=10)
+    height = rows * (0.5 + PAGE_WIDTH / columns * float((high - low)[1] / (high - low)[0])) + 0.3
+    figure = new_figure(height)
+    figure.suptitle(f"{run.scenario.name} ({run.plant})", weight="bold", fontsize=TEXT.heading)
     axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
     for view, (axis, t) in enumerate(zip(axes, moments.tolist(), strict=False), start=1):
         _draw_world(axis, run, regions)
@@ -68,45 +62,47 @@ def plot_commonroad(run: CommonRoadRun, *, times: Sequence[float] | None = None)
     for axis in axes[len(moments) :]:
         axis.set_axis_off()
     for axis in axes[-columns:]:
-        axis.set_xlabel("x [m]", fontsize=8.5)
+        axis.set_xlabel("x [m]", fontsize=TEXT.axis)
     for axis in axes[::columns]:
-        axis.set_ylabel("y [m]", fontsize=8.5)
+        axis.set_ylabel("y [m]", fontsize=TEXT.axis)
     return figure
 
 
 def _draw_world(axis: Any, run: CommonRoadRun, regions: list[Array]) -> None:
     for lane in run.scenario.lanelets.values():
-        axis.fill(*lane.outline.T, color=ASPHALT, zorder=0)
+        axis.fill(*lane.outline.T, color=COLORS.road, zorder=0)
         for bound in (lane.left, lane.right):
-            axis.plot(*bound.T, color="#999999", linewidth=0.8, zorder=1)
+            axis.plot(*bound.T, color=COLORS.faint, linewidth=0.8, zorder=1)
     for region in regions:
-        axis.fill(*region.T, facecolor="none", edgecolor=_GOAL, linewidth=1.5, zorder=2)
+        axis.fill(*region.T, facecolor="none", edgecolor=COLORS.goal, linewidth=1.5, zorder=2)
 
 
 def _draw_moment(axis: Any, run: CommonRoadRun, t: float, view: int, limits: tuple[Array, Array]) -> None:
     row = int(np.argmin(np.abs(run.t - t)))
-    axis.plot(*run.ego[: row + 1, :2].T, color=EGO, linewidth=1.4, zorder=3)
-    axis.plot(*run.ego[row:, :2].T, color=EGO, linewidth=1.0, linestyle=":", zorder=3)
+    axis.plot(*run.ego[: row + 1, :2].T, color=COLORS.ego, linewidth=1.4, zorder=3)
+    axis.plot(*run.ego[row:, :2].T, color=COLORS.ego, linewidth=1.0, linestyle=":", zorder=3)
     halo = require_extra("matplotlib.patheffects", "plot").withStroke(linewidth=2.0, foreground="white")
     palette = assign_colors([obstacle.id for obstacle in run.scenario.obstacles])
     x, y, psi, v_x = run.ego[row, :4]
     car = run.vehicle
-    drawn = [("ego", *car.center_at(x, y, psi), psi, car.length, car.width, v_x, EGO)]
+    bodies = [("ego", *car.center_at(x, y, psi), psi, car.length, car.width, v_x, COLORS.ego)]
     for obstacle in run.scenario.obstacles:
         other = obstacle.at(float(run.t[row]))
         if other is not None:
-            where = (other.x, other.y, other.psi, other.length, other.width, other.v_x)
-            drawn.append((other.id, *where, palette[other.id]))
+            motion = (other.x, other.y, other.psi, other.length, other.width, other.v_x)
+            bodies.append((other.id, *motion, palette[other.id]))
     low, high = limits
-    for id_, x, y, psi, length, width, v_x, color in drawn:
+    for id_, x, y, psi, length, width, v_x, color in bodies:
         corners = boxes(x, y, psi, length, width).corners()
         axis.fill(*corners.T, color=color, alpha=0.85, zorder=4, gid=f"{id_}@{view}")
         if low[0] < x < high[0] and low[1] < y < high[1]:
             axis.annotate(
-                f"{id_} {v_x:.0f} m/s", (x, y), color="black", fontsize=7,
+                f"{id_} {v_x:.0f} m/s", (x, y), color="black", fontsize=TEXT.tiny,
                 ha="center", va="center", zorder=5, clip_on=True, path_effects=[halo],
             )  # fmt: skip
-    name, reason = next((n, why) for begin, n, why in reversed(run.decisions) if begin <= run.t[row] + 1e-9)
+    name, reason = next(
+        (name, text) for begin, name, text in reversed(run.decisions) if begin <= run.t[row] + 1e-9
+    )
     gap = run.gaps[row].min(initial=np.inf)
-    least = f", least gap {gap:.1f} m" if np.isfinite(gap) else ""
-    axis.set_title(f"{run.t[row]:.1f} s   {name}{least}\n{reason[:70]}", fontsize=8, loc="left")
+    min_gap = f", min gap {gap:.1f} m" if np.isfinite(gap) else ""
+    axis.set_title(f"{run.t[row]:.1f} s   {name}{min_gap}\n{reason[:70]}", fontsize=TEXT.legend, loc="left")

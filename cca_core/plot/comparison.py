@@ -9,31 +9,19 @@ import numpy as np
 from cca_core.baselines.problems.compare import ComparisonRow
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.baselines.table1.scaling import ScalingResult
-from cca_core.plot.style import ASPHALT, EGO, PARKED, new_figure
+from cca_core.plot.style import COLORS, METHOD_STYLES, TEXT, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["plot_growth", "plot_plans", "plot_time_quality"]
 
-# color and marker of each method, the same in all figures: the paper's band is purple, the relaxed one blue
-_STYLES = {
-    "band, eq 9": ("#882255", "o"),
-    "band, relaxed": (EGO, "D"),
-    "band, QP": ("#009E73", "s"),
-    "primitives": ("#CC79A7", "v"),
-    "RRT": ("#E69F00", "^"),
-    "RRT*": ("#56606B", "P"),
-    "LTV MPC": ("#56B4E9", "*"),
-    "NMPC, FATROP": ("#D55E00", "X"),
-    "NMPC, IPOPT": ("#44AA99", "<"),
-    "FISS": ("#000000", ">"),
-}
-
 
 def _styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
-    spare = cycle([style for name, style in _STYLES.items() if name not in names] or _STYLES.values())
-    chosen = {name: _STYLES.get(name) or next(spare) for name in names}
+    spare = cycle(
+        [style for name, style in METHOD_STYLES.items() if name not in names] or METHOD_STYLES.values()
+    )
+    chosen = {name: METHOD_STYLES.get(name) or next(spare) for name in names}
     return {name: {"color": color, "marker": marker} for name, (color, marker) in chosen.items()}
 
 
@@ -77,7 +65,9 @@ def plot_time_quality(rows: Sequence[ComparisonRow]) -> "Figure":
     for axis in (left, right):
         axis.set_xlabel("time of a plan, median to 99th percentile [ms]")
         axis.grid(alpha=0.3)
-    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=8)
+    figure.legend(
+        *left.get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=TEXT.legend
+    )
     return figure
 
 
@@ -126,7 +116,9 @@ def plot_growth(results: Sequence[ScalingResult], axes: Sequence[str]) -> "Figur
     panels[0].set_yticks(levels, [f"{level:g}" for level in levels])
     for name in names:
         panels[0].plot([], [], **styles[name], linewidth=1.0, markersize=5, label=name)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=8)
+    figure.legend(
+        *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=TEXT.legend
+    )
     return figure
 
 
@@ -154,7 +146,7 @@ def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) ->
     """
     axis = new_figure(2.6).subplots() if axis is None else axis
     road, path = problem.road, problem.road.path
-    axis.axhspan(road.right_edge, road.left_edge, color=ASPHALT)
+    axis.axhspan(road.right_edge, road.left_edge, color=COLORS.road)
     t = np.linspace(0.0, problem.duration, 2000)
     for box in problem.boxes_at(t):
         s, d = path.project(np.column_stack((box.x, box.y)))
@@ -163,12 +155,12 @@ def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) ->
             s[k] + 0.5 * float(box.length) * np.array([-1, 1, 1, -1]),
             d[k] + 0.5 * float(box.width) * np.array([-1, -1, 1, 1]),
         )
-        axis.fill(x, y, color=PARKED)
+        axis.fill(x, y, color=COLORS.parked)
     styles = _styles(list(plans))
     for name, plan in plans.items():
         if len(plan.xy):
             s, d = path.project(plan.xy)
             axis.plot(s, d, color=styles[name]["color"], linewidth=1.2, label=name)
-    axis.axhline(0.0, color=EGO, linewidth=0.5, linestyle=(0, (4, 4)))
+    axis.axhline(0.0, color=COLORS.ego, linewidth=0.5, linestyle=(0, (4, 4)))
     axis.set(xlabel="along the route [m]", ylabel="left of the route [m]", title=problem.name)
     return axis

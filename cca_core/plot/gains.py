@@ -6,17 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cca_core._optional import require_extra
 from cca_core.follow import GainRegion, Margins, PreviewGains
-from cca_core.plot.style import EGO
+from cca_core.plot.style import COLORS, TEXT, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-_REGION = "#A9D8F5"
-_OTHER = "#D55E00"
-_DECAYS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0)  # contours [1/s]
-_DAMPINGS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # contours [-]
 
 
 def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) -> "Figure":
@@ -40,38 +34,49 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     MissingExtraError
         If matplotlib is not installed.
     """
-    figure: Figure = require_extra("matplotlib.figure", "plot").Figure(
-        figsize=(7.0, 4.6), layout="constrained"
-    )
+    figure = new_figure(4.6, 7.0)
     axis = figure.subplots()
     k_p, k_d = region.k_p, region.k_d
     # by how much the demands are kept changes evenly over the grid, so that its zero is a smooth edge
     kept = np.minimum(region.decay - region.requested[0], region.damping - region.requested[1])
-    axis.contourf(k_p, k_d, kept, levels=[0.0, math.inf], colors=[_REGION])
+    axis.contourf(k_p, k_d, kept, levels=[0.0, math.inf], colors=[COLORS.admissible])
     stable = np.where(region.decay > 0.0)
     if len(stable[0]):  # before the labels, whose gaps in the curves are as wide as they are in this view
         axis.set_xlim(0.0, 1.05 * float(k_p[stable].max()))
         axis.set_ylim(0.0, 1.05 * float(k_d[stable].max()))
-    curves = axis.contour(k_p, k_d, region.decay, levels=_DECAYS, colors=EGO, linewidths=0.9)
-    axis.clabel(curves, fmt=lambda value: f"{value:g} 1/s", fontsize=8)
     curves = axis.contour(
-        k_p, k_d, region.damping, levels=_DAMPINGS, colors=_OTHER, linewidths=0.9, linestyles="--"
+        k_p,
+        k_d,
+        region.decay,
+        levels=(0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0),
+        colors=COLORS.ego,
+        linewidths=0.9,
     )
-    axis.clabel(curves, fmt=lambda value: f"{value:g}", fontsize=8)
+    axis.clabel(curves, fmt=lambda value: f"{value:g} 1/s", fontsize=TEXT.legend)
+    curves = axis.contour(
+        k_p,
+        k_d,
+        region.damping,
+        levels=(0.2, 0.3, 0.4, 0.5, 0.6, 0.7),
+        colors=COLORS.second,
+        linewidths=0.9,
+        linestyles="--",
+    )
+    axis.clabel(curves, fmt=lambda value: f"{value:g}", fontsize=TEXT.legend)
     around = [np.append(each[-1], each[::-1, -1]) for each in (k_p, k_d)]
-    axis.plot(*around, ":", color="#777777", linewidth=0.9, label="edge of what was tried")
+    axis.plot(*around, ":", color=COLORS.route, linewidth=0.9, label="edge of what was tried")
     if region.selected is not None:
         axis.plot(*region.selected, "o", color="black", label="chosen")
     if shipped is not None:
         at_p, at_d, _ = shipped.at(region.v_x)
         axis.plot(at_p, at_d, "D", color="black", fillstyle="none", markersize=9, label="schedule")
-    axis.plot([], [], color=EGO, linewidth=0.9, label="worst decay")
-    axis.plot([], [], color=_OTHER, linewidth=0.9, linestyle="--", label="worst damping ratio")
-    axis.fill_between([], [], color=_REGION, label="admissible")
+    axis.plot([], [], color=COLORS.ego, linewidth=0.9, label="worst decay")
+    axis.plot([], [], color=COLORS.second, linewidth=0.9, linestyle="--", label="worst damping ratio")
+    axis.fill_between([], [], color=COLORS.admissible, label="admissible")
     axis.set_xlabel("gain on the error at the preview point k_p [rad/m]")
     axis.set_ylabel("gain on its rate k_d [rad s/m]")
     axis.set_title(f"{region.v_x:g} m/s, preview distance {region.l_s:g} m")
-    axis.legend(loc="upper left", fontsize=8)
+    axis.legend(loc="upper left", fontsize=TEXT.legend)
     return figure
 
 
@@ -93,9 +98,7 @@ def plot_margins(margins: Sequence[Margins]) -> "Figure":
     MissingExtraError
         If matplotlib is not installed.
     """
-    figure: Figure = require_extra("matplotlib.figure", "plot").Figure(
-        figsize=(8.0, 5.0), layout="constrained"
-    )
+    figure = new_figure(5.0, 8.0)
     v = [m.v_x for m in margins]
     rows = (
         ("gain margin [-]", [m.gain for m in margins]),
@@ -104,7 +107,7 @@ def plot_margins(margins: Sequence[Margins]) -> "Figure":
         ("disk margin [-]", [m.disk for m in margins]),
     )
     for axis, (name, values) in zip(figure.subplots(2, 2, sharex=True).flat, rows, strict=True):
-        axis.plot(v, values, "o-", color=EGO, markersize=4)
+        axis.plot(v, values, "o-", color=COLORS.ego, markersize=4)
         finite = [value for value in values if math.isfinite(value)]
         axis.set_ylim(0.0, 1.1 * max(finite, default=1.0))
         axis.set_ylabel(name)

@@ -1,51 +1,50 @@
-"""Past something on the road, with and without V2V: the counterpart of Figs 11 and 12."""
+"""Past a parked vehicle, with and without V2V: the counterpart of Figs 11 and 12."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cca_core._checks import Array
 from cca_core.errors import InputError
+from cca_core.plot.frenet_boxes import frenet_corners
+from cca_core.plot.labels import ego_label, escape_figure_text, run_heading, sanitize_text
 from cca_core.plot.style import (
-    EGO,
-    HIT,
-    LEAST_A_Y,
+    COLORS,
+    EGO_TYPE_STYLES,
+    MIN_A_Y_RANGE,
+    TEXT,
     assign_colors,
     draw_lanes,
-    ego_label,
-    escape_figure_text,
     expand_limits,
+    mark_collision,
     new_figure,
-    sanitize_text,
 )
-from cca_core.plot.verdict import first_collision, summarize_outcome
 from cca_core.sim import Log
+from cca_core.sim.outcome import first_collision
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _VIEW = -95.0, 75.0  # of the road, from the middle of the obstacle [m]
-_PERIOD = 0.5  # between two bodies that are drawn [s]
-_LINES = {"v2v": "-", "sensor": "-.", "driver": "--"}
-_HUES = {"v2v": EGO, "sensor": "#7A5195", "driver": "#333333"}
 
 
-def plot_passing(logs: Sequence[Log], obstacle: str) -> "Figure":
-    """Draw how runs pass a road user that stands, or fail to.
+def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[str] = ()) -> "Figure":
+    """Draw how runs pass a stationary road user, or collide with it.
 
     Parameters
     ----------
     logs : sequence of Log
         Runs of one scenario, from top to bottom.
-    obstacle : str
-        Id of who is passed.
+    obstacle_id : str
+        Id of the stationary road user.
+    outcomes : sequence of str, optional
+        Added to each run's title, such as `cca_core.report.summarize_outcome`.
 
     Returns
     -------
     figure : Figure
-        A strip of road for each run, with the bodies each half second, to scale; below, all ways of the ego's
-        center of gravity beside each other, the width drawn larger, and the lateral accelerations.
+        A strip of road for each run, with the bodies each half second, to scale; below, the paths of the ego's
+        center of gravity in all runs, the width drawn larger, and the lateral accelerations.
 
     Raises
     ------
@@ -56,93 +55,90 @@ def plot_passing(logs: Sequence[Log], obstacle: str) -> "Figure":
     """
     if not logs:
         raise InputError("logs must hold at least one run")
-    at = [_index(log, obstacle) for log in logs]
+    at = [_index(log, obstacle_id) for log in logs]
     figure = new_figure(1.05 * len(logs) + 4.6)
     axes = figure.subplots(len(logs) + 2, 1, height_ratios=[1.0] * len(logs) + [2.2, 1.6])
-    *strips, way, push = axes
-    for axis, log, i in zip(strips, logs, at, strict=True):
+    *strips, paths, lateral = axes
+    for k, (axis, log, i) in enumerate(zip(strips, logs, at, strict=True)):
         _draw_strip(axis, log, float(log.user_frenet[-1, i, 0]))
-    _draw_ways(way, push, logs, at)
+        axis.set_title(run_heading(log, outcomes, k, ": "), fontsize=TEXT.heading, loc="left", pad=3)
+    _draw_obstacle(paths, logs[-1], at[-1])
+    for log, i in zip(logs, at, strict=True):
+        _draw_path(paths, lateral, log, i)
+    if logs[-1].scenario.ego_type == "v2v":
+        _draw_swept(paths, logs[-1], at[-1])
+    paths.set_title("Paths of the center of gravity, width drawn larger", fontsize=TEXT.heading, loc="left")
+    paths.legend(fontsize=TEXT.legend, loc="upper left")
+    lateral.set(xlim=_VIEW, xlabel=f"distance along the route from {sanitize_text(obstacle_id)} [m]")
+    lateral.set_ylabel("lateral acc.\na_y [m/s²]")
+    expand_limits(lateral, MIN_A_Y_RANGE, above=0.35)
+    lateral.legend(fontsize=TEXT.legend, loc="upper left", ncols=len(logs))
     return escape_figure_text(figure)
 
 
-def _index(log: Log, obstacle: str) -> int:
+def _index(log: Log, obstacle_id: str) -> int:
     names = [user.id for user in log.scenario.road_users]
-    if obstacle not in names:
-        raise InputError(f"obstacle must be one of {', '.join(names)}, was {obstacle!r}")
-    return names.index(obstacle)
+    if obstacle_id not in names:
+        raise InputError(f"obstacle_id must be one of {', '.join(names)}, was {obstacle_id!r}")
+    return names.index(obstacle_id)
 
 
-def _corners(log: Log) -> Array:
-    """Corners of all bodies in path coordinates, the ego first, shape (n, 1 + n_users, 4, 2)."""
-    ego, others = log.bodies()
-    corners = np.concatenate((ego.corners(), others.corners()), axis=1)
-    near = np.concatenate((log.ego_frenet[:, None, 0], log.user_frenet[:, :, 0]), axis=1)
-    s, d = log.scenario.road.path.project(corners, s_guess=np.repeat(near[..., None], 4, axis=-1))
-    return np.stack((s, d), axis=-1)
-
-
-def _draw_strip(axis: Any, log: Log, base: float) -> None:
-    road, users = log.scenario.road, log.scenario.road_users
+def _draw_strip(axis: Any, log: Log, base: float, *, period: float = 0.5) -> None:
+    road = log.scenario.road
     draw_lanes(axis, road)
-    axis.set_aspect("equal")
-    axis.set_xlim(*_VIEW)
-    axis.set_ylim(road.right_edge - 0.5, road.left_edge + 0.5)
-    axis.tick_params(labelsize=8)
-    axis.set_ylabel("left [m]", fontsize=7.5)
-    names = ["ego", *(user.id for user in users)]
-    palette = {"ego": EGO, **assign_colors(names[1:])}
-    rows = np.arange(len(log.t) - 1, -1, -round(_PERIOD / (log.t[1] - log.t[0])))
-    corners = _corners(log) - (base, 0.0)
+    axis.set(aspect="equal", xlim=_VIEW, ylim=(road.right_edge - 0.5, road.left_edge + 0.5))
+    axis.tick_params(labelsize=TEXT.legend)
+    axis.set_ylabel("left [m]", fontsize=TEXT.tiny)
+    names = ["ego", *(user.id for user in log.scenario.road_users)]
+    palette = {"ego": COLORS.ego, **assign_colors(names[1:])}
+    rows = np.arange(len(log.t) - 1, -1, -round(period / (log.t[1] - log.t[0])))
+    corners = frenet_corners(log) - (base, 0.0)
     for i, name in enumerate(names):
-        moves = np.ptp(log.user_frenet[:, i - 1, 0]) > 1.0 if i else True
-        for row in rows if moves else rows[:1]:
+        is_moving = np.ptp(log.user_frenet[:, i - 1, 0]) > 1.0 if i else True
+        for row in rows if is_moving else rows[:1]:
             box = corners[row, i]
             if box[:, 0].max() > _VIEW[0] and box[:, 0].min() < _VIEW[1]:
-                solid = not moves or (i == 0 and row == rows[0])
+                solid = not is_moving or (i == 0 and row == rows[0])
                 axis.fill(
                     *box.T, facecolor=palette[name], edgecolor="white", linewidth=0.4, zorder=2 + (i == 0),
                     alpha=1.0 if solid else 0.45, gid=f"{name}@{log.t[row]:.2f}",
                 )  # fmt: skip
-    hit = first_collision(log)
-    if hit is not None:
-        s = float(corners[-1, 0, :, 0].max())
-        axis.plot(s, log.ego_frenet[-1, 1], "x", color=HIT, markersize=11, markeredgewidth=2.5, zorder=5)
-    who = ego_label(log)
-    axis.set_title(f"{who[0].upper()}{who[1:]}: {summarize_outcome(log)}", fontsize=10, loc="left", pad=3)
+    if first_collision(log) is not None:
+        mark_collision(axis, float(corners[-1, 0, :, 0].max()), log.ego_frenet[-1, 1])
 
 
-def _draw_ways(way: Any, push: Any, logs: Sequence[Log], at: list[int]) -> None:
-    log, i = logs[-1], at[-1]
-    road = log.scenario.road
-    draw_lanes(way, road)
-    way.axhline(0.0, color="black", linewidth=0.8, linestyle=":")
-    user = log.scenario.road_users[i]
-    base = log.user_frenet[-1, i, 0]
-    box = _corners(log)[-1, 1 + i] - (base, 0.0)
-    way.fill(*box.T, color=assign_colors([u.id for u in log.scenario.road_users])[user.id], zorder=2)
-    for run, j in zip(logs, at, strict=True):
-        kind = run.scenario.ego_type
-        s = run.ego_frenet[:, 0] - run.user_frenet[-1, j, 0]
-        near = (s > _VIEW[0] - 5.0) & (s < _VIEW[1] + 5.0)
-        label = ego_label(run)
-        peak = np.abs(run.a_y).max()
-        way.plot(s[near], run.ego_frenet[near, 1], _LINES[kind], color=_HUES[kind], label=label, zorder=3)
-        push.plot(s[near], run.a_y[near], _LINES[kind], color=_HUES[kind], label=f"{label}: {peak:.1f} m/s²")
-        if first_collision(run) is not None:
-            for axis, value in ((way, run.ego_frenet[-1, 1]), (push, run.a_y[-1])):
-                axis.plot(s[-1], value, "x", color=HIT, markersize=9, markeredgewidth=2.0, zorder=5)
-    if log.scenario.ego_type == "v2v":
-        half = 0.5 * log.scenario.vehicle.width
-        s = log.ego_frenet[:, 0] - base
-        way.fill_between(
-            s, log.ego_frenet[:, 1] - half, log.ego_frenet[:, 1] + half, color=EGO, alpha=0.18, linewidth=0.0, zorder=1,
-            label="swept by the body",
-        )  # fmt: skip
-    way.set(xlim=_VIEW, ylim=(road.right_edge - 0.3, road.left_edge + 0.3), ylabel="left of the\nroute [m]")
-    way.set_title("The ways of the center of gravity, width drawn larger", fontsize=10, loc="left")
-    push.set(xlim=_VIEW, xlabel=f"distance along the route from {sanitize_text(user.id)} [m]")
-    push.set_ylabel("lateral acc.\na_y [m/s²]")
-    way.legend(fontsize=8, loc="upper left")
-    expand_limits(push, LEAST_A_Y, above=0.35)
-    push.legend(fontsize=8, loc="upper left", ncols=len(logs))
+def _draw_obstacle(axis: Any, log: Log, i: int) -> None:
+    road, users = log.scenario.road, log.scenario.road_users
+    draw_lanes(axis, road)
+    axis.axhline(0.0, color="black", linewidth=0.8, linestyle=":")
+    box = frenet_corners(log, slice(-1, None))[0, 1 + i] - (log.user_frenet[-1, i, 0], 0.0)
+    axis.fill(*box.T, color=assign_colors([user.id for user in users])[users[i].id], zorder=2)
+    axis.set(xlim=_VIEW, ylim=(road.right_edge - 0.3, road.left_edge + 0.3), ylabel="left of the\nroute [m]")
+
+
+def _draw_path(paths: Any, lateral: Any, log: Log, i: int) -> None:
+    color, line, _ = EGO_TYPE_STYLES[log.scenario.ego_type]
+    s = log.ego_frenet[:, 0] - log.user_frenet[-1, i, 0]
+    near = (s > _VIEW[0] - 5.0) & (s < _VIEW[1] + 5.0)
+    label = ego_label(log)
+    paths.plot(s[near], log.ego_frenet[near, 1], line, color=color, label=label, zorder=3)
+    label += f": {np.abs(log.a_y).max():.1f} m/s²"
+    lateral.plot(s[near], log.a_y[near], line, color=color, label=label)
+    if first_collision(log) is not None:
+        mark_collision(paths, s[-1], log.ego_frenet[-1, 1], size=9.0)
+        mark_collision(lateral, s[-1], log.a_y[-1], size=9.0)
+
+
+def _draw_swept(axis: Any, log: Log, i: int) -> None:
+    s, d = (log.ego_frenet - (log.user_frenet[-1, i, 0], 0.0)).T
+    half = 0.5 * log.scenario.vehicle.width
+    axis.fill_between(
+        s,
+        d - half,
+        d + half,
+        color=COLORS.ego,
+        alpha=0.18,
+        linewidth=0.0,
+        zorder=1,
+        label="swept by the body",
+    )

@@ -8,49 +8,44 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
-from cca_core.plot.style import EGO, new_figure
-from cca_core.sim.scenarios.scenario import EGO_TYPES
-from cca_core.sim.study.statistics import StudyTable
+from cca_core.plot.labels import NAMES
+from cca_core.plot.style import EGO_TYPE_STYLES, new_figure
+from cca_core.sim import EGO_TYPES, StudyTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["plot_study"]
 
-_LINES = {
-    "v2v": ("with V2V", EGO, "o-"), "driver": ("driver without V2V", "#D55E00", "s--"),
-    "sensor": ("sensor without V2V", "#56606B", "^:"),
-}  # fmt: skip
-_AXES = {"latency": "latency [s]", "loss": "share of messages lost [-]"}
-_APART = 0.01  # shift between the lines, as a share of the axis [-]
+_AXES = {"latency": "latency [s]", "loss": "fraction of messages lost [-]"}
 
 
 def plot_study(
     tables: Sequence[StudyTable], *, bins: int = 5, egos: Sequence[str] = EGO_TYPES, log: bool = False
 ) -> "Figure":
-    """Draw the share of runs that end in a contact over the latency and the loss of messages.
+    """Draw the fraction of runs that end in a collision over the latency and the loss of messages.
 
     Parameters
     ----------
     tables : sequence of StudyTable
-        A row of the figure for each, all their runs: whether or not a contact was avoidable, which the
-        messages decide as well.
+        A row of the figure for each. All runs count, whether or not the collision was avoidable: messages
+        decide that as well.
     bins : int
-        Into how many classes of equal width the runs are divided [-].
+        Number of classes of equal width [-].
     egos : sequence of {"v2v", "driver", "sensor"}
-        Whose lines are drawn.
+        Ego types to draw.
     log : bool
-        Whether the share is drawn on a scale that shows small ones: linear up to 1 %, then logarithmic.
+        Whether the scale is linear up to 1 % and logarithmic above.
 
     Returns
     -------
     figure : Figure
-        Shares with their intervals at 95 %; the runs of the three egos are the same.
+        Rates with their confidence intervals at 95 %; the runs of the ego types are the same.
 
     Raises
     ------
     InputError
-        If there is no table or one is empty, `bins` is below 1, or nobody of that name drove.
+        If there is no table or one is empty, `bins` is below 1, or an ego type is unknown.
     MissingExtraError
         If matplotlib is not installed.
     """
@@ -59,7 +54,7 @@ def plot_study(
     if bins < 1:
         raise InputError(f"bins must be at least 1, was {bins}")
     if any(ego not in EGO_TYPES for ego in egos):
-        raise InputError(f"egos must be of {', '.join(EGO_TYPES)}, were {', '.join(egos)}")
+        raise InputError(f"egos must be in {', '.join(EGO_TYPES)}, were {', '.join(egos)}")
     ticker = require_extra("matplotlib.ticker", "plot")
     figure = new_figure(2.6 * len(tables) + 0.6)
     for table, row in zip(tables, figure.subplots(len(tables), 2, squeeze=False, sharey="row"), strict=True):
@@ -70,7 +65,7 @@ def plot_study(
             axis.set_ylim(0.0 if log else -0.02, 1.3 if log else 1.02)
             axis.yaxis.set_major_formatter(ticker.PercentFormatter(1.0, decimals=0))
             axis.grid(alpha=0.3)
-        row[0].set_ylabel(f"{table.scenario}:\nruns with a contact")
+        row[0].set_ylabel(f"{table.scenario}:\nruns with a collision")
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return figure
 
@@ -84,8 +79,8 @@ def _draw(axis: Any, table: StudyTable, x: Array, bins: int, egos: Sequence[str]
         value = np.array([rate.value if rate.n else np.nan for rate in rates])
         below = value - np.array([rate.ci_low for rate in rates])
         above = np.array([rate.ci_high for rate in rates]) - value
-        label, color, style = _LINES[ego]
+        color, line, marker = EGO_TYPE_STYLES[ego]
         axis.errorbar(
-            middle + _APART * (i - 1) * span, value, np.clip((below, above), 0.0, None), fmt=style,
-            color=color, label=label, capsize=3, markersize=4, linewidth=1.1,
+            middle + 0.01 * (i - 1) * span, value, np.clip((below, above), 0.0, None), fmt=line + marker,
+            color=color, label=NAMES[ego], capsize=3, markersize=4, linewidth=1.1,
         )  # fmt: skip

@@ -11,6 +11,7 @@ from cca_core.sim.human_driver import Driver
 from cca_core.sim.log import Log
 from cca_core.sim.log_io import load_log, save_log
 from cca_core.sim.loop import make_driver, make_planner, simulate
+from cca_core.sim.outcome import Collision, first_collision, first_lane_change, lead_speed
 from cca_core.sim.plants.build import PLANTS, make_plant
 from cca_core.sim.plants.multi_body import MultiBodyPlant
 from cca_core.sim.plants.single_track import SingleTrackPlant
@@ -35,6 +36,7 @@ __all__ = [
     "OVERTAKING_CASES",
     "PLANTS",
     "BrakeAction",
+    "Collision",
     "CommonRoadRun",
     "CommonRoadScenario",
     "DoubleLaneChange",
@@ -58,10 +60,13 @@ __all__ = [
     "drive_commonroad",
     "drive_through",
     "eebl",
+    "first_collision",
+    "first_lane_change",
     "ima",
     "iso3888_1",
     "iso3888_2",
     "lane_change_path",
+    "lead_speed",
     "load_log",
     "make_driver",
     "make_planner",

@@ -1,14 +1,12 @@
 import re
-from collections.abc import Callable
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
-from cca_core.plot import (
+from cca_core.report import (
     baseline_and_v2v,
     describe_run,
-    first_collision,
     group_by_case,
     headline,
     one_run_per_ego,
@@ -17,10 +15,10 @@ from cca_core.plot import (
 )
 from cca_core.sim import Log
 from tests.support.browser import SIZES, faults, find_browser, look
+from tests.support.paper_runs import Run
 
 pytestmark = pytest.mark.requires("matplotlib")
 
-Run = Callable[[str, str, str], Log]
 BROWSER = find_browser()
 VOID = {"meta", "img", "input", "br", "circle", "rect", "path"}
 
@@ -84,7 +82,7 @@ def file(runs: list[Log], tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "report.html"
 
 
-def test_the_page_needs_no_other_file_and_no_network(file: Path) -> None:
+def test_page_needs_no_other_file_and_no_network(file: Path) -> None:
     text = file.read_text(encoding="utf-8")
     page = Page(text)
     assert page.open == []
@@ -95,13 +93,13 @@ def test_the_page_needs_no_other_file_and_no_network(file: Path) -> None:
     assert len(text) < 6_000_000
 
 
-def test_tables_and_figures_scroll_by_themselves(file: Path) -> None:
+def test_tables_and_figures_scroll(file: Path) -> None:
     text = file.read_text(encoding="utf-8")
     assert Page(text).loose == []
     assert 'name="viewport" content="width=device-width' in text
 
 
-def test_the_first_screen_says_what_v2v_changed(file: Path, runs: list[Log]) -> None:
+def test_first_screen_states_what_v2v_changed(file: Path, runs: list[Log]) -> None:
     text = file.read_text(encoding="utf-8")
     header = Page(text[text.index("<header") : text.index("</header>") + 9]).text.replace("\u00a0", " ")
     groups = group_by_case(runs)
@@ -111,7 +109,7 @@ def test_the_first_screen_says_what_v2v_changed(file: Path, runs: list[Log]) -> 
             assert summarize_outcome(log) in header
 
 
-def test_each_run_is_told_with_its_key_figures(file: Path, runs: list[Log]) -> None:
+def test_page_has_narrative_and_key_figures_of_each_run(file: Path, runs: list[Log]) -> None:
     text = Page(file.read_text(encoding="utf-8")).text.replace("\u00a0", " ")
     for log in runs:
         key = log.summary()
@@ -125,14 +123,14 @@ def test_each_run_is_told_with_its_key_figures(file: Path, runs: list[Log]) -> N
                 assert f"{name}: {reason}" in text
 
 
-def test_every_result_of_the_paper_has_its_counterpart(file: Path) -> None:
+def test_each_figure_of_the_paper_has_a_counterpart(file: Path) -> None:
     names = {path.stem for path in file.parent.glob("*.png")}
     for figure in ("fig05", "fig06_07", "fig06", "fig08", "fig09", "fig10", "fig11", "fig11_12", "fig16_17"):
         assert any(name.startswith(f"{figure}_") for name in names), figure
-    assert Page(file.read_text(encoding="utf-8")).images.__len__() == len(names)
+    assert len(Page(file.read_text(encoding="utf-8")).images) == len(names)
 
 
-def test_there_is_an_animation_for_each_scenario(file: Path, runs: list[Log]) -> None:
+def test_each_scenario_has_an_animation(file: Path, runs: list[Log]) -> None:
     text = file.read_text(encoding="utf-8")
     groups = group_by_case(runs)
     assert text.count('class="cca"') == len(groups)
@@ -140,22 +138,7 @@ def test_there_is_an_animation_for_each_scenario(file: Path, runs: list[Log]) ->
     assert Page(text).scripts == len(groups) + 1
 
 
-def test_headline_counts_the_logs(runs: list[Log]) -> None:
-    groups = group_by_case(runs)
-    pairs = [baseline_and_v2v(group) for group in groups]
-    without = sum(first_collision(pair[0]) is not None for pair in pairs)
-    text = headline(groups)
-    assert f"Without V2V the ego collides in {without} of {len(pairs)} scenarios" in text
-    with_v2v = sum(first_collision(pair[1]) is not None for pair in pairs)
-    assert f"with V2V in {with_v2v or 'none'}" in text
-    assert "case 2" in text
-
-
-def test_headline_covers_only_simulated_runs(runs: list[Log]) -> None:
-    assert "none of them both with and without" in headline(group_by_case(runs[:1]))
-
-
-def test_a_hostile_id_stays_text(hostile: Log, tmp_path: Path) -> None:
+def test_hostile_id_stays_text(hostile: Log, tmp_path: Path) -> None:
     file = tmp_path / "report.html"
     write_report([hostile], file)
     page = Page(file.read_text(encoding="utf-8"))
@@ -164,14 +147,14 @@ def test_a_hostile_id_stays_text(hostile: Log, tmp_path: Path) -> None:
     assert "alert(" in page.text
 
 
-def test_a_report_of_a_run_without_others(alone: Log, tmp_path: Path) -> None:
+def test_report_without_other_vehicles(alone: Log, tmp_path: Path) -> None:
     write_report([alone], tmp_path / "report.html")
     assert Page((tmp_path / "report.html").read_text(encoding="utf-8")).open == []
 
 
 @pytest.mark.skipif(BROWSER is None, reason="needs Chromium or Chrome")
 @pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}px")
-def test_in_a_browser_without_network(file: Path, size: tuple[int, int]) -> None:
+def test_page_works_in_a_browser_without_network(file: Path, size: tuple[int, int]) -> None:
     found = look(BROWSER, file, size, still=size == SIZES[0])
     assert faults(found) == []
     assert found["top"][0] < 50.0

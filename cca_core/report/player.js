@@ -1,47 +1,3 @@
-"""Script and style of the animations: they move an inline SVG and need nothing from elsewhere."""
-
-__all__ = ["SCRIPT", "STYLE"]
-
-STYLE = """
-.cca { --asphalt: #dcdcdc; --paint: #fff; --verge: #f3f5f1; --edge: #777; --ink: #222; --soft: #555;
-  --ego: #0072b2; --hit: #a33000; --line: #bbb; color: var(--ink); margin: 1em 0; font-size: .95rem }
-@media (prefers-color-scheme: dark) {
-  .cca { --asphalt: #3b3d40; --paint: #8d8f92; --verge: #1e2320; --edge: #999; --ink: #e8e8e8;
-    --soft: #b5b5b5; --ego: #4fb0ea; --hit: #ff8a5c; --line: #555 }
-}
-.cca:focus-visible { outline: 2px solid var(--ego); outline-offset: 3px }
-.cca-pair { display: grid; gap: 12px; grid-template-columns: repeat(auto-fit, minmax(min(100%, 330px), 1fr)) }
-.cca-run { margin: 0; min-width: 0 }
-.cca-run svg { display: block; width: 100%; height: auto; background: var(--verge); border-radius: 4px }
-.cca-run figcaption { font-weight: 600; margin-bottom: .25em }
-.cca-state { margin: .3em 0 0; min-height: 4.3em; font-variant-numeric: tabular-nums; line-height: 1.4 }
-.cca-key { margin: .2em 0 0; font-size: .85em; color: var(--soft) }
-.cca-why { color: var(--soft) }
-.cca-hit { color: var(--hit); font-weight: 600 }
-.cca-controls { display: flex; flex-wrap: wrap; align-items: center; gap: 8px; margin-top: .3em }
-.cca-controls button, .cca-controls select { font: inherit; padding: .3em .5em; min-height: 2.4em }
-.cca-controls button { min-width: 5.2em }
-.cca-controls input { flex: 1 1 6em; min-width: 5em; accent-color: var(--ego); height: 2.4em }
-.cca-clock { font-variant-numeric: tabular-nums; min-width: 6.3em; text-align: right }
-.cca .asphalt { fill: var(--asphalt) } .cca .border { stroke: var(--edge); fill: none; stroke-width: .5 }
-.cca .dashes { stroke: var(--paint); fill: none; stroke-width: .22; stroke-dasharray: 3 6 }
-.cca .route { stroke: var(--edge); fill: none; stroke-width: .12; stroke-dasharray: .6 .8 }
-.cca .stop { stroke: var(--paint); stroke-width: .6 }
-.cca .trail { stroke: var(--ego); fill: none; stroke-width: .35; opacity: .8 }
-.cca .body { stroke: var(--paint); stroke-width: .12 } .cca .ego .body { fill: var(--ego) }
-.cca .glass { fill: #fff; opacity: .55 }
-.cca .unknown .body { fill-opacity: .12; stroke: var(--soft); stroke-dasharray: .7 .5; stroke-width: .2 }
-.cca .unknown .glass { opacity: .1 }
-.cca .pulse { fill: none; stroke: var(--ego); stroke-width: .3; opacity: 0 }
-.cca .contact { stroke: var(--hit); stroke-width: .7; fill: none; visibility: hidden }
-.cca .over .contact { visibility: visible }
-.cca text { font-family: system-ui, sans-serif; font-size: 3.4px; fill: var(--ink); stroke: var(--asphalt);
-  stroke-width: .22em; stroke-linejoin: round; paint-order: stroke }
-"""
-"""CSS of the animations (light and dark, any width)."""
-
-# Neither "<" nor "&" occurs, so that a fragment is well-formed XML as well as HTML.
-SCRIPT = r"""
 (function () {
   "use strict";
   var still = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -52,7 +8,7 @@ SCRIPT = r"""
     run.bodies = run.bodies.map(function (body) { return body.map(sums); });
     return run;
   }
-  function place(t, times) {
+  function bracket(t, times) {
     var low = 0, high = times.length - 1, middle;
     if (t >= times[high]) { return [high, high, 0]; }
     while (high - low > 1) {
@@ -78,7 +34,7 @@ SCRIPT = r"""
   }
   Run.prototype.show = function (time) {
     var data = this.data, end = data.t[data.t.length - 1], t = Math.min(time, end);
-    var where = place(t, data.t), camera = at(data.camera, where), run = this, stacked = [0, 0];
+    var where = bracket(t, data.t), camera = at(data.camera, where), run = this, stacked = [0, 0];
     var cx = camera[0] / 100, cy = camera[1] / 100, turn = camera[2] / 1e4;
     var c = Math.cos(turn), s = Math.sin(turn), box = this.box;
     var size = 12 * box.width / Math.max(this.svg.clientWidth, 100);
@@ -93,7 +49,7 @@ SCRIPT = r"""
         (pose[2] / 1e4 * 180 / Math.PI).toFixed(2) + ")");
       car.classList.toggle("unknown", !known);
       if (i > 0) {
-        var sent = data.heard[i - 1].filter(function (m) { return t >= m / 1000; }).pop();
+        var sent = data.received[i - 1].filter(function (m) { return t >= m / 1000; }).pop();
         var old = sent === undefined ? 9 : t - sent / 1000, pulse = run.pulses[i - 1];
         pulse.setAttribute("cx", x.toFixed(2)); pulse.setAttribute("cy", y.toFixed(2));
         pulse.setAttribute("r", (2 + 10 * Math.min(old, 0.5)).toFixed(2));
@@ -101,7 +57,7 @@ SCRIPT = r"""
       }
       var px = c * (x - cx) + s * (y - cy), py = s * (x - cx) - c * (y - cy), label = run.labels[i];
       var far = Math.round(Math.hypot(x - ego[0], y - ego[1])), text;
-      text = data.names[i] + (v > 0.1 ? " " + v.toFixed(v > 0.95 ? 0 : 1) + " m/s" : " stands");
+      text = data.names[i] + (v > 0.1 ? " " + v.toFixed(v > 0.95 ? 0 : 1) + " m/s" : " stationary");
       var before = box.x - 2 > px, after = px > box.x + box.width + 2;
       var above = box.y - 2 > py, below = py > box.y + box.height + 2;
       var away = before || after || (i === 0 ? above || below : false);
@@ -130,11 +86,11 @@ SCRIPT = r"""
       this.points.slice(0, where[0] + 1).concat(ego[0].toFixed(2) + "," + ego[1].toFixed(2)).join(" "));
     var action = data.actions.filter(function (a) { return t + 1e-6 >= a[0]; }).pop();
     var speed = at(data.bodies[0], where)[3] / 100, over = time >= end;
-    var hit = over ? data.contact : null;
-    this.svg.classList.toggle("over", Boolean(hit));
+    var collision = over ? data.collision : null;
+    this.svg.classList.toggle("over", Boolean(collision));
     this.state.textContent = t.toFixed(1) + " s, " + speed.toFixed(1) + " m/s, " + action[1];
-    this.why.textContent = hit || action[2];
-    this.why.classList.toggle("cca-hit", Boolean(hit));
+    this.why.textContent = collision || action[2];
+    this.why.classList.toggle("cca-collision", Boolean(collision));
   };
   function start(root) {
     if (root.dataset.ready) { return; }
@@ -190,5 +146,3 @@ SCRIPT = r"""
   }
   document.querySelectorAll(".cca").forEach(start);
 }());
-"""
-"""JavaScript of the animations; it starts each one on the page once."""

@@ -1,0 +1,93 @@
+"""Texts of figures: names of scenarios, cases, ego types and runs."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from cca_core._optional import require_extra
+from cca_core.sim import Log, Scenario
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NAMES = {
+    "eebl": "Emergency braking ahead",
+    "ima": "Occluded traffic at an intersection",
+    "curbside": "Stopped vehicle at the roadside",
+    "maneuver": "Maneuvering in traffic",
+    ("eebl", "A"): "no vehicle connected",
+    ("eebl", "B"): "only the ego connected",
+    ("eebl", "C"): "ego and yellow connected",
+    ("eebl", "C-gentle"): "both connected, braking gently",
+    ("eebl", "D"): "only yellow connected",
+    ("eebl", "sensor"): "no vehicle connected",
+    ("ima", "left-turn"): "left turn",
+    ("ima", "crossing"): "straight on",
+    ("curbside", "fast"): "fast",
+    ("curbside", "slow"): "slow",
+    "v2v": "with V2V",
+    "driver": "driver without V2V",
+    "sensor": "sensor without V2V",
+}
+"""Names of scenarios, of their cases and of ego types."""
+
+
+def title(log: Log) -> str:
+    """Name of a run in words.
+
+    Parameters
+    ----------
+    log : Log
+        The run.
+
+    Returns
+    -------
+    title : str
+        Such as ``"Maneuvering in traffic, case 2: with V2V"``.
+    """
+    return f"{scenario_name(log.scenario)}: {ego_label(log)}"
+
+
+def scenario_name(scenario: Scenario, *, cased: bool = True) -> str:
+    """Name of a scenario in words, such as ``"Maneuvering in traffic, case 2"``."""
+    name = NAMES.get(scenario.name, scenario.name)
+    return f"{name}, {case_name(scenario)}" if cased and scenario.case is not None else name
+
+
+def case_name(scenario: Scenario) -> str:
+    """Name of a scenario's case in words, such as ``"case 2"``; empty if it has none."""
+    if scenario.case is None:
+        return ""
+    return NAMES.get((scenario.name, scenario.case), f"case {scenario.case}")
+
+
+def ego_label(log: Log) -> str:
+    """Ego type of a run in words, such as ``"driver without V2V"``."""
+    return NAMES[log.scenario.ego_type]
+
+
+def run_heading(log: Log, outcomes: Sequence[str], i: int, separator: str = "\n") -> str:
+    """Ego type of the i-th of some runs, and its outcome if it is given."""
+    return separator.join([begin_sentence(ego_label(log)), *outcomes[i : i + 1]])
+
+
+def begin_sentence(text: str) -> str:
+    """Text with a capital first letter."""
+    return text[0].upper() + text[1:]
+
+
+def join_names(ids: Sequence[str]) -> str:
+    """Ids with commas and "and"."""
+    return " and ".join(filter(None, (", ".join(ids[:-1]), ids[-1])))
+
+
+def sanitize_text(text: str) -> str:
+    """Text with a replacement character for each one that cannot be printed: an id may come as bytes."""
+    return "".join(each if each.isprintable() or each == "\N{NO-BREAK SPACE}" else "\ufffd" for each in text)
+
+
+def escape_figure_text(figure: "Figure") -> "Figure":
+    """Make every text of a finished figure printable, and none of it a formula."""
+    for text in figure.findobj(require_extra("matplotlib.text", "plot").Text):
+        text.set_text("\n".join(map(sanitize_text, text.get_text().split("\n"))))
+        text.set_parse_math(False)
+    return figure

@@ -1,0 +1,190 @@
+"""Bands, paths and roads as SVG text, to scale, for notebooks; matplotlib is not needed."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import singledispatch
+from html import escape
+
+import numpy as np
+
+from cca_core._checks import Array, Complex
+from cca_core.band import Band
+from cca_core.errors import InputError
+from cca_core.geometry import boxes
+from cca_core.path import Path, Road
+from cca_core.plot.style import COLORS
+
+__all__ = ["to_svg"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sheet:
+    """Lengths of a drawing [px]."""
+
+    width: float = 640.0
+    max_height: float = 360.0
+    margin: float = 16.0
+    footer: float = 40.0
+    max_scale_bar: float = 120.0
+    n_samples: int = 400
+    """Intervals into which a curve is divided [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Mark:
+    """One thing in a drawing: points [m], color, and kind."""
+
+    # a swath is a translucent line `width` meters wide, an area is closed and filled, an arrow is a head at the
+    # last point; other widths are in pixels
+    xy: Array
+    color: str
+    kind: str = "line"
+    width: float = 1.5
+
+
+_SHEET = Sheet()
+
+
+@singledispatch
+def to_svg(item: Band | Path | Road) -> str:
+    """Draw a band, a path or a road to scale, as Jupyter shows it.
+
+    Parameters
+    ----------
+    item : Band, Path or Road
+        A single band is drawn with its route, its edges and its obstacles, each as the ego comes nearest to it. A band that must not be
+        driven has another color.
+
+    Returns
+    -------
+    svg : str
+        One ``svg`` element, x to the right and y up, with a scale bar; it needs no other file.
+
+    Raises
+    ------
+    InputError
+        If `item` is something else or a batch of bands.
+    """
+    raise InputError(f"item must be a Band, Path or Road, was {type(item).__name__}")
+
+
+@to_svg.register
+def _(item: Path) -> str:
+    xy = item.position(np.linspace(item.start, item.end, _SHEET.n_samples + 1))
+    return _drawing([Mark(xy=xy, color=COLORS.ego, kind=kind) for kind in ("line", "arrow")], repr(item))
+
+
+@to_svg.register
+def _(item: Road) -> str:
+    path = item.path
+    s = np.linspace(path.start, path.end, _SHEET.n_samples + 1)
+    marks, boundaries = [], set()
+    for lane in item.lanes:
+        center = path.to_cartesian(s, np.full_like(s, lane.d))
+        boundaries |= {lane.right, lane.left}
+        marks.append(Mark(xy=center, color=COLORS.route, kind="swath", width=lane.width))
+        marks.append(Mark(xy=center[:: lane.direction], color=COLORS.route, kind="arrow"))
+    lines = (path.to_cartesian(s, np.full_like(s, d)) for d in sorted(boundaries))
+    marks += [Mark(xy=line, color=COLORS.ink, width=0.8) for line in lines]
+    route = path.position(s)
+    marks += [Mark(xy=route, color=COLORS.ego, kind=kind) for kind in ("dashes", "arrow")]
+    return _drawing(marks, repr(item))
+
+
+@to_svg.register
+def _(item: Band) -> str:
+    if item.nodes.ndim != 2:
+        raise InputError("item must be a single band; index the batch first")
+    return _drawing(_band_marks(item), repr(item) if item.ok else f"{item.status.name}: {item.message}")
+
+
+def _band_marks(band: Band) -> list[Mark]:
+    """Route, edges, obstacles, and the band as wide as the ego."""
+    problem, nodes = band.problem, band.nodes.view(np.complex128)[:, 0]
+    route, left, corridor = problem.route_nodes[0], 1j * problem.tangents[0], problem.corridor
+    width = problem.vehicle.width
+    marks = [Mark(xy=_rows(route), color=COLORS.route, kind="dashes", width=1.0)]
+    if corridor.has_edges:
+        edges = (
+            route + left * (corridor.lower[0] - 0.5 * width),
+            route + left * (corridor.upper[0] + 0.5 * width),
+        )
+        marks += [Mark(xy=_rows(edge), color=COLORS.ink) for edge in edges]
+    for i, center in enumerate(corridor.center[:, 0]):
+        k = int(np.abs(center - nodes).argmin())
+        size = 2.0 * corridor.half_length[i, 0, k], 2.0 * corridor.half_width[i, 0, k]
+        box = boxes(center[k].real, center[k].imag, np.angle(corridor.ahead[i, 0, k]), *size)
+        marks.append(Mark(xy=box.corners(), color=COLORS.second, kind="area"))
+    color = COLORS.ego if band.ok else COLORS.failed
+    marks.append(Mark(xy=band.nodes, color=color, kind="swath", width=width))
+    return [*marks, *(Mark(xy=band.nodes, color=color, kind=kind) for kind in ("dots", "arrow"))]
+
+
+def _rows(z: Complex) -> Array:
+    """Points x + iy as rows, shape (n, 2)."""
+    return np.stack((z.real, z.imag), axis=-1)
+
+
+def _drawing(marks: Sequence[Mark], caption: str) -> str:
+    """SVG of marks, the hindmost first, with a scale bar and a line of text."""
+    marks = [mark for mark in marks if len(mark.xy)]
+    points = np.concatenate([mark.xy for mark in marks])
+    wide = max((mark.width for mark in marks if mark.kind == "swath"), default=0.0)
+    low, high = points.min(axis=0) - 0.5 * wide, points.max(axis=0) + 0.5 * wide
+    extent = np.maximum(high - low, 1.0)
+    width, margin, footer = _SHEET.width, _SHEET.margin, _SHEET.footer
+    scale = float(min((width - 2.0 * margin) / extent[0], _SHEET.max_height / extent[1]))
+    height = max(float(extent[1]) * scale, 24.0) + 2.0 * margin + footer
+    center, middle = 0.5 * (low + high), np.array((0.5 * width, 0.5 * (height - footer)))
+    shapes = [_shape(mark, (mark.xy - center) * (scale, -scale) + middle, scale) for mark in marks]
+    text = escape(caption)
+    return "\n".join(
+        (
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:.0f}" '
+            f'viewBox="0 0 {width:g} {height:.0f}" role="img" font-family="sans-serif" font-size="11">',
+            f"<title>{text}</title>",
+            '<rect width="100%" height="100%" fill="#FFFFFF"/>',
+            *shapes,
+            _scale_bar(scale, height - footer + 8.0),
+            f'<text x="{margin:g}" y="{height - 8.0:.0f}" fill="{COLORS.ink}">{text}</text>',
+            "</svg>",
+        )
+    )
+
+
+def _shape(mark: Mark, at: Array, scale: float) -> str:
+    """Element for a mark whose points lie `at` pixels."""
+    if mark.kind == "dots":
+        dots = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in at.tolist())
+        return f'<path d="{dots}" stroke="{mark.color}" stroke-width="4" stroke-linecap="round"/>'
+    if mark.kind == "arrow":
+        along = at[-1] - at[-2]
+        cos, sin = along / max(float(np.hypot(*along)), 1e-9)
+        head = np.array([[5.0, 0.0], [-5.0, 4.5], [-5.0, -4.5]])  # [px]
+        at = at[-1] + head @ np.array([[cos, sin], [-sin, cos]])
+    path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in at.tolist())
+    if mark.kind in ("area", "arrow"):
+        return f'<path d="{path}Z" fill="{mark.color}"/>'
+    extra, width = "", mark.width
+    if mark.kind == "dashes":
+        extra = ' stroke-dasharray="6 4"'
+    elif mark.kind == "swath":
+        extra, width = ' stroke-opacity="0.25"', mark.width * scale
+    return (
+        f'<path d="{path}" fill="none" stroke="{mark.color}" stroke-width="{width:.2f}" '
+        f'stroke-linejoin="round"{extra}/>'
+    )
+
+
+def _scale_bar(scale: float, y: float) -> str:
+    """Bar of 1, 2 or 5 times a power of ten meters, with its length."""
+    longest = _SHEET.max_scale_bar / scale
+    power = 10.0 ** math.floor(math.log10(longest))
+    length = next(step * power for step in (5.0, 2.0, 1.0) if step * power <= longest)
+    name = f"{length / 1e3:g} km" if length >= 1e3 else f"{length:g} m"
+    end = _SHEET.margin + length * scale
+    return (
+        f'<path d="M{_SHEET.margin:g} {y - 4:.0f}v4H{end:.1f}v-4" fill="none" stroke="{COLORS.ink}"/>'
+        f'<text x="{end + 6:.1f}" y="{y:.0f}" fill="{COLORS.ink}">{name}</text>'
+    )

@@ -1,0 +1,221 @@
+"""What happened in a run, and in a set of runs, in words made from the logs."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cca_core.decide import Action
+from cca_core.plot.labels import begin_sentence, case_name, join_names
+from cca_core.report.selection import baseline_and_v2v, one_run_per_ego
+from cca_core.sim import Log
+from cca_core.sim.outcome import STOPPED_SPEED, final_lead, first_collision, overtaken, row_at
+
+__all__ = [
+    "describe_outcome",
+    "describe_participants",
+    "describe_run",
+    "headline",
+    "summarize_outcome",
+    "vehicles_waited_for",
+]
+
+
+def headline(groups: Sequence[Sequence[Log]]) -> str:
+    """State in a sentence or two what V2V changed.
+
+    Parameters
+    ----------
+    groups : sequence of sequence of Log
+        Runs by scenario, as `group_by_case` sorts them.
+
+    Returns
+    -------
+    text : str
+        In how many scenarios the ego collides without V2V and with it, and what else V2V makes possible.
+    """
+    pairs = [pair for pair in map(baseline_and_v2v, groups) if len({log.scenario.v2v for log in pair}) == 2]
+    if not pairs:
+        return f"{len(groups)} scenarios were driven; none of them both with and without V2V."
+    collided = [[first_collision(log) is not None for log in pair] for pair in pairs]
+    without, with_v2v = (sum(column) for column in zip(*collided, strict=True))
+    n = len(pairs)
+    text = f"Without V2V the ego collides in {_count(without, n)}; with V2V in {_count(with_v2v, n)}."
+    sensed = [log for group in groups for log in one_run_per_ego(group) if log.scenario.ego_type == "sensor"]
+    driven = sum(pair[0].scenario.ego_type == "driver" for pair in pairs)
+    if driven and sensed:
+        k = sum(first_collision(log) is not None for log in sensed)
+        text += f" An automated ego with a sensor alone collides in {_count(k, len(sensed))}."
+    freed = [
+        pair[1]
+        for pair, either in zip(pairs, collided, strict=True)
+        if not any(either) and len(overtaken(pair[1])) > len(overtaken(pair[0]))
+    ]
+    if freed:
+        names = join_names([case_name(log.scenario) for log in freed])
+        text += f" When maneuvering ({names}) it stays behind slow traffic without V2V"
+        text += " and passes it with V2V."
+    return text
+
+
+def _count(k: int, n: int) -> str:
+    number = "none" if k == 0 else f"all {n}" if k == n else str(k)
+    return number if k in (0, n) else f"{number} of {n} scenarios"
+
+
+def summarize_outcome(log: Log) -> str:
+    """State in a few words how a run ended.
+
+    Parameters
+    ----------
+    log : Log
+        The run.
+
+    Returns
+    -------
+    text : str
+        The rest of a sentence that begins with the ego: the collision and its speed, the vehicle behind which
+        the ego stopped, the time it waited, or the vehicles it passed and how closely.
+    """
+    collision = first_collision(log)
+    if collision is not None:
+        return f"collides with {collision.id} at {collision.speed:.1f} m/s"
+    gaps, names = log.gaps(), [user.id for user in log.scenario.road_users]
+    stationary = log.ego[:, 3] < STOPPED_SPEED
+    lead = final_lead(log)
+    if stationary[-1]:
+        return "stops" if lead is None else f"stops {gaps[-1, lead]:.1f} m behind {names[lead]}"
+    min_gap = gaps.min(initial=np.inf)
+    if stationary.any():
+        waited = float(np.sum(np.diff(log.t)[stationary[:-1]]))
+        return f"waits {waited:.1f} s, then drives on, min gap {min_gap:.1f} m"
+    passed = overtaken(log)
+    if passed:
+        return f"passes {join_names([names[i] for i in passed])}, min gap {gaps[:, passed].min():.1f} m"
+    if lead is not None:
+        return f"ends {gaps[-1, lead]:.1f} m behind {names[lead]}, at {log.ego[-1, 3]:.1f} m/s"
+    if any(user.route is not None for user in log.scenario.road_users):
+        return f"slows down to {log.ego[:, 3].min():.1f} m/s and drives on, min gap {min_gap:.1f} m"
+    return describe_outcome(log)
+
+
+def describe_run(log: Log) -> str:
+    """Describe a run in one sentence.
+
+    Parameters
+    ----------
+    log : Log
+        The run.
+
+    Returns
+    -------
+    text : str
+        What the ego did and when, the vehicles it waited for, and how the run ended.
+    """
+    parts = []
+    ends = [begin for begin, _, _ in log.decisions[1:]] + [float(log.t[-1])]
+    for i, ((begin, name, reason), end) in enumerate(zip(log.decisions, ends, strict=True)):
+        is_last = i + 1 == len(log.decisions)
+        head, _, detail = reason.partition(";")
+        head = head.partition(":")[0]
+        if Action(name) in (Action.FOLLOW, Action.BRAKE):
+            parts.append(_describe_wait(log, begin, end, head, detail.strip() if is_last else None))
+        elif Action(name).is_evading:
+            parts.append(f"{head} ({begin:.1f} s)")
+        elif is_last and i > 0:
+            parts.append(f"back in the ego lane ({begin:.1f} s)")
+    if (log.gaps() <= 0.0).any():
+        parts.append(
+            f"{describe_outcome(log)} at {log.t[-1]:.1f} s, relative speed {log.closing_speed():.1f} m/s"
+        )
+    else:
+        parts.append(f"{describe_outcome(log)} at {log.ego[-1, 3]:.0f} m/s")
+    return begin_sentence(", ".join(parts)) + "."
+
+
+def _describe_wait(log: Log, begin: float, end: float, head: str, detail: str | None) -> str:
+    """Following or braking between two times; `detail` is given if it lasts to the end."""
+    if detail is not None:
+        return f"{head}, from {begin:.1f} s to the end{f' ({detail})' if detail else ''}"
+    names = vehicles_waited_for(log, begin, end)
+    until = f" until {join_names(names)} {'has' if len(names) == 1 else 'have'} passed" if names else ""
+    return f"{head} for {end - begin:.1f} s{until} ({begin:.1f} s)"
+
+
+def describe_participants(log: Log) -> str:
+    """Describe the participants of a run at its start.
+
+    Parameters
+    ----------
+    log : Log
+        The run.
+
+    Returns
+    -------
+    text : str
+        Speed, lane and distance of each road user.
+    """
+    lane = log.scenario.road.ego_lane
+    parts = [f"The ego's cruise speed is {log.scenario.cruise_speed:.0f} m/s"]
+    for i, (user, (s, d)) in enumerate(zip(log.scenario.road_users, log.user_frenet[0], strict=True)):
+        motion = f"drives at {user.v_x:.0f} m/s" if user.v_x > 0.0 else "is stationary"
+        if user.route is not None:
+            distance = np.hypot(*(log.road_users[0, i, :2] - log.ego[0, :2]))
+            parts.append(f"{user.id} {motion} on another road, {distance:.0f} m away")
+            continue
+        ahead = s - log.ego_frenet[0, 0]
+        where = f"{abs(ahead):.0f} m {'ahead' if ahead > 0.0 else 'behind'}"
+        side = "ego" if lane.right < d < lane.left else "left" if d > 0.0 else "right"
+        oncoming = ", oncoming" if user.direction < 0 else ""
+        parts.append(f"{user.id} {motion} in the {side} lane, {where}{oncoming}")
+    fixed = log.scenario.fixed_gap
+    if fixed is not None:
+        parts.append(f"the ego keeps {fixed.time_gap:g} s behind {fixed.lead_id} until it knows of a hazard")
+    return "; ".join(parts) + "."
+
+
+def describe_outcome(log: Log) -> str:
+    """Describe how a run ended.
+
+    Parameters
+    ----------
+    log : Log
+        The run.
+
+    Returns
+    -------
+    text : str
+        The collision, or the vehicles that the ego overtook and those that it did not.
+    """
+    gaps, users = log.gaps(), log.scenario.road_users
+    collided = [user.id for user, gap in zip(users, gaps.min(axis=0), strict=True) if gap <= 0.0]
+    if collided:
+        return f"collides with {join_names(collided)}"
+    ahead = log.user_frenet[..., 0] > log.ego_frenet[:, None, 0]
+    slower = [i for i, user in enumerate(users) if user.direction > 0 and ahead[0, i]]
+    passed = [users[i].id for i in slower if not ahead[-1, i]]
+    missed = [users[i].id for i in slower if ahead[-1, i]]
+    parts = [f"{where} {join_names(ids)}" for where, ids in (("ahead of", passed), ("behind", missed)) if ids]
+    return "ends " + (" and ".join(parts) or "with no vehicle ahead")
+
+
+def vehicles_waited_for(log: Log, begin: float, end: float) -> list[str]:
+    """Find the vehicles on other lanes that passed the ego during a part of a run.
+
+    Parameters
+    ----------
+    log : Log
+        The run.
+    begin, end : float
+        First and last time [s].
+
+    Returns
+    -------
+    ids : list of str
+        Their ids.
+    """
+    rows = [row_at(log, begin), row_at(log, end)]
+    lane = log.scenario.road.ego_lane
+    ahead = log.user_frenet[rows, :, 0] > log.ego_frenet[rows, None, 0]
+    d = log.user_frenet[rows[1], :, 1]
+    passed = (ahead[0] != ahead[1]) & ((d > lane.left) | (d < lane.right))
+    return [user.id for user, has_passed in zip(log.scenario.road_users, passed, strict=True) if has_passed]

@@ -1,0 +1,64 @@
+import numpy as np
+import pytest
+
+from cca_core import InputError
+from cca_core.plot import plot_braking
+from cca_core.sim import Log, first_collision
+from tests.support.paper_runs import Run
+
+pytestmark = pytest.mark.requires("matplotlib")
+
+
+@pytest.fixture(scope="module")
+def braking(run: Run) -> tuple[Log, Log]:
+    return run("eebl", "A", "driver"), run("eebl", "C", "v2v")
+
+
+def test_bands_reach_from_rear_to_front_bumper(braking: tuple[Log, Log]) -> None:
+    axes = np.reshape(plot_braking(braking).axes, (3, 2))
+    for log, axis in zip(braking, axes[0], strict=True):
+        bands = {band.get_label(): band.get_paths()[0].vertices for band in axis.collections}
+        assert bands.keys() == {"ego", "yellow", "red"}
+        for name, s, length in (
+            ("ego", log.ego_frenet[:, 0] + log.scenario.vehicle.box_offset, 4.5),
+            ("yellow", log.user_frenet[:, 0, 0], 4.5), ("red", log.user_frenet[:, 1, 0], 4.5),
+        ):  # fmt: skip
+            rear = s[0] - log.ego_frenet[0, 0] - 0.5 * length
+            at_start = bands[name][bands[name][:, 0] == 0.0, 1]
+            assert at_start.min() == pytest.approx(rear)
+            assert at_start.max() == pytest.approx(rear + length)
+
+
+def test_bands_meet_only_in_a_collision(braking: tuple[Log, Log]) -> None:
+    hit, free = (log.user_frenet[:, 0, 0] - log.ego_frenet[:, 0] - 4.5 for log in braking)
+    assert first_collision(braking[0]).id == "yellow"
+    assert hit.min() < 0.05
+    assert first_collision(braking[1]) is None
+    assert free.min() > 0.5
+    first, second = plot_braking(braking).axes[:2]
+    assert any("m/s" in text.get_text() for text in first.texts)
+    assert not second.texts
+
+
+def test_speeds_and_decelerations_are_those_of_the_log(braking: tuple[Log, Log]) -> None:
+    axes = np.reshape(plot_braking(braking).axes, (3, 2))
+    for log, (_, speed, brake) in zip(braking, axes.T, strict=True):
+        np.testing.assert_array_equal(speed.lines[0].get_ydata(), log.ego[:, 3])
+        np.testing.assert_array_equal(brake.lines[0].get_ydata(), -log.ego[:, 7])
+        np.testing.assert_array_equal(speed.lines[2].get_ydata(), log.road_users[:, 1, 3])
+    assert all("[" in axis.get_ylabel() for axis in axes[:, 0])
+
+
+def test_outcomes_are_in_the_titles(braking: tuple[Log, Log]) -> None:
+    first, second = plot_braking(braking, outcomes=["collides", "stops"]).axes[:2]
+    assert first.get_title(loc="left") == "Driver without V2V\ncollides"
+    assert second.get_title(loc="left") == "With V2V\nstops"
+
+
+def test_braking_without_runs_raises() -> None:
+    with pytest.raises(InputError, match="at least one run"):
+        plot_braking([])
+
+
+def test_braking_without_other_vehicles_is_drawn(alone: Log) -> None:
+    assert len(plot_braking([alone]).axes) == 3

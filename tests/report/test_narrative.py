@@ -1,0 +1,78 @@
+from dataclasses import replace
+
+from cca_core.report import (
+    describe_outcome,
+    describe_participants,
+    describe_run,
+    group_by_case,
+    headline,
+    summarize_outcome,
+    vehicles_waited_for,
+)
+from cca_core.sim import Log
+from tests.support.paper_runs import Run
+
+
+def test_summary_of_a_collision_gives_its_speed(run: Run) -> None:
+    log = run("eebl", "A", "driver")
+    assert summarize_outcome(log) == f"collides with yellow at {log.closing_speed():.1f} m/s"
+
+
+def test_summary_of_a_stop_gives_the_gap(run: Run) -> None:
+    log = run("eebl", "C", "v2v")
+    assert summarize_outcome(log) == f"stops {log.gaps()[-1, 0]:.1f} m behind yellow"
+
+
+def test_summary_of_passing_gives_the_min_gap(run: Run) -> None:
+    log = run("curbside", "fast", "v2v")
+    assert summarize_outcome(log) == f"passes red, min gap {log.gaps()[:, 1].min():.1f} m"
+
+
+def test_summary_of_a_crossing_gives_the_min_gap(run: Run) -> None:
+    log = run("ima", "left-turn", "v2v")
+    assert summarize_outcome(log).endswith(f"min gap {log.gaps().min():.1f} m")
+
+
+def test_summary_of_following_gives_gap_and_speed(run: Run) -> None:
+    log = run("maneuver", "2", "sensor")
+    assert summarize_outcome(log) == f"ends {log.gaps()[-1, 0]:.1f} m behind R1, at {log.ego[-1, 3]:.1f} m/s"
+
+
+def test_summary_without_other_vehicles(alone: Log) -> None:
+    assert summarize_outcome(alone) == describe_outcome(alone) == "ends with no vehicle ahead"
+
+
+def test_narrative_names_awaited_vehicles(run: Run) -> None:
+    waiting, stuck = run("maneuver", "2", "v2v"), run("maneuver", "2", "sensor")
+    assert vehicles_waited_for(waiting, 10.0, 25.0) == ["A"]
+    assert "until A has passed" in describe_run(waiting)
+    assert describe_outcome(waiting) == "ends ahead of R1 and R2"
+    assert describe_outcome(stuck) == "ends behind R1 and R2"
+    assert "to the end" in describe_run(stuck)
+
+
+def test_outcome_names_the_collided_vehicle(run: Run) -> None:
+    log = run("maneuver", "2", "sensor")
+    users = log.road_users.copy()
+    users[-1, 0, :2] = log.ego[-1, :2]
+    assert describe_outcome(replace(log, road_users=users)) == "collides with R1"
+
+
+def test_participants_are_described_with_lane_and_distance(run: Run) -> None:
+    text = describe_participants(run("maneuver", "2", "v2v"))
+    assert "R1 drives at 17 m/s in the ego lane" in text
+    assert "A drives at 35 m/s in the left lane" in text
+
+
+def test_headline_counts_collisions(run: Run) -> None:
+    logs = [
+        run("eebl", "A", "driver"), run("eebl", "C", "v2v"), run("ima", "left-turn", "driver"),
+        run("ima", "left-turn", "v2v"), run("maneuver", "2", "sensor"), run("maneuver", "2", "v2v"),
+    ]  # fmt: skip
+    text = headline(group_by_case(logs))
+    assert "Without V2V the ego collides in 2 of 3 scenarios; with V2V in none." in text
+    assert "case 2" in text
+
+
+def test_headline_covers_only_simulated_runs(run: Run) -> None:
+    assert "none of them both with and without" in headline([[run("eebl", "C", "v2v")]])
