@@ -18,8 +18,8 @@ def log(request: pytest.FixtureRequest) -> Log:
         path = interpolate_path(np.column_stack((np.arange(0.0, 1501.0, 20.0), np.zeros(76))))
         return simulate(dataclasses.replace(overtaking("1-fast", path), duration=8.0), seed=3)
     scenario = {
-        "eebl": lambda: eebl(case), "ima": lambda: ima(ego=case),
-        "curbside": lambda: curbside("fast", ego=case),
+        "eebl": lambda: eebl(case), "ima": lambda: ima(ego_type=case),
+        "curbside": lambda: curbside("fast", ego_type=case),
     }[kind]()  # fmt: skip
     return simulate(scenario, seed=3)
 

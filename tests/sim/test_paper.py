@@ -220,12 +220,12 @@ class TestIma:
         assert log.t[-1] - log.time_of("first_visible", "red") < 1.25
 
     def test_a_van_does_not_hide_it(self) -> None:
-        log = simulate(ima(ego="driver", truck=(5.3, 2.0)))
+        log = simulate(ima(ego_type="driver", truck=(5.3, 2.0)))
         assert not log.summary()["collided"]
 
     @pytest.mark.parametrize("offset", [-0.6, -0.3, 0.3, 0.6])
     def test_contrast_does_not_hang_on_the_exact_time(self, offset: float) -> None:
-        assert simulate(ima(ego="driver", offset=offset)).summary()["collided_with"] == "red"
+        assert simulate(ima(ego_type="driver", offset=offset)).summary()["collided_with"] == "red"
         assert simulate(ima(offset=offset)).gaps().min() > 1.0
 
 
@@ -337,7 +337,7 @@ class TestSensor:
 
 
 def test_low_visibility_limits_sensor_range() -> None:
-    clear, fog = simulate(ima(ego="driver")), simulate(ima(ego="driver", visibility=8.0))
+    clear, fog = simulate(ima(ego_type="driver")), simulate(ima(ego_type="driver", visibility=8.0))
     assert clear.visible[:, 1].sum() > fog.visible[:, 1].sum()
 
 
@@ -361,9 +361,9 @@ def test_unknown_case(make: Callable[..., Scenario]) -> None:
     ("make", "named"),
     [
         (lambda: eebl(v_x=-1.0), "v_x"), (lambda: eebl(time_gap=0.0), "time_gap"),
-        (lambda: ima(ego="cat"), "ego"), (lambda: ima(v_red=0.0), "v_red"),
+        (lambda: ima(ego_type="cat"), "ego_type"), (lambda: ima(v_red=0.0), "v_red"),
         (lambda: ima(offset=9.0), "offset"),
-        (lambda: curbside(lane_intrusion=5.0), "intrudes"), (lambda: curbside(radius=10.0), "radius"),
+        (lambda: curbside(lane_intrusion=5.0), "lane_intrusion"), (lambda: curbside(radius=10.0), "radius"),
         (lambda: overtaking("5", None), "case"),
     ],
 )  # fmt: skip

@@ -115,7 +115,7 @@ class TestVariation:
             )  # fmt: skip
             assert scenario.vehicle.mu == drawn["friction"]
             assert scenario.vehicle.m == pytest.approx(1093.3 * drawn["mass"])
-            assert scenario.reaction_time == drawn["own_reaction_time"]
+            assert scenario.reaction_time == drawn["ego_reaction_time"]
             for user in scenario.road_users:
                 assert user.deceleration <= most
                 acts = [act for act in user.actions if isinstance(act, BrakeAction | ReactToLeadAction)]
@@ -183,16 +183,16 @@ class TestAvoidable:
         """25^2 / 14 = 44.6 m, and (0.55 / 2 + 0.1) s, half of the ramp and the lag, at 25 m/s: 54 m."""
         room = 4.5  # from middle to middle of two bodies that touch
         assert avoiding_action(curb(room + 63.0)) == "brake"
-        assert avoiding_action(curb(room + 51.0)) == "swerve"
+        assert avoiding_action(curb(room + 51.0)) == "evade"
 
     def test_a_swerve_needs_its_distance_too(self) -> None:
         """0.95 m in 1 s take 5.8 x 0.95 = 5.5 m/s^2, which mu = 0.9 gives; in half a second 22 m/s^2."""
-        assert avoiding_action(curb(4.5 + 27.5)) == "swerve"
+        assert avoiding_action(curb(4.5 + 27.5)) == "evade"
         assert avoiding_action(curb(4.5 + 14.0)) == ""
 
     def test_there_is_no_swerve_without_a_lane_beside(self) -> None:
         log = curb(4.5 + 40.0)
-        assert avoiding_action(log) == "swerve"
+        assert avoiding_action(log) == "evade"
         narrow = curbside("fast", channel=ChannelSettings(range=44.5))
         road = type(narrow.road)(narrow.road.path, speed_limit=narrow.road.speed_limit)
         assert avoiding_action(simulate(replace(narrow, road=road))) == ""

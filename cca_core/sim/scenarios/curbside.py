@@ -1,4 +1,4 @@
-"""The paper's third scenario: a parked car that the vehicle in front hides until late (Figs 10-12)."""
+"""The paper's third scenario: a parked car that the lead vehicle occludes until late (Figs 10-12)."""
 
 import math
 
@@ -10,7 +10,7 @@ from cca_core.follow import SpeedSettings
 from cca_core.path import Lane, Path, Road, interpolate_path
 from cca_core.sim.scenarios.eebl import CAR, JERK, LOSSY_CHANNEL
 from cca_core.sim.scenarios.road_user import LateralShiftAction, RoadUser
-from cca_core.sim.scenarios.scenario import Scenario
+from cca_core.sim.scenarios.scenario import LANE_WIDTH, Scenario
 from cca_core.v2x import ChannelSettings
 
 __all__ = ["CURBSIDE_CASES", "curbside"]
@@ -18,53 +18,52 @@ __all__ = ["CURBSIDE_CASES", "curbside"]
 CURBSIDE_CASES = ("fast", "slow")
 """25 m/s, at which the ego evades, and 13.9 m/s, at which it brakes."""
 
-_SPEED = {"fast": 25.0, "slow": 13.9}  # [m/s]
-_LANE = 3.5  # [m]
-_INTRUDES = 1.6  # how far the parked car stands in the lane [m]
-_AHEAD, _SWERVES_BEFORE = 0.9, 1.1  # of the vehicle in front: gap, and time before the parked car [s]
-_SWERVE, _SWERVE_TIME = 3.0, 2.0  # [m], [s]
-_UNTIL = 9.0  # from the start to the parked car [s]
-_LEAST_GAP = 3.0  # [m]
-_FOLLOWS = 0.5  # gap with which the ego is content, on top of that [s]; messages are unsure by 0.3 s
-_START = 50.0  # [m]
-
 
 def curbside(
     case: str = "fast",
     *,
-    ego: str = "v2v",
+    ego_type: str = "v2v",
     v_x: float | None = None,
-    lane_intrusion: float = _INTRUDES,
+    lane_intrusion: float = 1.6,
     radius: float = 2000.0,
-    reaction: float = 1.25,
+    reaction_time: float = 1.25,
     channel: ChannelSettings = LOSSY_CHANNEL,
     visibility: float = math.inf,
+    lead_time_gap: float = 0.9,
+    lead_ttc: float = 1.1,
+    start: float = 50.0,
 ) -> Scenario:
-    """On a left-hand bend a parked car (red) occupies a part of the lane; yellow swerves around it late.
+    """On a left-hand curve a parked car (red) blocks part of the lane; the lead vehicle (yellow) evades late.
 
     Parameters
     ----------
     case : {"fast", "slow"}
         25 m/s or 13.9 m/s.
-    ego : {"v2v", "driver", "sensor"}
-        Who drives the ego.
+    ego_type : {"v2v", "driver", "sensor"}
+        Controller of the ego.
     v_x : float, optional
-        Another speed [m/s].
+        Another speed [m/s], above 5 and at most 36.
     lane_intrusion : float
-        How far red stands in the ego's lane [m].
+        Width of the ego's lane that red blocks [m], at most the lane.
     radius : float
-        Radius of the bend [m].
-    reaction : float
+        Radius of the curve [m], at least 200.
+    reaction_time : float
         Reaction time of the ego's driver [s].
     channel : ChannelSettings
-        The radio channel.
+        Radio channel.
     visibility : float
-        Distance up to which anything is seen in this weather [m].
+        Range of sight in this weather [m].
+    lead_time_gap : float
+        Time gap of the ego to yellow [s].
+    lead_ttc : float
+        Time to collision of yellow with red when yellow begins to evade [s].
+    start : float
+        Station of the ego at the start [m].
 
     Returns
     -------
     scenario : Scenario
-        Yellow 0.9 s ahead; red sends with its ignition on, hazard lights lit. The lane beside is free.
+        Red sends with its ignition on and its hazard lights lit. The adjacent lane is free.
 
     Raises
     ------
@@ -73,37 +72,37 @@ def curbside(
     """
     if case not in CURBSIDE_CASES:
         raise InputError(f"case must be one of {', '.join(CURBSIDE_CASES)}, was {case!r}")
-    v_x = _SPEED[case] if v_x is None else check_real("v_x", v_x, gt=5.0, le=36.0)
-    lane_intrusion = check_real("intrudes", lane_intrusion, ge=0.0, le=_LANE)
+    case_speed = 25.0 if case == "fast" else 13.9
+    v_x = case_speed if v_x is None else check_real("v_x", v_x, gt=5.0, le=36.0)
+    lane_intrusion = check_real("lane_intrusion", lane_intrusion, ge=0.0, le=LANE_WIDTH)
     radius = check_real("radius", radius, ge=200.0)
-    place = _START + _UNTIL * v_x
-    gap = _AHEAD * v_x
+    t_red = 9.0  # from the start to the parked car at constant speed [s]
+    s_red = start + t_red * v_x
+    gap = lead_time_gap * v_x
     users = (
         RoadUser(
-            id="yellow", s=_START + CAR.box_offset + CAR.length + gap, d=0.0, v_x=v_x, jerk=JERK,
+            id="yellow", s=start + CAR.box_offset + CAR.length + gap, d=0.0, v_x=v_x, jerk=JERK,
             actions=(
-                # its front is so much before red's rear when it begins
-                LateralShiftAction(
-                    s_start=place - CAR.length - _SWERVES_BEFORE * v_x, offset=_SWERVE, duration=_SWERVE_TIME
-                ),
+                LateralShiftAction(s_start=s_red - CAR.length - lead_ttc * v_x, offset=3.0, duration=2.0),
             ),
         ),
         RoadUser(
-            id="red", s=place, d=-0.5 * _LANE + lane_intrusion - 0.5 * CAR.width, v_x=0.0,
+            id="red", s=s_red, d=-0.5 * LANE_WIDTH + lane_intrusion - 0.5 * CAR.width, v_x=0.0,
             events=frozenset({"hazard_lights"}),
         ),
     )  # fmt: skip
-    lanes = [Lane(d=0.0), Lane(d=_LANE)]
+    lanes = [Lane(d=0.0), Lane(d=LANE_WIDTH)]
     return Scenario(
-        name="curbside", case=case, road=Road(_bend(radius, place + 12.0 * v_x + 300.0), lanes),
-        vehicle=CAR, start=_START, v_x=v_x, cruise_speed=v_x, road_users=users,
-        speed=SpeedSettings(standstill_gap=_LEAST_GAP, time_gap=_FOLLOWS),
-        duration=_UNTIL + 13.0, ego_type=ego, reaction_time=reaction, channel=channel, shared_modem=True,
-        visibility=visibility, paper_figures=(10, 11, 12),
+        name="curbside", case=case, road=Road(_curve(radius, s_red + 12.0 * v_x + 300.0), lanes),
+        vehicle=CAR, start=start, v_x=v_x, cruise_speed=v_x, road_users=users,
+        # the time gap counts on top of an uncertainty of the messages of 0.3 s
+        speed=SpeedSettings(standstill_gap=3.0, time_gap=0.5),
+        duration=t_red + 13.0, ego_type=ego_type, reaction_time=reaction_time, channel=channel,
+        shared_modem=True, visibility=visibility, paper_figures=(10, 11, 12),
     )  # fmt: skip
 
 
-def _bend(radius: float, length: float) -> Path:
+def _curve(radius: float, length: float) -> Path:
     s = np.linspace(0.0, length, math.ceil(length / 20.0) + 1)
     x, y = radius * np.sin(s / radius), radius * (1.0 - np.cos(s / radius))
     return interpolate_path(np.column_stack((x, y)), start_tangent=(1.0, 0.0))

@@ -1,4 +1,4 @@
-"""A real road to drive on, and where a road is gentle enough for it."""
+"""A real road, and the longest part of a road without tight curves."""
 
 import math
 
@@ -6,8 +6,6 @@ import numpy as np
 
 from cca_core._checks import check_real
 from cca_core.path import Path, Waypoints
-
-_STEP = 1.0  # between two looks at the curvature [m]
 
 # Center line of Interstate 80 eastbound in Wyoming: latitude, longitude [deg]
 # fmt: off
@@ -34,7 +32,7 @@ _INTERSTATE_80 = (
 
 
 def demo_route() -> Waypoints:
-    """Center line of a motorway: 2.5 km with a left bend (radius 700 m) and a right one (850 m).
+    """Centerline of a motorway: 2.5 km with a left curve (radius 700 m) and a right one (850 m).
 
     Returns
     -------
@@ -57,27 +55,9 @@ def demo_route() -> Waypoints:
 
 
 def longest_stretch(path: Path, *, radius: float = 200.0) -> tuple[float, float]:
-    """Longest stretch of a path without a tight bend.
-
-    Parameters
-    ----------
-    path : Path
-        The road.
-    radius : float
-        Least radius of curvature allowed [m].
-
-    Returns
-    -------
-    start, end : float
-        Arc length at both ends of the stretch [m], found in steps of 1 m; equal if there is none.
-
-    Raises
-    ------
-    InputError
-        If `radius` is not positive.
-    """
+    """Return both ends [m] of the longest part of a path without a curve tighter than `radius`, to 1 m."""
     radius = check_real("radius", radius, gt=0.0)
-    s = np.linspace(path.start, path.end, math.ceil(path.length / _STEP) + 1)
+    s = np.linspace(path.start, path.end, math.ceil(path.length) + 1)
     gentle = np.abs(path.curvature(s)) <= 1.0 / radius
     turns = np.flatnonzero(np.diff(gentle, prepend=False, append=False))
     if not len(turns):

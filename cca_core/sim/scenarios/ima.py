@@ -1,4 +1,4 @@
-"""The paper's second scenario: a turn, or a crossing, in front of somebody hidden (Figs 8-9)."""
+"""The paper's second scenario: a turn, or a crossing, in front of an occluded car (Figs 8-9)."""
 
 import math
 
@@ -11,64 +11,67 @@ from cca_core.path import Lane, Path, Road, interpolate_path
 from cca_core.sim.human_driver import CURVE_ACCELERATION
 from cca_core.sim.scenarios.eebl import CAR, JERK, LOSSY_CHANNEL
 from cca_core.sim.scenarios.road_user import RoadUser
-from cca_core.sim.scenarios.scenario import Scenario
+from cca_core.sim.scenarios.scenario import LANE_WIDTH, Scenario
 from cca_core.v2x import ChannelSettings
 
 __all__ = ["IMA_CASES", "ima"]
 
 IMA_CASES = ("left-turn", "crossing")
-"""Left turn in front of a hidden oncoming car, or straight on across the way of one from the right."""
+"""Left turn in front of an occluded oncoming car, or straight on across the path of one from the right."""
 
-_LANE = 3.5  # [m]
-_LINE = -8.0  # x of the stop line [m]
-_RADIUS = 10.0  # of the turn [m]
-_BEFORE, _AFTER = 60.0, 150.0  # the route before and after the junction [m]
-_FAR = 400.0  # length of the other roads on either side [m]
-_TRUCK = 8.0, 2.5  # the stopped vehicle [m]
-_BUILDING = (-38.0, -34.0, 0.0, 64.0, 52.0)  # at the corner on the right: x, y, psi, length, width [m]
+_ARM_LENGTH = 400.0  # of the roads on either side of the junction [m]
 
 
 def ima(
     case: str = "left-turn",
     *,
-    ego: str = "v2v",
+    ego_type: str = "v2v",
     v_x: float | None = None,
     v_red: float = 60.0 / 3.6,
     offset: float = 0.0,
-    truck: tuple[float, float] = _TRUCK,
-    reaction: float = 1.25,
+    truck: tuple[float, float] = (8.0, 2.5),
+    reaction_time: float = 1.25,
     channel: ChannelSettings = LOSSY_CHANNEL,
     sensor_range: float = 100.0,
     visibility: float = math.inf,
+    x_stop_line: float = -8.0,
+    building: tuple[float, float, float, float, float] = (-38.0, -34.0, 0.0, 64.0, 52.0),
+    start: float = 5.0,
 ) -> Scenario:
-    """Cross the way of a fast car (red) that is hidden.
+    """Cross the path of a fast car (red) that is occluded.
 
     Parameters
     ----------
     case : {"left-turn", "crossing"}
-        The ego turns left across the opposite through lane, hidden by a truck that waits on the opposite
-        left-turn lane; or goes straight on, red comes from the right, hidden by a building at the corner.
-    ego : {"v2v", "driver", "sensor"}
-        Who drives the ego.
+        The ego turns left across the opposing through lane, occluded by a truck that waits on the opposing
+        left-turn lane; or it goes straight on and red comes from the right, occluded by a building.
+    ego_type : {"v2v", "driver", "sensor"}
+        Controller of the ego.
     v_x : float, optional
-        Its speed [m/s]; the default is 20 km/h to turn and 40 km/h straight on.
+        Its speed [m/s]; the default is 20 km/h for the turn and 40 km/h straight on.
     v_red : float
         Speed of red [m/s].
     offset : float
-        How much later red is at the conflict point than the ego would be if it did not brake [s].
+        Arrival of red at the conflict point after the arrival of an ego that does not brake [s], -5 to 5.
     truck : tuple of float
-        Length and width of the stopped vehicle [m].
-    reaction : float
+        Length and width of the truck [m].
+    reaction_time : float
         Reaction time of both drivers [s].
     channel : ChannelSettings
-        The radio channel.
+        Radio channel.
     sensor_range, visibility : float
-        How far the ego sees, and how far anybody sees in this weather [m].
+        Range of the ego's sensor, and range of sight in this weather [m].
+    x_stop_line : float
+        Position of the ego's stop line [m].
+    building : tuple of float
+        Building at the corner on the right: x, y [m], psi [rad], length, width [m].
+    start : float
+        Station of the ego at the start [m].
 
     Returns
     -------
     scenario : Scenario
-        x points east and y north, the center of the junction is the origin.
+        x points east and y north; the center of the junction is the origin.
 
     Raises
     ------
@@ -82,44 +85,68 @@ def ima(
     v_red = check_real("v_red", v_red, gt=0.0)
     offset = check_real("offset", offset, ge=-5.0, le=5.0)
     speed = SpeedSettings()
-    before = _BEFORE if turns else 2.0 * _BEFORE
-    path = _turn(before) if turns else _straight((-before, -0.5 * _LANE), (_AFTER, -0.5 * _LANE))
-    if turns:
-        way = _straight((_FAR, 1.5 * _LANE), (-_FAR, 1.5 * _LANE))
-        meets = 0.5 * _LANE - _RADIUS + math.sqrt(_RADIUS**2 - 9.0), 1.5 * _LANE
-    else:
-        way = _straight((0.5 * _LANE, -_FAR), (0.5 * _LANE, _FAR))
-        meets = 0.5 * _LANE, -0.5 * _LANE
-    start = 5.0
-    at = _arrival(path, start, float(path.project(meets)[0]), v_x, speed)
+    path, red_path, conflict = _left_turn() if turns else _crossing()
+    arrival = _arrival_time(path, start, float(path.project(conflict)[0]), v_x, speed)
     users = [
         RoadUser(
-            id="red", s=float(way.project(meets)[0]) - v_red * (at + offset), d=0.0, v_x=v_red, route=way,
-            reaction_time=reaction, deceleration=7.0, jerk=JERK,
+            id="red", s=float(red_path.project(conflict)[0]) - v_red * (arrival + offset), d=0.0, v_x=v_red,
+            route=red_path, reaction_time=reaction_time, deceleration=7.0, jerk=JERK,
         )
     ]  # fmt: skip
     if turns:
-        waits = _straight((_FAR, 0.5 * _LANE), (-_FAR, 0.5 * _LANE))
+        left_turn_lane = _straight((_ARM_LENGTH, 0.5 * LANE_WIDTH), (-_ARM_LENGTH, 0.5 * LANE_WIDTH))
         users.append(
             RoadUser(
-                id="truck", s=_FAR + _LINE - 0.5 * truck[0], d=0.0, v_x=0.0, length=truck[0], width=truck[1],
-                route=waits,
+                id="truck", s=_ARM_LENGTH + x_stop_line - 0.5 * truck[0], d=0.0, v_x=0.0, length=truck[0],
+                width=truck[1], route=left_turn_lane,
             )
         )  # fmt: skip
-    line = float(path.project((_LINE, -0.5 * _LANE))[0])
-    street = _straight((-_FAR, -0.5 * _LANE), (_FAR, -0.5 * _LANE))
-    beside = [Lane(d=_LANE, direction=-1), Lane(d=2.0 * _LANE, direction=-1), Lane(d=-_LANE)]
-    across = _straight((0.5 * _LANE, -_FAR), (0.5 * _LANE, _FAR))
+    stop_line = float(path.project((x_stop_line, -0.5 * LANE_WIDTH))[0])
     return Scenario(
-        name="ima", case=case, road=Road(path, speed_limit=v_x, stop_lines=(line,)),
+        name="ima", case=case, road=Road(path, speed_limit=v_x, stop_lines=(stop_line,)),
         vehicle=CAR, start=start, v_x=v_x, cruise_speed=v_x, road_users=tuple(users),
-        speed=speed, duration=float(math.ceil(at + 14.0)), ego_type=ego,
-        reaction_time=reaction, channel=channel, shared_modem=True, sensor_range=sensor_range, visibility=visibility,
-        stop_line=line, occluders=() if turns else (_BUILDING,), paper_figures=(8, 9),
-        other_roads=(
-            Road(street, [Lane(d=0.0), *beside]), Road(across, [Lane(d=0.0), Lane(d=_LANE, direction=-1)]),
-        ),
+        speed=speed, duration=float(math.ceil(arrival + 14.0)), ego_type=ego_type,
+        reaction_time=reaction_time, channel=channel, shared_modem=True, sensor_range=sensor_range,
+        visibility=visibility, stop_line=stop_line, occluders=() if turns else (building,),
+        paper_figures=(8, 9), other_roads=_other_roads(),
     )  # fmt: skip
+
+
+def _left_turn(radius: float = 10.0) -> tuple[Path, Path, tuple[float, float]]:
+    """Return the ego's route, the path of the oncoming car, and the point in which they cross."""
+    x_begin = 0.5 * LANE_WIDTH - radius
+    approach, leaving = np.arange(-60.0, x_begin, 1.0), np.arange(1.0, 150.0, 1.0)
+    angle = np.linspace(0.0, 0.5 * math.pi, 17)
+    arc: Array = np.column_stack(
+        (x_begin + radius * np.sin(angle), radius - 0.5 * LANE_WIDTH - radius * np.cos(angle))
+    )
+    points = (
+        np.column_stack((approach, np.full_like(approach, -0.5 * LANE_WIDTH))),
+        arc,
+        np.column_stack((np.full_like(leaving, 0.5 * LANE_WIDTH), arc[-1, 1] + leaving)),
+    )
+    oncoming = _straight((_ARM_LENGTH, 1.5 * LANE_WIDTH), (-_ARM_LENGTH, 1.5 * LANE_WIDTH))
+    x_conflict = x_begin + math.sqrt(radius**2 - 9.0)
+    return interpolate_path(np.vstack(points)), oncoming, (x_conflict, 1.5 * LANE_WIDTH)
+
+
+def _crossing() -> tuple[Path, Path, tuple[float, float]]:
+    """Return the ego's route, the path of the crossing car, and the point in which they cross."""
+    path = _straight((-120.0, -0.5 * LANE_WIDTH), (150.0, -0.5 * LANE_WIDTH))
+    return path, _cross_street(), (0.5 * LANE_WIDTH, -0.5 * LANE_WIDTH)
+
+
+def _cross_street() -> Path:
+    return _straight((0.5 * LANE_WIDTH, -_ARM_LENGTH), (0.5 * LANE_WIDTH, _ARM_LENGTH))
+
+
+def _other_roads() -> tuple[Road, Road]:
+    street = _straight((-_ARM_LENGTH, -0.5 * LANE_WIDTH), (_ARM_LENGTH, -0.5 * LANE_WIDTH))
+    lanes = [
+        Lane(d=0.0), Lane(d=LANE_WIDTH, direction=-1), Lane(d=2.0 * LANE_WIDTH, direction=-1),
+        Lane(d=-LANE_WIDTH),
+    ]  # fmt: skip
+    return Road(street, lanes), Road(_cross_street(), [Lane(d=0.0), Lane(d=LANE_WIDTH, direction=-1)])
 
 
 def _straight(start: tuple[float, float], end: tuple[float, float]) -> Path:
@@ -127,28 +154,8 @@ def _straight(start: tuple[float, float], end: tuple[float, float]) -> Path:
     return interpolate_path(np.linspace(start, end, n))
 
 
-def _turn(before: float) -> Path:
-    """Left turn from the lane y = -1.75 m to the lane x = 1.75 m."""
-    begin = 0.5 * _LANE - _RADIUS
-    approach = np.arange(-before, begin, 1.0)
-    angle = np.linspace(0.0, 0.5 * math.pi, 17)
-    leaving = np.arange(1.0, _AFTER, 1.0)
-    arc: Array = np.column_stack(
-        (begin + _RADIUS * np.sin(angle), _RADIUS - 0.5 * _LANE - _RADIUS * np.cos(angle))
-    )
-    return interpolate_path(
-        np.vstack(
-            (
-                np.column_stack((approach, np.full_like(approach, -0.5 * _LANE))),
-                arc,
-                np.column_stack((np.full_like(leaving, 0.5 * _LANE), arc[-1, 1] + leaving)),
-            )
-        )
-    )
-
-
-def _arrival(path: Path, start: float, end: float, v_x: float, speed: SpeedSettings) -> float:
-    """When an ego that does not brake for others is at a place [s]."""
+def _arrival_time(path: Path, start: float, end: float, v_x: float, speed: SpeedSettings) -> float:
+    """Return when an ego that brakes for curves alone is at a station [s]."""
     s = np.linspace(start, end, 400)
     v = np.sqrt(np.interp(s, *squared_speed_limit(path, v_x, CURVE_ACCELERATION, speed)))
     return float(np.sum(np.diff(s) * 2.0 / (v[1:] + v[:-1])))

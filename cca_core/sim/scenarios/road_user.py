@@ -1,4 +1,4 @@
-"""Road users as data: a body, a way, and what its driver does."""
+"""Road users as data: body, route and actions."""
 
 import math
 from dataclasses import dataclass, fields
@@ -8,19 +8,19 @@ from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.path import Path
 
-__all__ = ["BrakeAction", "LateralShiftAction", "ReactToLeadAction", "RoadUser"]
+__all__ = ["BrakeAction", "LateralShiftAction", "ReactToLeadAction", "RoadUser", "RoadUserAction"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BrakeAction:
-    """Brakes from some time on until it stands.
+    """Brake to a standstill.
 
     Parameters
     ----------
     t : float
-        When [s].
+        Begin [s], not negative.
     deceleration : float
-        How hard [m/s^2], positive.
+        Deceleration [m/s^2], not negative.
 
     Raises
     ------
@@ -38,19 +38,19 @@ class BrakeAction:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReactToLeadAction:
-    """Brakes when the vehicle in front does; harder than it means to if it would hit it otherwise.
+    """Brake when the lead vehicle brakes, and harder than wanted if a collision is imminent.
 
     Parameters
     ----------
     lead_id : str
-        Id of the vehicle in front.
+        Id of the lead vehicle.
     reaction_time : float
-        From its brake lights to the own brakes [s].
+        From the brake lights of the lead vehicle to the brakes [s].
     deceleration : float
-        How hard it means to brake [m/s^2], positive.
+        Wanted deceleration [m/s^2], not negative.
     warning_delay : float
-        From the delivery of the leader's message of hard braking to the own brakes [s]; infinite: it does not
-        receive messages.
+        From the delivery of the lead vehicle's message of hard braking to the brakes [s]; infinite if the
+        vehicle does not receive messages.
 
     Raises
     ------
@@ -79,16 +79,16 @@ class ReactToLeadAction:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LateralShiftAction:
-    """Moves sideways along a quintic in time.
+    """Shift laterally along a quintic in time.
 
     Parameters
     ----------
     s_start : float
-        Path coordinate at which its middle is when it begins [m].
+        Station of the body's center at the begin [m].
     offset : float
-        How far [m], left positive.
+        Lateral shift [m], left positive.
     duration : float
-        How long it takes [s].
+        Duration [s], positive.
 
     Raises
     ------
@@ -106,36 +106,40 @@ class LateralShiftAction:
         check_real("duration", self.duration, gt=0.0)
 
 
+RoadUserAction = BrakeAction | ReactToLeadAction | LateralShiftAction
+"""What a road user can do."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RoadUser:
-    """A scripted vehicle that keeps to its lane and its speed, but for what it is told to do.
+    """A scripted vehicle that keeps its lateral offset and its speed, but for its actions.
 
     Parameters
     ----------
     id : str
-        Its sender id.
+        Id in logs and messages.
     s, d : float
-        Center of its body in path coordinates at the start [m], d left positive.
+        Frenet coordinates of the body's center at the start [m], d left positive.
     v_x : float
-        Its speed at the start [m/s].
+        Speed at the start [m/s].
     direction : int
-        1 along its way, -1 against it [-].
+        1 along its route, -1 against it [-].
     length, width : float
         Body box [m].
     reaction_time : float
-        Reaction time of its driver to the ego in its way [s]; infinite: it drives on.
+        Reaction time of its driver to an ego that blocks its path [s]; infinite for no reaction.
     deceleration : float
-        How hard its driver brakes then [m/s^2], positive.
+        Deceleration of that reaction [m/s^2], not negative.
     jerk : float
-        How fast its braking builds up [m/s^3]; infinite: at once.
+        Build-up rate of its braking [m/s^3]; infinite for a step.
     route : Path, optional
-        Its way, to which `s` and `d` refer; the default is the route of the ego.
-    actions : tuple of Brakes, Follows or Swerves
-        What it does.
+        Its route, to which `s` and `d` refer; the default is the route of the ego.
+    actions : tuple of BrakeAction, ReactToLeadAction or LateralShiftAction
+        Its actions.
     connected : bool
         Whether it sends messages.
     events : frozenset of str
-        Event flags that it sends all the time, such as ``"hazard_lights"``; hard braking is added when it
+        Event flags in all its messages, such as ``"hazard_lights"``; ``"hard_braking"`` is added while it
         brakes with 0.4 g or more.
 
     Raises
@@ -155,7 +159,7 @@ class RoadUser:
     deceleration: float = 7.0
     jerk: float = math.inf
     route: Path | None = None
-    actions: tuple[BrakeAction | ReactToLeadAction | LateralShiftAction, ...] = ()
+    actions: tuple[RoadUserAction, ...] = ()
     connected: bool = True
     events: frozenset[str] = frozenset()
 
@@ -172,9 +176,7 @@ class RoadUser:
             raise InputError(f"direction must be 1 or -1, was {self.direction!r}")
         if not isinstance(self.route, Path | NoneType):
             raise InputError(f"route must be a Path, was {type(self.route).__name__}")
-        if not all(
-            isinstance(act, BrakeAction | ReactToLeadAction | LateralShiftAction) for act in self.actions
-        ):
+        if not all(isinstance(action, RoadUserAction) for action in self.actions):
             raise InputError(
                 f"actions must be BrakeAction, ReactToLeadAction or LateralShiftAction, were {self.actions!r}"
             )

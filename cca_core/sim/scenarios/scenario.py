@@ -14,22 +14,25 @@ from cca_core.sim.scenarios.road_user import ReactToLeadAction, RoadUser
 from cca_core.v2x import ChannelSettings, SenderSettings
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["EGO_TYPES", "FixedTimeGap", "RoadUser", "Scenario"]
+__all__ = ["EGO_TYPES", "LANE_WIDTH", "FixedTimeGap", "Scenario"]
 
 EGO_TYPES = ("v2v", "driver", "sensor")
-"""Who drives: the planner with messages and a sensor, a driver by sight, the planner with a sensor alone."""
+"""Controllers of the ego: planner with messages and sensor, human driver, planner with sensor alone."""
+
+LANE_WIDTH = 3.5
+"""Width of the lanes of all scenarios [m]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedTimeGap:
-    """Tailgating: a gap that is held, whatever the planner wants, until the ego knows of a hazard.
+    """Tailgating: a time gap that the ego keeps until it knows of a hazard, whatever its controller commands.
 
     Parameters
     ----------
     lead_id : str
         Id of the lead vehicle.
     time_gap : float
-        Gap between the bumpers by the own speed [s].
+        Bumper-to-bumper gap divided by the ego's speed [s], positive.
 
     Raises
     ------
@@ -46,65 +49,65 @@ class FixedTimeGap:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Scenario:
-    """Everything that one run depends on.
+    """Road, ego, road users and channel: all that one run depends on.
 
     Parameters
     ----------
     name : str
-        Scenario, such as ``"maneuver"``.
+        Name, such as ``"eebl"``.
     case : str or None
-        Which case of it.
+        Case, such as ``"C"``.
     road : Road
         Route and lanes.
     vehicle : VehicleParams
         The ego.
     start : float
-        Path coordinate of the ego's center of gravity at the start [m].
+        Station of the ego's center of gravity at the start [m].
     v_x : float
         Its speed at the start [m/s].
     cruise_speed : float
-        Its wanted speed [m/s].
+        Its cruise speed [m/s].
     road_users : tuple of RoadUser
-        The others.
+        All other vehicles.
     evasion : EvasionSettings
-        How the ego passes.
+        Settings of its evasive maneuvers.
     speed : SpeedSettings
-        How it follows and brakes; the driver brakes with its `b_max` and `jerk_emergency` too.
+        Settings of its longitudinal control; the driver brakes with its `b_max` and `jerk_emergency` too.
     duration : float
         Length of the run [s].
     ego_type : {"v2v", "driver", "sensor"}
-        Who drives it: the planner with messages, and a sensor for what they do not tell; a driver who sees,
-        and brakes fully after his reaction; the planner with the sensor alone. Without messages no lane
-        beside is known to be free.
+        Controller of the ego: the planner with messages and a sensor; a human driver, who brakes fully after
+        their reaction time; the planner with the sensor alone. Without messages the planner accepts no gap
+        in an adjacent lane.
     reaction_time : float
         Reaction time of the driver [s].
     sensor_range : float
-        Distance up to which sensor and driver see, from middle to middle of two bodies [m].
+        Range of sensor and driver between the centers of two bodies [m].
     field_of_view : float
-        Angle that they see [rad], half of it on each side.
+        Their field of view [rad], half of it on each side.
     sensor_delay : float
-        Age of what the sensor reports [s]; the driver's is in his reaction time.
+        Age of the sensor's detections [s]; the driver's is part of the reaction time.
     visibility : float
-        Distance up to which anything is seen in this weather [m].
+        Range of sight in this weather [m].
     latency : float
-        From a message's measurement to its arrival [s]; used where there is no `channel`.
+        From a message's measurement to its arrival [s], if there is no `channel`.
     channel : ChannelSettings, optional
-        The radio channel; the default loses nothing and has that latency.
+        Radio channel; the default loses nothing and has that latency.
     sender : SenderSettings
-        How often everybody sends, and how well he knows his place.
+        Rate and position error of all senders.
     shared_modem : bool
-        Whether one modem sends for all others, as in the paper's test rig: all their messages then take part
-        in the same bursts of loss. Otherwise each has its own.
+        Whether one modem sends for all road users, as in the paper's test rig, so that one burst of loss
+        covers the messages of all. Otherwise each has its own.
     fixed_gap : FixedTimeGap, optional
-        A gap that is held until the ego knows of a hazard.
+        Time gap that the ego keeps until it knows of a hazard.
     stop_line : float, optional
-        Path coordinate at which a stop line is drawn [m]; the planner heeds those of `road`.
+        Station of a stop line in figures [m]; the planner uses those of `road`.
     occluders : tuple of tuple of float
-        Things beside the road that hide others: x, y [m], psi [rad], length, width [m] of each.
+        Buildings that block the line of sight: x, y [m], psi [rad], length, width [m] of each.
     other_roads : tuple of Road
-        Other roads, to be drawn.
+        Other roads in figures.
     paper_figures : tuple of int
-        Figures of the paper that show this.
+        Numbers of the paper's figures of this scenario.
     seed : int
         Seed of the senders' phases and of the channel.
     origin : tuple of float
@@ -164,16 +167,12 @@ class Scenario:
         names = [user.id for user in self.road_users]
         if len(set(names)) < len(names):
             raise InputError(f"road_users must have different ids, had {', '.join(names)}")
-        leaders = [
-            act.lead_id
-            for user in self.road_users
-            for act in user.actions
-            if isinstance(act, ReactToLeadAction)
-        ]
-        leaders += [] if self.fixed_gap is None else [self.fixed_gap.lead_id]
-        for leader in leaders:
-            if leader not in names:
-                raise InputError(f"lead_id must be the id of a road user, was {leader!r}")
+        actions = [action for user in self.road_users for action in user.actions]
+        lead_ids = [action.lead_id for action in actions if isinstance(action, ReactToLeadAction)]
+        lead_ids += [] if self.fixed_gap is None else [self.fixed_gap.lead_id]
+        for lead_id in lead_ids:
+            if lead_id not in names:
+                raise InputError(f"lead_id must be the id of a road user, was {lead_id!r}")
 
     @property
     def v2v(self) -> bool:

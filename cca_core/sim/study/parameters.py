@@ -1,4 +1,4 @@
-"""Scenarios drawn by chance around the paper's: one seed and one number give one scenario."""
+"""Logical scenarios: ranges of parameters around the paper's scenarios, and samples of them."""
 
 import math
 from dataclasses import dataclass, fields, replace
@@ -7,7 +7,7 @@ import numpy as np
 
 from cca_core._checks import check_array
 from cca_core.errors import InputError
-from cca_core.sim.scenarios.road_user import BrakeAction, ReactToLeadAction, RoadUser
+from cca_core.sim.scenarios.road_user import LateralShiftAction, ReactToLeadAction, RoadUser, RoadUserAction
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.study.sampling import SAMPLERS, STUDY_SCENARIOS
 from cca_core.v2x import ChannelSettings, SenderSettings
@@ -15,40 +15,47 @@ from cca_core.vehicle import GRAVITY, VehicleParams
 
 __all__ = ["ParameterRanges", "nominal_scenario", "sample_scenario", "without_v2v"]
 
-_MESSAGES = 10.0  # longest mean burst of loss [-]
-_NOISE_TIME = 30.0  # [s]
-_REACH, _FAR_REACH = (50.0, 400.0), (300.0, 1000.0)  # among houses and cars; on an open road [m]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterRanges:
-    """What is drawn, each evenly between two bounds; equal bounds hold a value.
+    """Bounds of uniformly sampled parameters; equal bounds fix a value.
 
     Parameters
     ----------
     scenario : {"eebl", "ima", "curbside", "maneuver"}
-        Which one; `sample_scenario` tells what else of it is drawn.
+        Scenario, with further parameters of its own (Notes).
     friction : tuple of float
-        Friction of the road under everybody [-]. The planner knows it.
+        Friction of the road under all vehicles [-], known to the planner; 0.3 to 1.2.
     mass : tuple of float
-        The ego's mass and yaw inertia, as a share of what the planner takes them to be [-].
+        True mass and yaw inertia of the ego, divided by those that the planner assumes [-]; 0.5 to 2.
     latency : tuple of float
-        From a message's measurement to its arrival [s], at least.
+        Minimum time from a message's measurement to its arrival [s]; 0 to 5.
     jitter : tuple of float
-        Mean of what is added to that [s], exponentially distributed.
+        Mean of the exponentially distributed time on top of that [s]; 0 to 1.
     loss : tuple of float
-        Share of messages lost [-], in bursts of 1 / (1 - loss) to 10 messages in the mean.
+        Loss probability [-], 0 to 0.9; the mean burst length is 1 / (1 - loss) to 10 messages.
     radio_range : tuple of float, optional
-        Distance beyond which nobody is heard [m]; the default is 50 to 400 m, in maneuver 300 to 1000 m.
+        Radio range [m], 1 to 10 000; the default is 50 to 400 m, in maneuver 300 to 1000 m.
     position_noise : tuple of float
-        Standard deviation of each sender's position in x and y [m], which forgets itself in 30 s.
+        Standard deviation of each sender's position in x and y [m], correlated over 30 s; 0 to 10.
     reaction_time : tuple of float
-        Reaction time of each driver [s].
+        Reaction time of each driver [s]; 0 to 1.6.
 
     Raises
     ------
     InputError
         If the scenario is unknown, or bounds are out of range or in the wrong order.
+
+    Notes
+    -----
+    - eebl: speed 15 to 33 m/s, gaps 0.4 to 1.2 s and 1.7 to 2.5 s, deceleration of the first car 4 to
+      7 m/s^2, at most what the friction allows; the second car is connected in half of the runs.
+    - ima: turn or crossing, speeds 4.5 to 7 or 8 to 14 m/s and 10 to 22 m/s, arrivals -1 to 1 s apart, truck
+      7 to 10 m long.
+    - curbside: speed 10 to 34 m/s, lane intrusion 1.2 to 2.2 m, radius 1000 to 5000 m.
+    - maneuver: cases 1-smooth, 1-fast, 2 and 3, speed 18 to 26 m/s, slow cars at 50 to 75 % of it, the others
+      within 60 m of their positions in the paper's timing; the road is straight or has a radius of at least
+      1000 m.
     """
 
     scenario: str
@@ -65,154 +72,90 @@ class ParameterRanges:
         if self.scenario not in STUDY_SCENARIOS:
             raise InputError(f"scenario must be one of {', '.join(STUDY_SCENARIOS)}, was {self.scenario!r}")
         for field in fields(self)[1:]:
-            least, most = _RANGES[field.name]
+            lower, upper = _LIMITS[field.name]
             bounds = self.radio_range_bounds if field.name == "radio_range" else getattr(self, field.name)
             low, high = check_array(field.name, bounds, (2,)).tolist()
-            if not least <= low <= high <= most:
+            if not lower <= low <= high <= upper:
                 raise InputError(
-                    f"{field.name} must be two numbers from {least:g} to {most:g}, the lesser first, "
+                    f"{field.name} must be two numbers from {lower:g} to {upper:g} in increasing order, "
                     f"was ({low:g}, {high:g})"
                 )
 
     @property
     def radio_range_bounds(self) -> tuple[float, float]:
-        """Bounds of the reach [m], the given or the default ones."""
-        return self.radio_range or (_FAR_REACH if self.scenario == "maneuver" else _REACH)
+        """Bounds of the radio range [m], with the default of the scenario."""
+        open_road = self.scenario == "maneuver"
+        return self.radio_range or ((300.0, 1000.0) if open_road else (50.0, 400.0))
 
 
-_RANGES = {
+_LIMITS = {
     "friction": (0.3, 1.2), "mass": (0.5, 2.0), "latency": (0.0, 5.0), "jitter": (0.0, 1.0),
     "loss": (0.0, 0.9), "radio_range": (1.0, 1e4), "reaction_time": (0.0, 1.6), "position_noise": (0.0, 10.0),
 }  # fmt: skip
 
 
 def sample_scenario(
-    variation: ParameterRanges, seed: int, index: int
+    parameters: ParameterRanges, seed: int, index: int
 ) -> tuple[Scenario, dict[str, float | int | str]]:
-    """Draw one scenario, with messages.
-
-    Parameters
-    ----------
-    variation : Variation
-        What is drawn.
-    seed, index : int
-        The study's seed, and the number of the run in it, from 0. A run depends on nothing else: neither on
-        the other runs nor on where and in which order they are driven.
-
-    Returns
-    -------
-    scenario : Scenario
-        The ego is what it is; its planner takes it to be `nominal`.
-    drawn : dict
-        Every drawn value by name, in SI units.
-
-    Raises
-    ------
-    InputError
-        If `seed` or `index` is negative.
-
-    Notes
-    -----
-    eebl: speed 15 to 33 m/s, gaps 0.4 to 1.2 s and 1.7 to 2.5 s, the first car brakes with 4 to 7 m/s^2 (no
-    more than the road gives), the second is connected or not, by halves. ima: turn or crossing, speeds of
-    4.5 to 7 or 8 to 14 m/s and 10 to 22 m/s, arrival -1 to 1 s apart, truck 7 to 10 m. curbside: speed 10 to
-    34 m/s, 1.2 to 2.2 m of the lane occupied, radius 1000 to 5000 m. maneuver: cases 1-smooth, 1-fast, 2 and
-    3, speed 18 to 26 m/s, the slow cars at 50 to 75 % of it, the others within 60 m of where the paper's
-    timing has them; road straight or bent with 1000 m or more.
-    """
+    """Sample run `index` of a study: its scenario with messages, and every sampled value by name."""
     if seed < 0 or index < 0:
         raise InputError(f"seed and index must be at least 0, were {seed} and {index}")
+    # a run depends on the seed and its number alone
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(index,)))
-    drawn: dict[str, float | int | str] = {"index": index}
+    samples: dict[str, float | int | str] = {"index": index}
 
-    def number(name: str, low: float, high: float) -> float:
-        drawn[name] = value = float(low + (high - low) * rng.random())
+    def uniform(name: str, low: float, high: float) -> float:
+        samples[name] = value = float(low + (high - low) * rng.random())
         return value
 
-    drawn["seed"] = int(rng.integers(2**31))
-    friction = number("friction", *variation.friction)
-    mass = number("mass", *variation.mass)
-    latency, jitter = number("latency", *variation.latency), number("jitter", *variation.jitter)
-    loss = number("loss", *variation.loss)
-    burst = number("burst", 1.0 / (1.0 - loss), _MESSAGES)
+    # the order of these lines is part of what a seed means
+    samples["seed"] = int(rng.integers(2**31))
+    friction = uniform("friction", *parameters.friction)
+    mass = uniform("mass", *parameters.mass)
+    latency, jitter = uniform("latency", *parameters.latency), uniform("jitter", *parameters.jitter)
+    loss = uniform("loss", *parameters.loss)
     channel = ChannelSettings(
-        latency=latency,
-        jitter=jitter,
-        loss_probability=loss,
-        mean_burst_length=burst,
-        range=number("radio_range", *variation.radio_range_bounds),
-    )
-    others, own = (
-        number("reaction_time", *variation.reaction_time),
-        number("own_reaction_time", *variation.reaction_time),
-    )
-    sender = SenderSettings(
-        position_noise=number("position_noise", *variation.position_noise), noise_time_constant=_NOISE_TIME
-    )
-    case = int(rng.integers(4))
-    scenario = SAMPLERS[variation.scenario](case, number, channel, others)
-    drawn["case"] = str(scenario.case)
-    car = scenario.vehicle
-    car = replace(car, m=mass * car.m, I_z=mass * car.I_z, mu=friction)
-    scenario = replace(
-        scenario, vehicle=car, reaction_time=own, seed=int(drawn["seed"]), channel=channel, sender=sender,
-        road_users=tuple(_limit_to_friction(user, friction) for user in scenario.road_users),
+        latency=latency, jitter=jitter, loss_probability=loss,
+        mean_burst_length=uniform("mean_burst_length", 1.0 / (1.0 - loss), 10.0),
+        range=uniform("radio_range", *parameters.radio_range_bounds),
     )  # fmt: skip
-    return scenario, drawn
+    reaction_time = uniform("reaction_time", *parameters.reaction_time)
+    ego_reaction_time = uniform("ego_reaction_time", *parameters.reaction_time)
+    noise = uniform("position_noise", *parameters.position_noise)
+    scenario = SAMPLERS[parameters.scenario](int(rng.integers(4)), uniform, channel, reaction_time)
+    samples["case"] = str(scenario.case)
+    car = scenario.vehicle
+    return replace(
+        scenario, vehicle=replace(car, m=mass * car.m, I_z=mass * car.I_z, mu=friction),
+        reaction_time=ego_reaction_time, seed=int(samples["seed"]), channel=channel,
+        sender=SenderSettings(position_noise=noise, noise_time_constant=30.0),
+        road_users=tuple(_limit_to_friction(user, friction) for user in scenario.road_users),
+    ), samples  # fmt: skip
 
 
 def nominal_scenario(scenario: Scenario) -> Scenario:
-    """Scenario as the planner takes it to be: the car weighs what is written, the friction is known.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        A drawn one.
-
-    Returns
-    -------
-    scenario : Scenario
-        The same with the nominal mass and yaw inertia.
-    """
+    """Return a scenario as the planner assumes it: with the nominal mass, the true friction."""
     car = VehicleParams.bmw_320i()
     return replace(scenario, vehicle=replace(scenario.vehicle, m=car.m, I_z=car.I_z))
 
 
-def without_v2v(scenario: Scenario, ego: str) -> Scenario:
-    """Let nobody send.
+def without_v2v(scenario: Scenario, ego_type: str) -> Scenario:
+    """Return a scenario for an ego without messages, in which no road user receives warnings."""
 
-    Parameters
-    ----------
-    scenario : Scenario
-        One with messages.
-    ego : {"driver", "sensor"}
-        Who drives the ego instead.
+    def unwarned(action: RoadUserAction) -> RoadUserAction:
+        return replace(action, warning_delay=math.inf) if isinstance(action, ReactToLeadAction) else action
 
-    Returns
-    -------
-    scenario : Scenario
-        The same without messages; who was warned by them reacts to what he sees.
-    """
-    users = tuple(
-        replace(
-            user,
-            actions=tuple(
-                replace(act, warning_delay=math.inf) if isinstance(act, ReactToLeadAction) else act
-                for act in user.actions
-            ),
-        )
-        for user in scenario.road_users
-    )
-    return replace(scenario, ego_type=ego, road_users=users)
+    users = tuple(replace(user, actions=tuple(map(unwarned, user.actions))) for user in scenario.road_users)
+    return replace(scenario, ego_type=ego_type, road_users=users)
 
 
 def _limit_to_friction(user: RoadUser, friction: float) -> RoadUser:
-    """Let nobody mean to brake harder than the road gives."""
-    most = friction * GRAVITY
-    acts = tuple(
-        replace(act, deceleration=min(act.deceleration, most))
-        if isinstance(act, BrakeAction | ReactToLeadAction)
-        else act
-        for act in user.actions
+    """Limit all decelerations of a road user to what the friction allows."""
+    limit = friction * GRAVITY
+    actions = tuple(
+        action
+        if isinstance(action, LateralShiftAction)
+        else replace(action, deceleration=min(action.deceleration, limit))
+        for action in user.actions
     )
-    return replace(user, actions=acts, deceleration=min(user.deceleration, most))
+    return replace(user, actions=actions, deceleration=min(user.deceleration, limit))

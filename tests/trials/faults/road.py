@@ -69,7 +69,7 @@ def _():
 
 @TABLE.case("reasons", "brake-that-accelerates", "crossing traffic has passed: no BRAKE with a_x above 0")
 def _():
-    log, wrong = simulate(ima(ego="v2v")), 0
+    log, wrong = simulate(ima(ego_type="v2v")), 0
     ends = [t for t, _, _ in log.decisions[1:]] + [math.inf]
     for (begin, action, _), end in zip(log.decisions, ends, strict=True):
         accelerating = (log.t >= begin) & (log.t < end) & (log.command[:, 1] > 0.1)
