@@ -24,7 +24,7 @@ def simulated(name: str, case: str, ego: str) -> Log:
         x = np.arange(0.0, 1500.0, 15.0)
         road = fit_path(np.column_stack((x, x**2 / 2000.0)))
         return simulate(overtaking(case, road, start=210.0, v2v=ego == "v2v"))
-    return simulate({"ima": ima, "curbside": curbside}[name](case, ego=ego))
+    return simulate({"ima": ima, "curbside": curbside}[name](case, ego_type=ego))
 
 
 @pytest.fixture(scope="session")
