@@ -1,4 +1,4 @@
-"""Recorded routes made fit for `fit_path`; everything that is changed is reported."""
+"""Cleaning of recorded routes for `fit_path`, with a report of every change."""
 
 import math
 from dataclasses import dataclass
@@ -11,29 +11,27 @@ from numpy.typing import ArrayLike
 from cca_core._checks import Array, Index, check_points, check_real
 from cca_core.errors import InputError
 
-_CLOSING = 3.0  # a route is closed if it ends within so many median chords of its start
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CleaningReport:
-    """What `clean_route` changed; places are rows of its input.
+    """Changes made by `clean_route`, as rows of its input.
 
     Parameters
     ----------
     duplicates : ndarray of int, shape (n_duplicates,)
-        Rows merged with the one before them, less than the least spacing away.
+        Rows merged with the row before, at a distance below `min_spacing`.
     dropped : ndarray of int, shape (n_dropped,)
-        Rows dropped because the route jumps or zig-zags there.
+        Rows dropped because of a jump or a zig-zag.
     reordered : ndarray of int, shape (n_reordered,)
-        Rows that changed places with the one that followed.
+        Rows swapped with the row behind.
     gaps : ndarray of int, shape (n_gaps,)
         Rows after which a new part starts.
     isolated : ndarray of int, shape (n_isolated,)
-        Rows dropped because they stood alone between two gaps.
+        Rows dropped because they are alone between two gaps.
     reversals : ndarray of int, shape (n_reversals,)
-        Rows kept although the route turns back there: no few points are to blame.
+        Rows kept although the route turns back there: no single point causes it.
     closed : bool
-        Whether the route is one part that leads back to its start.
+        Whether the route is one part that returns to its start.
     """
 
     duplicates: Index
@@ -52,16 +50,16 @@ class CleaningReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CleanedRoute:
-    """A route in parts that `fit_path` can take.
+    """A route in parts that `fit_path` accepts.
 
     Parameters
     ----------
     parts : tuple of ndarray, shape (n, 2) each
         Positions [m] of each part in driving order, read-only.
     rows : tuple of ndarray of int, shape (n,) each
-        The row of the input that each position is.
+        Row of the input of each position.
     report : CleaningReport
-        What was merged, dropped, sorted and split, and where.
+        Rows that were merged, dropped, swapped and split.
     """
 
     parts: tuple[Array, ...]
@@ -77,7 +75,7 @@ class CleanedRoute:
 def clean_route(
     xy: ArrayLike, *, max_gap: float = 500.0, min_spacing: float = 0.05, max_turn: float = math.radians(100.0)
 ) -> CleanedRoute:
-    """Merge, sort, drop and split the points of a recorded route.
+    """Merge, swap, drop and split the points of a recorded route.
 
     Parameters
     ----------
@@ -86,9 +84,9 @@ def clean_route(
     max_gap : float
         A longer distance between neighbors starts a new part [m].
     min_spacing : float
-        A point closer than this to the one before is a duplicate [m].
+        A point closer than this to the point before is a duplicate [m].
     max_turn : float
-        A larger change of direction at one point is no road but a defect [rad].
+        A larger change of direction at one point is a defect of the recording [rad].
 
     Returns
     -------
@@ -102,10 +100,10 @@ def clean_route(
 
     Notes
     -----
-    Where the route turns by more than `max_turn`, the smallest of these changes is made that leaves fewer
-    such turns: two neighbors change places, or one or two points are dropped. If none helps, as where a
-    car really backed out, the point stays and is reported as a reversal. Turns below the limit are left to
-    the smoothing of `fit_path`. Cleaning a part again changes nothing. Cost is linear in n.
+    If the route turns by more than `max_turn`, the function makes the smallest change that leaves fewer such
+    turns: it swaps two neighbors, or drops one or two points. If no change helps, for example because the car
+    reversed, the point stays and is reported as a reversal. Smaller turns are left to the smoothing of
+    `fit_path`. Cleaning a part again changes nothing. The cost is linear in n.
 
     Examples
     --------
@@ -128,7 +126,7 @@ def clean_route(
 
 
 class _Cleaner:
-    """The work of `clean_route` on lists of rows."""
+    """Implementation of `clean_route` on lists of rows."""
 
     def __init__(self, points: Array, max_gap: float, min_spacing: float, max_turn: float) -> None:
         self._x, self._y = points.T.tolist()
@@ -137,7 +135,7 @@ class _Cleaner:
         self.log: dict[str, list[int]] = {name: [] for name in names}
 
     def clean(self, rows: list[int]) -> list[list[int]]:
-        """Clean one stretch until nothing changes, and split it at its gaps."""
+        """Clean one part until nothing changes, and split it at its gaps."""
         before: list[int] = []
         while rows != before:
             before, rows = rows, self._straighten(self._merge(rows))
@@ -163,18 +161,18 @@ class _Cleaner:
         return kept
 
     def _straighten(self, rows: list[int]) -> list[int]:
-        """Mend the turns that are too sharp, from the first to the last, where a small change helps."""
-        done: list[int] = []  # behind; what is ahead is kept in reverse, so that both ends are cheap
+        """Repair sharp turns in driving order if a small change helps."""
+        done: list[int] = []  # the rows ahead are stored in reverse, so that both ends are cheap
         ahead = rows[::-1]
         while ahead:
             done.append(ahead.pop())
             if len(done) < 3 or not self._turns(done, len(done) - 2):
                 continue
-            # three points behind the turn, four ahead: enough to see what a change does
+            # three points behind the turn and four ahead show the effect of a change
             back, front = done[-5:], [ahead.pop() for _ in range(min(4, len(ahead)))][::-1]
             del done[-5:]
             window = back + front[::-1]
-            better = self._mend(window, len(back) - 2, at_start=not done, at_end=not ahead)
+            better = self._repair(window, len(back) - 2, at_start=not done, at_end=not ahead)
             if better is None:
                 done += back
                 ahead += front
@@ -184,18 +182,18 @@ class _Cleaner:
                 ahead += better[::-1]
         return done
 
-    def _mend(self, window: list[int], i: int, at_start: bool, at_end: bool) -> list[int] | None:
-        """Find the change around place i with the fewest sharp turns; None if none has fewer than now."""
+    def _repair(self, window: list[int], i: int, at_start: bool, at_end: bool) -> list[int] | None:
+        """Find the change around index i with the fewest sharp turns; None if no change reduces them."""
         n = len(window)
         changes = []
         for k in (i - 1, i):
             if 0 <= k < n - 1:
                 changes.append((*range(k), k + 1, k, *range(k + 2, n)))
-        for gone in ((i,), (i + 1,), (i - 1,), (i, i + 1), (i - 1, i)):
-            changes.append(tuple(k for k in range(n) if k not in gone))
+        for dropped in ((i,), (i + 1,), (i - 1,), (i, i + 1), (i - 1, i)):
+            changes.append(tuple(k for k in range(n) if k not in dropped))
         now, best, best_rows = self._score(window), (math.inf, math.inf), None
         for change in changes:
-            # what stands next to points outside the window must stay
+            # points next to the ends of the window must stay
             if (not at_start and change[:2] != (0, 1)) or (not at_end and change[-2:] != (n - 2, n - 1)):
                 continue
             rows = [window[k] for k in change]
@@ -223,8 +221,8 @@ class _Cleaner:
 def _is_closed(part: Array, max_turn: float) -> bool:
     steps = np.diff(part, axis=0)
     chords = np.hypot(*steps.T)
-    across = part[0] - part[-1]
-    if len(part) < 4 or np.hypot(*across) > _CLOSING * np.median(chords) or chords.sum() < 20.0:
+    gap = np.hypot(*(part[0] - part[-1]))
+    if len(part) < 4 or gap > 3.0 * np.median(chords) or chords.sum() < 20.0:
         return False
     return bool(steps[-1] @ steps[0] >= math.cos(max_turn) * chords[-1] * chords[0])
 

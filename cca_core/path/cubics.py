@@ -1,4 +1,4 @@
-"""Piecewise cubics in the plane: evaluation and foot points, for arrays and for single floats."""
+"""Piecewise cubics in the plane: evaluation and foot points, for arrays and single floats."""
 
 import math
 from bisect import bisect_right
@@ -9,17 +9,14 @@ import numpy as np
 
 from cca_core._checks import Array
 
-_SWEEPS = 12  # Newton converges in 2 to 4; the rest is for points far off a tight bend
-_CONVERGED = 1e-9  # step [m]
+_MAX_ITERATIONS = 12  # Newton converges in 2 to 4; points far off a tight curve need more
+_STEP_TOLERANCE = 1e-9  # [m]
 _CHUNK = 8192  # positions whose intermediate results stay in the cache
-_SPACING = 2.0  # of the samples for cold starts [m]
+_SPACING = 2.0  # of the samples for a search without initial guess [m]
 
 
 class Cubics:
-    """Cubics over s in powers of meters, straight beyond both ends.
-
-    `Path` checks and documents what this computes.
-    """
+    """Cubics over s in powers of meters, straight beyond both ends; `Path` checks the arguments."""
 
     def __init__(self, breaks: Array, coefficients: Array) -> None:
         self._breaks, self._inner = breaks, breaks[1:-1]
@@ -48,10 +45,10 @@ class Cubics:
         breaks = self._breaks
         first = int(np.searchsorted(breaks, start, side="right")) - 1
         last = int(np.searchsorted(breaks, end))
-        borders = np.concatenate(([start], breaks[first + 1 : last], [end]))
+        inner = np.concatenate(([start], breaks[first + 1 : last], [end]))
         length = np.diff(breaks[first : last + 1])
-        scale = (np.diff(borders) / length)[:, None]
-        offset = ((borders[:-1] - breaks[first:last]) / length)[:, None]
+        scale = (np.diff(inner) / length)[:, None]
+        offset = ((inner[:-1] - breaks[first:last]) / length)[:, None]
         a, b, c, d = np.moveaxis(coefficients[first:last], -1, 0)
         taylor = (
             a * scale**3,
@@ -59,7 +56,7 @@ class Cubics:
             ((3.0 * a * offset + 2.0 * b) * offset + c) * scale,
             ((a * offset + b) * offset + c) * offset + d,
         )
-        return borders, np.stack(taylor, axis=-1)
+        return inner, np.stack(taylor, axis=-1)
 
     def at(self, s: float) -> tuple[float, float, float, float, float, float]:
         """Position, first and second derivative at one s, as six floats."""
@@ -74,15 +71,15 @@ class Cubics:
             return px, py, tx, ty, 6.0 * ax * t + 2.0 * bx, 6.0 * ay * t + 2.0 * by
         return px + (s - on) * tx, py + (s - on) * ty, tx, ty, 0.0, 0.0
 
-    def foot_point(self, x: float, y: float, near: float) -> tuple[float, float, float, float]:
+    def foot_point(self, x: float, y: float, s_guess: float) -> tuple[float, float, float, float]:
         """Foot point of one position: s, d, heading and curvature."""
-        s = near
-        for _ in range(_SWEEPS):
+        s = s_guess
+        for _ in range(_MAX_ITERATIONS):
             px, py, tx, ty, nx, ny = self.at(s)
             speed2 = tx * tx + ty * ty
             out = (px - x) * tx + (py - y) * ty
             step = out / max(speed2 + (px - x) * nx + (py - y) * ny, 0.2 * speed2)
-            if -_CONVERGED < step < _CONVERGED:
+            if -_STEP_TOLERANCE < step < _STEP_TOLERANCE:
                 break
             s -= step
         else:
@@ -91,9 +88,9 @@ class Cubics:
         d = (tx * (y - py) - ty * (x - px)) / speed
         return s, d, math.atan2(ty, tx), (tx * ny - ty * nx) / speed**3
 
-    def foot_points(self, xy: Array, near: Array) -> tuple[Array, Array]:
-        """Foot points s, d of positions, shape (n, 2), each by Newton from its `near`, shape (n,)."""
-        s, d = near.copy(), np.empty(len(xy))
+    def foot_points(self, xy: Array, s_guess: Array) -> tuple[Array, Array]:
+        """Foot points s, d of positions, shape (n, 2), by Newton from initial guesses, shape (n,)."""
+        s, d = s_guess.copy(), np.empty(len(xy))
         for begin in range(0, len(xy), _CHUNK):
             chunk = slice(begin, begin + _CHUNK)
             self._newton(xy[chunk, 0].copy(), xy[chunk, 1].copy(), s[chunk], d[chunk])
@@ -108,10 +105,10 @@ class Cubics:
         return s, d
 
     def _newton(self, x: Array, y: Array, s: Array, d: Array) -> None:
-        """Move `s` to the foot points and fill `d`; positions that have converged are left alone."""
+        """Iterate `s` to the foot points and fill `d`; converged positions are skipped."""
         left = np.arange(len(s))
         u = s.copy()
-        for sweep in range(_SWEEPS + 1):
+        for iteration in range(_MAX_ITERATIONS + 1):
             on = np.minimum(np.maximum(u, self._breaks[0]), self._breaks[-1])
             i = np.searchsorted(self._inner, on, side="right")
             ax, ay, bx, by, cx, cy, dx, dy = (row.take(i) for row in self._table)
@@ -120,38 +117,38 @@ class Cubics:
             px = ((ax * t + bx) * t + cx) * t + dx + beyond * tx - x
             py = ((ay * t + by) * t + cy) * t + dy + beyond * ty - y
             speed2 = tx * tx + ty * ty
-            bend = px * (6.0 * ax * t + 2.0 * bx) + py * (6.0 * ay * t + 2.0 * by)
-            bend[beyond != 0.0] = 0.0
-            step = (px * tx + py * ty) / np.maximum(speed2 + bend, 0.2 * speed2)
+            curved = px * (6.0 * ax * t + 2.0 * bx) + py * (6.0 * ay * t + 2.0 * by)
+            curved[beyond != 0.0] = 0.0
+            step = (px * tx + py * ty) / np.maximum(speed2 + curved, 0.2 * speed2)
             s[left], d[left] = u, (ty * px - tx * py) / np.sqrt(speed2)
-            far = np.flatnonzero(np.abs(step) >= _CONVERGED)
-            if not len(far) or sweep == _SWEEPS:
+            far = np.flatnonzero(np.abs(step) >= _STEP_TOLERANCE)
+            if not len(far) or iteration == _MAX_ITERATIONS:
                 return
             left, x, y, u = left[far], x[far], y[far], (u - step)[far]
 
     def _search(self, xy: Array, s: Array, d: Array) -> None:
-        """Newton from each sample that is nearer than its neighbors and may belong to the nearest point."""
+        """Run Newton from every local minimum of the samples that may lead to the nearest point."""
         at, tree, points = self._samples
         left, k = np.arange(len(xy)), min(4, len(at))
         while len(left):
-            apart, sample = tree.query(xy[left], k=k)
+            distance, sample = tree.query(xy[left], k=k)
             # the nearest point of the curve has a sample within half a spacing
-            reach = apart[:, :1] + 0.5 * _SPACING
-            sure = (apart[:, -1:] >= reach)[:, 0] | (k == len(at))
-            here = xy[left[sure], None, :]
-            near, index = apart[sure], sample[sure]
-            valley = near <= reach[sure]
+            limit = distance[:, :1] + 0.5 * _SPACING
+            complete = (distance[:, -1:] >= limit)[:, 0] | (k == len(at))
+            here = xy[left[complete], None, :]
+            near, index = distance[complete], sample[complete]
+            minimum = near <= limit[complete]
             for side in (-1, 1):
                 other = points[np.clip(index + side, 0, len(at) - 1)] - here
-                valley &= near <= np.hypot(other[..., 0], other[..., 1])
-            valley[:, 0] = True  # also where rounding decides between two
-            row, column = np.nonzero(valley)
-            owner = left[sure][row]
+                minimum &= near <= np.hypot(other[..., 0], other[..., 1])
+            minimum[:, 0] = True  # even if rounding decides between two
+            row, column = np.nonzero(minimum)
+            owner = left[complete][row]
             u, offset = self.foot_points(xy[owner], at[index[row, column]])
             best = np.lexsort((np.abs(offset), owner))
             best = best[np.unique(owner[best], return_index=True)[1]]
             s[owner[best]], d[owner[best]] = u[best], offset[best]
-            left, k = left[~sure], min(4 * k, len(at))
+            left, k = left[~complete], min(4 * k, len(at))
 
     @cached_property
     def _lists(self) -> tuple[list[float], list[list[float]]]:
@@ -164,7 +161,7 @@ class Cubics:
 
     @cached_property
     def _samples(self) -> tuple[Array, Any, Array]:
-        from scipy.spatial import cKDTree  # slow to import, and only the cold start needs it
+        from scipy.spatial import cKDTree  # slow to import
 
         length = self._breaks[-1] - self._breaks[0]
         s = np.linspace(self._breaks[0], self._breaks[-1], max(2, math.ceil(length / _SPACING) + 1))

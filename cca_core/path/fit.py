@@ -1,4 +1,4 @@
-"""From waypoints to a `Path`: smoothing cubics that keep a tolerance and a curvature limit."""
+"""Fit of a `Path` to waypoints: smoothing cubics within a tolerance and a curvature limit."""
 
 import math
 
@@ -12,18 +12,7 @@ from cca_core.path.interpolate import over_arc_length
 from cca_core.path.path import Path
 from cca_core.path.smoothing import SmoothingSpline
 
-_REPARAMETRIZATIONS = 4
-_STRETCH = 1.2  # a fit this much longer than its chords is not taken as a parameter
-_BENT = 0.5  # turn from border to border of the sharpest clothoid [rad]
-_TURN = 0.1  # a segment turns by no more [rad], while it has points to be divided at
-_LONGEST = 64  # points in the first segments of the adaptive fit
-_ROUNDINGS = 30
-_HEADROOM = 0.95  # of the curvature limit, for what arc length and re-interpolation change
-_FREEDOM = 3.0  # tolerances that the path may swing off the chord of a gap
-_SWING = 0.3  # of the longest chord nearby: by so much a path may swing off its chords beyond the tolerance
-_DIVISIONS = 6  # of chords off which the path swings farther
-_MISSED = 0.01  # of a waypoint beyond the tolerance, that is let pass [m]
-_LOOKS = np.arange(1.0, 8.0) / 8.0  # between two points
+_MAX_TURN = 0.1  # of a segment that has points to be divided at [rad]
 
 
 def fit_path(
@@ -42,18 +31,18 @@ def fit_path(
     xy : array_like, shape (n, 2)
         Waypoints [m], in driving order, no two neighbors equal.
     tolerance : float
-        Largest distance allowed between a waypoint and the path [m]. Within it the path is as smooth as
-        it can be; 0 interpolates.
+        Largest distance between a waypoint and the path [m]. The path is as smooth as this allows; 0
+        interpolates.
     points_per_segment : int
-        Waypoints in each segment [-] of the equal segmentation; halved until the tolerance can be kept.
+        Waypoints in each segment of the equal segmentation [-]; halved until the tolerance is feasible.
     segmentation : {"equal", "adaptive"}
         Segments of equal waypoint count, or as long as the tolerance allows.
     curvature_limit : float, optional
-        Largest curvature of the path [1/m], such as that of a car's turning circle. Where limit and
-        tolerance contradict each other the limit is kept, and the path passes as near as it can.
+        Largest curvature of the path [1/m], for example of the turning circle. If limit and tolerance
+        contradict each other, the limit wins, and the path passes as near as it can.
     closed : bool
-        Whether the road leads from the last waypoint back to the first. The path then ends where it
-        starts, with the same heading and curvature.
+        Whether the road returns from the last waypoint to the first. The path then ends at its start, with
+        the same heading and curvature.
 
     Returns
     -------
@@ -65,31 +54,30 @@ def fit_path(
     InputError
         If there are fewer than two waypoints, neighbors coincide, or an argument is out of range.
     InfeasibleError
-        If no path within the curvature limit, or within the tolerance of every waypoint, is found; of the
-        latter its `result` is the path that comes nearest.
+        If no path keeps the curvature limit, or the tolerance at every waypoint. In the second case `result`
+        is the nearest path.
 
     See Also
     --------
-    clean_route : make parts that can be fitted from a recorded route.
+    clean_route : clean a recorded route into parts that can be fitted.
 
     Notes
     -----
     Eqs (1) and (2) of the paper with continuous second derivatives are a cubic B-spline with one knot per
-    segment border. Among the splines with these knots the one is taken that minimizes
-    ``integral |X - P|^2 + l^8 |X'''' - Q|^2 ds`` with the largest smoothing length l for which no
-    waypoint is farther away than `tolerance`. Q is the fourth derivative of a clothoid: straight lines,
-    circles and clothoids, of which roads are made, are smooth alike. The parameter is chord length first,
-    then the arc length of the curve fitted before. The result is interpolated anew over its arc length,
-    so that the length of dX/ds is 1 within 1e-3. Segments that turn by more than 0.1 rad are divided
-    further. Cost is linear in n.
+    segment border. The fit minimizes ``integral |X - P|^2 + l^8 |X'''' - Q|^2 ds`` over these splines. The
+    smoothing length l is the largest for which no waypoint is farther away than `tolerance`. Q is the fourth
+    derivative of a clothoid: straight lines, circles and clothoids, of which roads consist, are equally
+    smooth. The parameter is the chord length first, and then the arc length of the last fit. The result is
+    interpolated again over its arc length, and the length of dX/ds is 1 within 1e-3. Segments that turn by
+    more than 0.1 rad are divided further. The cost is linear in n.
 
-    Between waypoints the path stays within `tolerance` and 0.3 times the longest of three neighboring
-    chords of them (three times `tolerance` in gaps): where a curve would swing farther it gets points on
-    its chords. One smoothing length holds for the whole path, so a single waypoint far off its neighbors
-    makes all of it follow the noise: the tolerance should be three or four standard deviations of it.
+    Between waypoints the path deviates from their chords by at most `tolerance` plus 0.3 times the longest of
+    three neighboring chords (three times `tolerance` in gaps). A curve that would deviate more gets points on
+    its chords. One smoothing length holds for the whole path, so a single outlier makes all of it follow the
+    noise. The tolerance should therefore be three or four standard deviations of the noise.
 
-    With a curvature limit the tolerance holds for those waypoints that a curve within the limit can
-    reach. How far the path leaves the others shows ``path.project(xy)[1]``.
+    With a curvature limit the tolerance holds for the waypoints that a curve within the limit can reach.
+    ``path.project(xy)[1]`` is the deviation of the others.
 
     Examples
     --------
@@ -123,16 +111,17 @@ def fit_path(
 
 
 class _Fit:
-    """One fit: the waypoints, made dense over gaps, and what is asked of the path."""
+    """One fit: waypoints, with points added in gaps, and the tolerance at each."""
 
     def __init__(self, points: Array, chords: Array, tolerance: float, closed: bool) -> None:
         self._points, given = bridge_gaps(points, chords)
-        self._asked = np.where(given, 1.0, 1.0 / _FREEDOM)  # share of the tolerance
+        # residuals count with these weights: in gaps three tolerances are allowed
+        self._weight = np.where(given, 1.0, 1.0 / 3.0)
         self._chord = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
         self._accepted = max(tolerance, 1e-6)
-        loose = 1.0 / np.minimum(self._asked[1:], self._asked[:-1])
-        self._room = tolerance * loose + _SWING * max_neighbor_chord(self._points, closed)  # off each chord
-        # what the interpolation at the end may add
+        loose = 1.0 / np.minimum(self._weight[1:], self._weight[:-1])
+        self._max_deviation = tolerance * loose + 0.3 * max_neighbor_chord(self._points, closed)
+        # the final interpolation may add this difference
         self._tolerance = max(tolerance - min(1e-3 * tolerance, 1e-4), 1e-9)
         self._closed, self._limit = closed, math.inf
 
@@ -146,52 +135,54 @@ class _Fit:
             raise InfeasibleError(
                 f"no path of {self._chord[-1]:.0f} m closes with a curvature of at most {limit:g} 1/m"
             )
-        self._limit = _HEADROOM * limit
+        self._limit = 0.95 * limit  # the change to arc length and the interpolation add curvature
         self._fit_without_tolerance()
         path = over_arc_length(self._segmented(per_segment).path(), self._closed)
-        for _ in range(_ROUNDINGS):
+        for _ in range(30):
             if _largest_curvature(path) <= limit:
                 return path
             path = _limit_curvature(path, self._limit, self._closed)
         raise InfeasibleError(f"no path with a curvature of at most {limit:g} 1/m was found")
 
     def _fit_near_chords(self, per_segment: int | None) -> SmoothingSpline:
-        """Fit; where the curve swings off its chords, put points on them and fit again."""
-        for _ in range(_DIVISIONS):
+        """Fit; if the curve deviates too far from its chords, add points on them and fit again."""
+        for _ in range(6):
             spline = self._segmented(per_segment)
-            astray = self._find_overshoots(spline)
-            if not astray.any():
+            overshoots = self._find_overshoots(spline)
+            if not overshoots.any():
                 break
-            self._divide(astray)
+            self._divide(overshoots)
         return spline
 
     def _checked(self, path: Path, spline: SmoothingSpline) -> Path:
-        """Refuse a path that misses a waypoint; residuals bound its distance and are known already."""
-        missed = self._points[spline.residuals() * self._asked > self._accepted + _MISSED]
+        """Reject a path that misses a waypoint; residuals are upper bounds of the distance."""
+        limit = self._accepted + 0.01  # [m]: a slightly larger distance is accepted
+        missed = self._points[spline.residuals() * self._weight > limit]
         if len(missed):
             off = float(np.abs(path.project(missed)[1]).max())
-            if off > self._accepted + _MISSED:
+            if off > limit:
                 raise InfeasibleError(
-                    f"no smooth path within {self._accepted:g} m of every waypoint was found, one is "
-                    f"{off:.2f} m off it; raise the tolerance or drop what zig-zags with clean_route", path
+                    f"no smooth path within {self._accepted:g} m of every waypoint was found, the distance of one is "
+                    f"{off:.2f} m; raise the tolerance or remove zig-zags with clean_route", path
                 )  # fmt: skip
         return path
 
     def _find_overshoots(self, spline: SmoothingSpline) -> Mask:
-        """Tell between which neighboring points a fit swings too far off the chords there."""
-        off = chord_deviation(spline.between(_LOOKS), self._points, self._closed)
-        astray: Mask = off.max(axis=1) > self._room
-        return astray
+        """Return which chords a fit deviates from too far."""
+        fractions = np.arange(1.0, 8.0) / 8.0
+        off = chord_deviation(spline.between(fractions), self._points, self._closed)
+        overshoots: Mask = off.max(axis=1) > self._max_deviation
+        return overshoots
 
     def _divide(self, chords: Mask) -> None:
-        """Put a point on the middle of some chords, of which less is asked."""
+        """Add a point on the middle of some chords, with less weight."""
         i = np.flatnonzero(chords)
         middle = 0.5 * (self._points[i] + self._points[i + 1])
-        asked = np.minimum(self._asked[i], self._asked[i + 1])
-        asked = asked * self._tolerance / (self._tolerance + self._room[i])
+        weight = np.minimum(self._weight[i], self._weight[i + 1])
+        weight = weight * self._tolerance / (self._tolerance + self._max_deviation[i])
         self._points = np.insert(self._points, i + 1, middle, axis=0)
-        self._asked = np.insert(self._asked, i + 1, asked)
-        self._room = np.insert(self._room, i, self._room[i])
+        self._weight = np.insert(self._weight, i + 1, weight)
+        self._max_deviation = np.insert(self._max_deviation, i, self._max_deviation[i])
         self._chord = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
 
     def _segmented(self, per_segment: int | None) -> SmoothingSpline:
@@ -200,86 +191,86 @@ class _Fit:
             while True:
                 knots = np.linspace(0, n, max(1, n // per_segment) + 1).round().astype(np.intp)
                 spline, knots = self._fit(knots)
-                if per_segment == 1 or (spline.residuals() * self._asked).max() <= self._accepted:
+                if per_segment == 1 or (spline.residuals() * self._weight).max() <= self._accepted:
                     return spline
                 per_segment //= 2
-        knots = np.linspace(0, n, max(1, n // _LONGEST) + 1).round().astype(np.intp)
+        knots = np.linspace(0, n, max(1, n // 64) + 1).round().astype(np.intp)
         while True:
-            asked = knots
-            spline, knots = self._fit(asked)
-            bad = np.flatnonzero(spline.residuals() * self._asked > self._accepted)
+            previous = knots
+            spline, knots = self._fit(previous)
+            bad = np.flatnonzero(spline.residuals() * self._weight > self._accepted)
             if not len(bad):
                 return spline
             split = np.zeros(len(knots) - 1, dtype=bool)
             split[np.searchsorted(knots[1:-1], np.concatenate((bad, bad - 1)))] = True
             finer = _split(knots, split)
-            while len(finer) == len(asked) and not split.all():
+            while len(finer) == len(previous) and not split.all():
                 split[1:] |= split[:-1]
                 split[:-1] |= split[1:]
                 finer = _split(knots, split)
-            if len(finer) == len(asked):
+            if len(finer) == len(previous):
                 return spline
             knots = finer
 
     def _fit_without_tolerance(self) -> None:
-        """Ask no tolerance of waypoints that no curve within the limit comes near."""
+        """Drop the tolerance of waypoints that no curve within the limit can reach."""
         spline, _ = self._fit(np.arange(len(self._points)), smooth=False)
-        self._asked = self._asked * (spline.residuals() * self._asked <= self._tolerance)
+        self._weight = self._weight * (spline.residuals() * self._weight <= self._tolerance)
 
     def _fit(self, knots: Index, smooth: bool = True) -> tuple[SmoothingSpline, Index]:
-        """Fit with these knots and more where it bends; the parameter is nearly arc length."""
+        """Fit with these knots, and more on curves; the parameter becomes nearly arc length."""
         s, guide, smoothing = self._chord, None, None
         kept: tuple[SmoothingSpline, Index] | None = None
         limited = self._limit < math.inf
-        for more in range(_REPARAMETRIZATIONS, -1, -1):
-            spline = SmoothingSpline(s, knots, self._points, self._asked, self._closed, guide)
+        for remaining in range(4, -1, -1):
+            spline = SmoothingSpline(s, knots, self._points, self._weight, self._closed, guide)
             if smooth:
                 worst, smoothing = spline.smooth_within(self._tolerance, smoothing)
             else:
                 worst = spline.interpolate()
             spline.limit_curvature(self._limit)
             lengths = spline.arc_length()
-            looping = lengths[-1] > _STRETCH * self._chord[-1] or (
+            looping = lengths[-1] > 1.2 * self._chord[-1] or (
                 not limited and self._find_overshoots(spline).any()
             )
             if kept and looping:
-                break  # a curve that loops between its points only gets worse with its own length
+                break  # its own length would make the loops between the points larger
             kept = spline, knots
-            if not more or (smooth and not limited and worst > 2.0 * self._accepted):
+            if not remaining or (smooth and not limited and worst > 2.0 * self._accepted):
                 break
             path = spline.path()
             middle = 0.5 * (path.breaks[1:] + path.breaks[:-1])
-            knots = _split(knots, np.abs(path.curvature(middle)) * np.diff(path.breaks) > _TURN)
+            knots = _split(knots, np.abs(path.curvature(middle)) * np.diff(path.breaks) > _MAX_TURN)
             guide = _clothoids(path, s[knots])
             s = lengths
         return kept or (spline, knots)
 
 
 def _split(knots: Index, where: Mask) -> Index:
-    """Divide some segments at their middle point, if they have one."""
+    """Divide segments at their middle point, if they have one."""
     middle = (knots[1:] + knots[:-1]) // 2
     return np.union1d(knots, middle[where])
 
 
 def _clothoids(path: Path, borders: Array) -> Array:
-    """Fourth derivative at the inner borders if the curvature there changed evenly."""
+    """Fourth derivative at the inner borders for linear curvature."""
     _, first, _ = path.derivatives(borders)
     first /= np.hypot(first[:, 0], first[:, 1])[:, None]
-    most = _BENT / np.gradient(borders)  # no clothoid turns further between its neighbors
-    kappa = np.clip(path.curvature(borders), -most, most)
+    limit = 0.5 / np.gradient(borders)  # a clothoid turns by at most 0.5 rad between borders
+    kappa = np.clip(path.curvature(borders), -limit, limit)
     change = np.gradient(kappa, borders)
     normal = np.column_stack((-first[:, 1], first[:, 0]))
     return -(kappa**3)[:, None] * normal - (3.0 * kappa * change)[:, None] * first
 
 
 def _limit_curvature(path: Path, limit: float, closed: bool) -> Path:
-    """Return a path with its bends brought toward `limit`, and over its arc length again."""
-    bent = np.abs(path.curvature(path.breaks)) > 0.5 * limit
-    near = np.convolve(bent[1:] | bent[:-1], np.ones(3), "same") > 0.0
-    parts = np.where(near, np.ceil(np.diff(path.breaks) * limit / _TURN), 1.0).astype(np.intp)
+    """Return a path with its curvature reduced toward `limit`, over its arc length."""
+    sharp = np.abs(path.curvature(path.breaks)) > 0.5 * limit
+    near = np.convolve(sharp[1:] | sharp[:-1], np.ones(3), "same") > 0.0
+    parts = np.where(near, np.ceil(np.diff(path.breaks) * limit / _MAX_TURN), 1.0).astype(np.intp)
     index = np.repeat(np.arange(len(parts)), parts)
-    share = (np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[index]
-    s = np.append(path.breaks[index] + share * np.diff(path.breaks)[index], path.end)
+    fraction = (np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[index]
+    s = np.append(path.breaks[index] + fraction * np.diff(path.breaks)[index], path.end)
     spline = SmoothingSpline(s, np.arange(len(s)), path.position(s), np.ones(len(s)), closed)
     spline.interpolate()
     spline.limit_curvature(limit)
@@ -287,6 +278,6 @@ def _limit_curvature(path: Path, limit: float, closed: bool) -> Path:
 
 
 def _largest_curvature(path: Path) -> float:
-    share = np.linspace(0.0, 1.0, 8, endpoint=False)
-    s = path.breaks[:-1, None] + share * np.diff(path.breaks)[:, None]
+    fraction = np.linspace(0.0, 1.0, 8, endpoint=False)
+    s = path.breaks[:-1, None] + fraction * np.diff(path.breaks)[:, None]
     return float(np.abs(path.curvature(s)).max())

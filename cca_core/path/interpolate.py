@@ -1,4 +1,4 @@
-"""Interpolating cubics: through the nodes of a band, and through a curve over its arc length."""
+"""Interpolating cubics: through nodes, and along a curve over its arc length."""
 
 import math
 
@@ -9,11 +9,6 @@ from cca_core._checks import Array, check_array, check_points, check_real
 from cca_core.errors import InputError
 from cca_core.path.path import Path
 
-_SPEED_ERROR = 5e-4
-_HALVINGS = 14
-_RUN_UP = 20.0  # a detour begins on the route this far before the bent stretch [m]
-_TAIL = 60.0  # and goes on along the route behind it [m]
-
 
 def interpolate_path(
     nodes: ArrayLike,
@@ -22,7 +17,7 @@ def interpolate_path(
     start_tangent: ArrayLike | None = None,
     end_tangent: ArrayLike | None = None,
 ) -> Path:
-    """Lay a path exactly through closely spaced nodes.
+    """Interpolate closely spaced nodes by a path.
 
     Parameters
     ----------
@@ -31,12 +26,12 @@ def interpolate_path(
     start : float
         Arc length of the first node [m].
     start_tangent, end_tangent : array_like, shape (2,), optional
-        Direction at the first and last node [-]. Without them the curvature is zero there.
+        Direction at the first and last node [-]; by default the curvature is zero there.
 
     Returns
     -------
     path : Path
-        One cubic between each two nodes (the C2 interpolating spline over chord length).
+        The C2 interpolating spline over chord length, with one cubic between neighboring nodes.
 
     Raises
     ------
@@ -66,25 +61,25 @@ def interpolate_path(
 
 
 def splice_path(path: Path, s: Array, nodes: Array) -> Path:
-    """Lay what the steering follows on a detour: the route, the bent stretch, the route.
+    """Join the route, deformed nodes and the route again to a reference path.
 
     Parameters
     ----------
     path : Path
         The route.
     s : ndarray, shape (n,)
-        Path coordinates of the bent nodes [m].
+        Stations of the deformed nodes [m].
     nodes : ndarray, shape (n, 2)
-        The bent nodes [m].
+        The deformed nodes [m].
 
     Returns
     -------
     reference : Path
-        The C2 curve through all.
+        C2 curve from 20 m before the nodes to 60 m behind them.
     """
-    before = np.arange(s[0] - _RUN_UP, s[0] - 1.0, 2.0)
-    ahead = np.arange(s[-1] + 2.0, s[-1] + _TAIL, 2.0)
-    position, tangent, _ = path.derivatives(np.append(before, ahead))
+    before = np.arange(s[0] - 20.0, s[0] - 1.0, 2.0)
+    behind = np.arange(s[-1] + 2.0, s[-1] + 60.0, 2.0)
+    position, tangent, _ = path.derivatives(np.append(before, behind))
     n = len(before)
     first, last = ((x / math.hypot(x, y), y / math.hypot(x, y)) for x, y in tangent[[0, -1]].tolist())
     return spline_through(np.vstack((position[:n], nodes, position[n:])), float(before[0]), first, last)
@@ -93,23 +88,8 @@ def splice_path(path: Path, s: Array, nodes: Array) -> Path:
 def spline_through(
     points: Array, start: float, first: tuple[float, float] | None, last: tuple[float, float] | None
 ) -> Path:
-    """Lay a path through nodes, as `interpolate_path` does, without checks.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, 2)
-        Positions [m], no two neighbors equal.
-    start : float
-        Arc length of the first node [m].
-    first, last : pair of float or None
-        Unit tangent at the first and last node [-]; None for no curvature there.
-
-    Returns
-    -------
-    path : Path
-        One cubic between each two nodes.
-    """
-    from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
+    """Interpolate nodes by a C2 path with unit end tangents; None for zero curvature at an end."""
+    from scipy.linalg import lapack  # slow to import
 
     steps = points[1:] - points[:-1]
     h = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
@@ -125,31 +105,16 @@ def spline_through(
         else:
             diagonal[node] = 2.0 * h[node]
             rhs[node] = sign * (slopes[node] - tangent)
-    # h_i-1 m_i-1 + 2 (h_i-1 + h_i) m_i + h_i m_i+1 = change of slope, with a sixth of the second derivative m
+    # h_i-1 m_i-1 + 2 (h_i-1 + h_i) m_i + h_i m_i+1 = change of slope, 6 m being the second derivative
     return cubics_along(points, lapack.dptsv(diagonal, off, rhs)[2], start)
 
 
-def cubics_along(points: Array, sixth: Array, start: float) -> Path:
-    """Path of the C2 cubic through nodes whose second derivatives are known.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, 2)
-        Positions [m], no two neighbors equal.
-    sixth : ndarray, shape (n, 2)
-        A sixth of the second derivative there, over chord length [1/m].
-    start : float
-        Arc length of the first node [m].
-
-    Returns
-    -------
-    path : Path
-        One cubic between each two nodes.
-    """
+def cubics_along(points: Array, moment_over_6: Array, start: float) -> Path:
+    """C2 path through nodes whose second derivatives over chord length, divided by six, are known."""
     steps = points[1:] - points[:-1]
     h = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
     squared = (h * h)[:, None]
-    now, then = squared * sixth[:-1], squared * sixth[1:]
+    now, then = squared * moment_over_6[:-1], squared * moment_over_6[1:]
     coefficients = np.empty((len(h), 2, 4))
     coefficients[:, :, 0] = then - now
     coefficients[:, :, 1] = 3.0 * now
@@ -163,43 +128,30 @@ def cubics_along(points: Array, sixth: Array, start: float) -> Path:
 
 
 def over_arc_length(curve: Path, closed: bool) -> Path:
-    """Describe a curve over its arc length.
+    """Reparametrize a curve by arc length: the length of dX/ds is within 1e-3 of 1."""
+    from scipy.interpolate import CubicSpline  # slow to import
 
-    Parameters
-    ----------
-    curve : Path
-        A curve over any parameter.
-    closed : bool
-        Whether it ends where it starts, with the same curvature.
-
-    Returns
-    -------
-    path : Path
-        The curve with the length of dX/ds within 1e-3 of 1, in more segments where it bends.
-    """
-    from scipy.interpolate import CubicSpline  # slow to import, and only fitting needs it
-
-    borders = curve.breaks
+    breaks = curve.breaks
     x, w = np.polynomial.legendre.leggauss(5)
-    share = np.linspace(0.0, 1.0, 9)
-    for _ in range(_HALVINGS):
-        half = 0.5 * np.diff(borders)[:, None]
-        first = curve.derivatives(borders[:-1, None] + half * (1.0 + x))[1]
+    fractions = np.linspace(0.0, 1.0, 9)
+    for _ in range(14):
+        half = 0.5 * np.diff(breaks)[:, None]
+        first = curve.derivatives(breaks[:-1, None] + half * (1.0 + x))[1]
         lengths = (half * np.hypot(first[..., 0], first[..., 1])) @ w
         s = np.concatenate(([0.0], np.cumsum(lengths)))
-        nodes = curve.position(borders)
-        ends = curve.derivatives(borders[[0, -1]])[1]
+        nodes = curve.position(breaks)
+        ends = curve.derivatives(breaks[[0, -1]])[1]
         ends /= np.hypot(*ends.T)[:, None]
         if closed:
             nodes[-1] = nodes[0]
         spline = CubicSpline(s, nodes, bc_type="periodic" if closed else ((1, ends[0]), (1, ends[1])))
         coefficients = spline.c.transpose(1, 2, 0) * lengths[:, None, None] ** np.arange(3.0, -1.0, -1.0)
         path = Path(s, coefficients)
-        first = path.derivatives(s[:-1, None] + share * lengths[:, None])[1]
-        off = np.abs(np.hypot(first[..., 0], first[..., 1]) - 1.0).max(axis=1) > _SPEED_ERROR
+        first = path.derivatives(s[:-1, None] + fractions * lengths[:, None])[1]
+        off = np.abs(np.hypot(first[..., 0], first[..., 1]) - 1.0).max(axis=1) > 5e-4
         if not off.any():
             return path
         off[1:] |= off[:-1]
         off[:-1] |= off[1:]
-        borders = np.sort(np.concatenate((borders, (0.5 * (borders[1:] + borders[:-1]))[off])))
+        breaks = np.sort(np.concatenate((breaks, (0.5 * (breaks[1:] + breaks[:-1]))[off])))
     return path

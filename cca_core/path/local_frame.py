@@ -1,4 +1,4 @@
-"""True east-north-up coordinates on the WGS 84 ellipsoid."""
+"""East-north-up coordinates on the WGS 84 ellipsoid."""
 
 import math
 
@@ -7,12 +7,10 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_real
 from cca_core.errors import InputError
+from cca_core.vehicle import MAX_COORDINATE
 
 _A = 6378137.0  # semi-major axis [m], WGS 84
-_F = 1.0 / 298.257223563  # flattening
-_E2 = _F * (2.0 - _F)
-_QUADRIC = np.array([1.0, 1.0, 1.0 / (1.0 - _E2)])  # the ellipsoid is where it gives _A squared
-_REACH = 1.0e6  # farther than this the tangent plane is no map any more [m]
+_E2 = (1.0 / 298.257223563) * (2.0 - 1.0 / 298.257223563)  # squared eccentricity, from the flattening
 
 
 class LocalFrame:
@@ -30,9 +28,9 @@ class LocalFrame:
 
     Notes
     -----
-    Points are taken on the ellipsoid (height 0), turned to earth-centerd coordinates and rotated into the
-    plane at the origin; x is east, y is north. The height below the plane is dropped, so distances shrink
-    by 1 - (D / 6371 km)^2 / 2 with distance D from the origin.
+    Points are on the ellipsoid (height 0). They are converted to earth-centered coordinates and rotated into
+    the plane at the origin; x is east, y is north. The height below the plane is dropped. Distances therefore
+    shrink by the factor 1 - (D / 6371 km)^2 / 2 at distance D from the origin.
 
     Examples
     --------
@@ -72,16 +70,16 @@ class LocalFrame:
         Raises
         ------
         InputError
-            If a value is not finite or out of range, the shapes differ, or a point lies so far from the
-            origin that latitude and longitude are probably mixed up.
+            If a value is not finite or out of range, the shapes differ, or a point is more than 1000 km from
+            the origin: latitude and longitude are probably swapped.
         """
         lat, lon = _geodetic(lat, lon)
         enu = (_to_ecef(np.radians(lat), np.radians(lon)) - self._origin) @ self._axes.T
-        far = np.hypot(enu[..., 0], enu[..., 1]).max(initial=0.0)
-        if far > _REACH or enu[..., 2].min(initial=0.0) < -_REACH:
+        far = max(np.hypot(enu[..., 0], enu[..., 1]).max(initial=0.0), -enu[..., 2].min(initial=0.0))
+        if far > MAX_COORDINATE:
             raise InputError(
-                f"lat, lon must lie near the origin ({self.lat0:g}, {self.lon0:g}) deg, "
-                f"one is {far / 1e3:.0f} km away; are latitude and longitude mixed up?"
+                f"lat, lon must be within 1000 km of the origin ({self.lat0:g}, {self.lon0:g}) deg, "
+                f"was {far / 1e3:.0f} km away; are latitude and longitude mixed up?"
             )
         return np.ascontiguousarray(enu[..., :2])
 
@@ -104,12 +102,13 @@ class LocalFrame:
             If a value is not finite, the shape is wrong, or a point is farther away than 1000 km.
         """
         xy = check_any("xy", xy, (2,))
-        if np.abs(xy).max(initial=0.0) > _REACH:
+        if np.abs(xy).max(initial=0.0) > MAX_COORDINATE:
             raise InputError("xy must be within 1000 km of the origin")
-        # the height above the plane that puts the point on the ellipsoid: line up (m) against the quadric
+        # height above the plane that puts the point on the ellipsoid: the line along `up` meets the quadric
+        quadric = np.array([1.0, 1.0, 1.0 / (1.0 - _E2)])
         foot, up = self._origin + xy @ self._axes[:2], self._axes[2]
-        a, b = up @ (_QUADRIC * up), foot @ (_QUADRIC * up)
-        c = (foot * foot) @ _QUADRIC - _A**2
+        a, b = up @ (quadric * up), foot @ (quadric * up)
+        c = (foot * foot) @ quadric - _A**2
         point = foot + ((-b + np.sqrt(b * b - a * c)) / a)[..., None] * up
         lat = np.arctan2(point[..., 2], (1.0 - _E2) * np.hypot(point[..., 0], point[..., 1]))
         return np.degrees(lat), np.degrees(np.arctan2(point[..., 1], point[..., 0]))
@@ -117,12 +116,12 @@ class LocalFrame:
 
 def _geodetic(lat: ArrayLike, lon: ArrayLike) -> tuple[Array, Array]:
     values = []
-    for name, value, most in (("lat", lat, 90.0), ("lon", lon, 180.0)):
+    for name, value, limit in (("lat", lat, 90.0), ("lon", lon, 180.0)):
         array = check_any(name, value)
         worst = np.abs(array).max(initial=0.0)
-        if worst > most:
+        if worst > limit:
             hint = "; are latitude and longitude mixed up?" if name == "lat" and worst <= 180.0 else ""
-            raise InputError(f"{name} must be within +-{most:g} deg, was {worst:g}{hint}")
+            raise InputError(f"{name} must be within +-{limit:g} deg, was {worst:g}{hint}")
         values.append(array)
     if values[0].shape != values[1].shape:
         raise InputError(f"lon must have the shape of lat {values[0].shape}, had {values[1].shape}")
@@ -130,7 +129,7 @@ def _geodetic(lat: ArrayLike, lon: ArrayLike) -> tuple[Array, Array]:
 
 
 def _to_ecef(lat: Array, lon: Array) -> Array:
-    """Earth-centerd coordinates [m] of points on the ellipsoid; angles in rad."""
+    """Earth-centered coordinates [m] of points on the ellipsoid; angles in rad."""
     n = _A / np.sqrt(1.0 - _E2 * np.sin(lat) ** 2)
     return np.stack(
         (

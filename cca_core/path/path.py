@@ -1,8 +1,4 @@
-"""A road's center line: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable.
-
-All that can be asked of a path is documented here and computed in `cubics`, so this module is longer than
-others.
-"""
+"""Center line of a road: piecewise cubics X_i(lambda), Y_i(lambda), twice continuously differentiable."""
 
 import math
 from functools import cached_property
@@ -18,9 +14,9 @@ from cca_core.path.cubics import Cubics
 
 
 class Path:
-    """Planar curve in segments, one cubic in x and one in y each (eqs 1-2 of the paper).
+    """Planar curve in segments, with one cubic for x and one for y (eqs 1-2 of the paper).
 
-    Beyond its ends the path goes on straight along its end tangents, so queries never fail.
+    Beyond its ends the path continues straight along the end tangents, so queries never fail.
 
     Parameters
     ----------
@@ -53,7 +49,7 @@ class Path:
 
     @classmethod
     def _trusted(cls, breaks: Array, coefficients: Array) -> Self:
-        """Make a path of arrays as for `Path`, without checks and copies; they are read-only from now on."""
+        """Make a path without checks and copies; the arrays become read-only."""
         path = cls.__new__(cls)
         path._set(breaks, coefficients)
         return path
@@ -89,7 +85,7 @@ class Path:
 
     @property
     def start(self) -> float:
-        """Arc length of the first point [m]; 0 unless the path is a stretch of a longer route."""
+        """Arc length of the first point [m]; 0 unless the path is a part of a longer route."""
         return float(self._breaks[0])
 
     @property
@@ -115,7 +111,7 @@ class Path:
         position : ndarray, shape (..., 2)
             Point on the path [m].
         first, second : ndarray, shape (..., 2)
-            Tangent [-], of length 1 as far as `s` is arc length, and its change [1/m].
+            Tangent [-], of length 1 if `s` is exact arc length, and its rate of change [1/m].
         """
         return self._cubics.derivatives(np.asarray(s, dtype=np.float64))
 
@@ -170,14 +166,14 @@ class Path:
         return kappa
 
     def to_cartesian(self, s: ArrayLike, d: ArrayLike) -> Array:
-        """Point at arc length `s`, `d` to the left of the path.
+        """Cartesian position of Frenet coordinates.
 
         Parameters
         ----------
         s : array_like, shape (...)
             Arc length [m].
         d : array_like, shape (...)
-            Lateral coordinate [m], left positive.
+            Lateral offset [m], left positive.
 
         Returns
         -------
@@ -213,7 +209,7 @@ class Path:
         return self.position(np.linspace(self.start, self.end, n))
 
     def cut(self, start: float, end: float) -> "Path":
-        """Part of the path, exactly, with the arc lengths of the whole.
+        """Return an exact part of the path, with the arc lengths of the whole.
 
         Parameters
         ----------
@@ -223,71 +219,71 @@ class Path:
         Returns
         -------
         part : Path
-            The same curve from `start` to `end`; segments at its ends are divided.
+            The same curve from `start` to `end`.
 
         Raises
         ------
         InputError
-            If `start` is not less than `end`, or one of them is not on the path.
+            If `start` is not less than `end`, or one of both is not on the path.
         """
         start = check_real("start", start, ge=self.start, le=self.end)
         end = check_real("end", end, gt=start, le=self.end)
         return Path(*self._cubics.cut(start, end, self._coefficients))
 
     def project(self, xy: ArrayLike, s_guess: ArrayLike | None = None) -> tuple[Array, Array]:
-        """Foot points by Newton's method: arc length and lateral coordinate of positions.
+        """Frenet coordinates of positions, by Newton's method.
 
         Parameters
         ----------
         xy : array_like, shape (..., 2)
             Positions [m].
         s_guess : array_like, shape (...), optional
-            Arc length close to the answer [m], such as last cycle's; picks the branch where the road
-            passes near itself. Without it the nearest point of the whole path is found.
+            Initial guess of the arc length [m], such as the result of the last cycle. It selects the branch
+            if the road passes near itself. By default the nearest point of the whole path is found.
 
         Returns
         -------
         s : ndarray, shape (...)
-            Arc length of the foot point [m]; outside [start, end] on the straight continuations.
+            Arc length of the foot point [m]; beyond [start, end] on the straight continuations.
         d : ndarray, shape (...)
             Distance from the path [m], left positive.
 
         Raises
         ------
         InputError
-            If `xy` or `near` has the wrong shape or is not finite.
+            If `xy` or `s_guess` has the wrong shape or is not finite.
         """
         xy = check_any("xy", xy, (2,))
         shape, points = xy.shape[:-1], xy.reshape(-1, 2)
         if s_guess is None:
             s, d = self._cubics.nearest(points)
         else:
-            start = check_any("near", s_guess)
+            start = check_any("s_guess", s_guess)
             if start.shape not in ((), shape):
-                raise InputError(f"near must have shape () or {shape}, had {start.shape}")
+                raise InputError(f"s_guess must have shape () or {shape}, had {start.shape}")
             s, d = self._cubics.foot_points(points, np.broadcast_to(start, shape).reshape(-1))
-        return s.reshape(shape)[()], d.reshape(shape)[()]  # one position: scalars, no arrays without axes
+        return s.reshape(shape)[()], d.reshape(shape)[()]  # scalars for one position
 
     def foot_point(self, x: float, y: float, s_guess: float) -> tuple[float, float, float, float]:
-        """Project one position, in plain floats: the control loop's warm-started `project`.
+        """Project one position in plain floats, for control loops.
 
         Parameters
         ----------
         x, y : float
             Position [m].
         s_guess : float
-            Arc length close to the answer [m].
+            Initial guess of the arc length [m].
 
         Returns
         -------
         s, d, psi, kappa : float
-            Arc length and lateral coordinate of the position [m], left positive; heading [rad],
-            counter-clockwise from +x, and curvature [1/m], left turn positive, of the path there.
+            Arc length [m] and lateral offset [m], left positive; heading [rad], counter-clockwise from +x,
+            and curvature [1/m], left turn positive, of the path there.
         """
         return self._cubics.foot_point(x, y, s_guess)
 
     def curvature_at(self, s: float) -> float:
-        """Signed curvature at one arc length, in plain floats.
+        """Signed curvature at one arc length in plain floats.
 
         Parameters
         ----------

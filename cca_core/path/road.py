@@ -11,12 +11,12 @@ from cca_core.path.path import Path
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lane:
-    """One lane beside or on the route.
+    """One lane of a road.
 
     Parameters
     ----------
     d : float
-        Lateral coordinate of its center line [m], left of the route positive.
+        Lateral offset of its center line [m], left of the route positive.
     width : float
         Width [m].
     direction : int
@@ -40,28 +40,28 @@ class Lane:
 
     @property
     def right(self) -> float:
-        """Lateral coordinate of the right border [m]."""
+        """Lateral offset of the right lane boundary [m]."""
         return self.d - 0.5 * self.width
 
     @property
     def left(self) -> float:
-        """Lateral coordinate of the left border [m]."""
+        """Lateral offset of the left lane boundary [m]."""
         return self.d + 0.5 * self.width
 
 
 class Road:
-    """A route with its lanes and edges.
+    """A route with its lanes and road edges.
 
     Parameters
     ----------
     path : Path
-        The route: the center line of the ego's own lane.
+        The route: the center line of the ego lane.
     lanes : sequence of Lane, optional
-        All lanes; one of them must contain d = 0. Without lanes the road is the own lane, 3.5 m wide.
+        All lanes; one lane must contain d = 0. The default is the ego lane alone, 3.5 m wide.
     speed_limit : float
         Legal speed [m/s].
     stop_lines : sequence of float
-        Path coordinates at which the ego waits for crossing traffic [m].
+        Stations at which the ego stops to yield to crossing traffic [m].
 
     Raises
     ------
@@ -86,10 +86,10 @@ class Road:
         self.lanes = tuple(sorted(lanes, key=lambda lane: lane.d))
         self.speed_limit = check_real("speed_limit", speed_limit, gt=0.0)
         self.stop_lines = tuple(check_real("stop_lines", line) for line in stop_lines)
-        own = self.lane_at(0.0)
-        if own is None or own.direction != 1:
-            raise InputError("lanes must have one with direction 1 that contains the route (d = 0)")
-        self.ego_lane = own
+        ego_lane = self.lane_at(0.0)
+        if ego_lane is None or ego_lane.direction != 1:
+            raise InputError("lanes must contain the route (d = 0) in a lane of direction 1")
+        self.ego_lane = ego_lane
 
     def __repr__(self) -> str:
         return f"Road({self.path!r}, {len(self.lanes)} lanes, {self.speed_limit:g} m/s)"
@@ -100,25 +100,25 @@ class Road:
 
     @property
     def right_edge(self) -> float:
-        """Lateral coordinate of the right edge of the road [m]."""
+        """Lateral offset of the right road edge [m]."""
         return min(lane.right for lane in self.lanes)
 
     @property
     def left_edge(self) -> float:
-        """Lateral coordinate of the left edge of the road [m]."""
+        """Lateral offset of the left road edge [m]."""
         return max(lane.left for lane in self.lanes)
 
     def lane_at(self, d: float) -> Lane | None:
-        """Lane at a lateral coordinate.
+        """Lane at a lateral offset.
 
         Parameters
         ----------
         d : float
-            Lateral coordinate [m], left positive.
+            Lateral offset [m], left positive.
 
         Returns
         -------
         lane : Lane or None
-            The lane that contains it, None off the road.
+            The lane that contains `d`; None off the road.
         """
         return next((lane for lane in self.lanes if lane.right <= d <= lane.left), None)

@@ -1,4 +1,4 @@
-"""The cubic smoothing spline behind `fit_path`: knots at some of the points, linear cost, curvature limit."""
+"""Cubic smoothing spline of `fit_path`: knots at some of the points, linear cost, curvature limit."""
 
 from typing import Any
 
@@ -7,24 +7,16 @@ import numpy as np
 from cca_core._checks import Array, Index
 from cca_core.path.path import Path
 
-_BISECTIONS = 16
-_LEAST, _STIFFEST = 1e-2, 10.0  # smoothing lengths tried, in segments
-_FIRM = 0.05  # length of the fixed penalty on X''', in segments: it keeps sparse points from loops
-_OVER = 1.02  # an excess of bend that ends the projections
-_PROJECTIONS = 100  # of the second derivative onto its limit
-_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(4)
-
 
 class SmoothingSpline:
-    """Cubic B-spline fitted at parameters s, with a penalty on how the curvature changes.
+    """Cubic B-spline at parameters s, with a penalty on the change of curvature."""
 
-    The penalty is on X'''' - q, the jumps of X''' between segments standing for X'''', where q is what a
-    clothoid has (from an earlier fit): lines, circles and clothoids are free. A closed spline has as many
-    coefficients as segments; they count round and round.
-    """
+    # The penalty is on X'''' - q. Jumps of X''' between segments represent X''''; q is the value of a clothoid
+    # from the last fit: lines, circles and clothoids cost nothing. The coefficients of a closed spline are
+    # periodic, as many as segments.
 
     def __init__(
-        self, s: Array, knots: Index, points: Array, asked: Array, closed: bool, guide: Array | None = None
+        self, s: Array, knots: Index, points: Array, weights: Array, closed: bool, guide: Array | None = None
     ) -> None:
         from scipy.interpolate import BSpline  # slow to import, and only fitting needs it
 
@@ -41,44 +33,45 @@ class SmoothingSpline:
         matrix = BSpline.design_matrix(at, self._knots, 3)
         self._basis = matrix.data.reshape(len(at), 4)
         self._columns = self._wrap(matrix.indices.reshape(len(at), 4)[:, 0].astype(np.intp))
-        # what an affine function explains costs no roughness; the rest is fitted
+        # an affine function has no roughness; the rest is fitted
         slope = np.zeros(2) if closed else (points[-1] - points[0]) / s[-1]
         greville = (self._knots[1:-3] + self._knots[2:-2] + self._knots[3:-1]) / 3.0
         self._affine = points[0] + greville[: self._count, None] * slope
         self._data = points[: len(at)] - points[0] - at[:, None] * slope
-        self._asked = asked
+        self._weights = weights
         weight = np.gradient(s)[: len(at)]
         length = np.diff(breaks)
-        bends, jerks = self._differences()
+        seconds, thirds = self._differences()
         segments = self._wrap(np.arange(len(length)))
         self._fit_matrix = self._normal(self._basis, self._columns, weight)
         self._fit_right = self._spread(self._basis, self._columns, weight[:, None] * self._data)
-        self._fit_matrix += self._normal(jerks, segments, length * (_FIRM * length) ** 6)
+        # a short penalty length, in segments, keeps sparse points from loops
+        self._fit_matrix += self._normal(thirds, segments, length * (0.05 * length) ** 6)
         joints = np.arange(len(length) if closed else len(length) - 1)
         jumps = np.zeros((len(joints), 5))
-        jumps[:, 1:] = np.roll(jerks, -1, axis=0)[joints]
-        jumps[:, :4] -= jerks[joints]
-        apart = 0.5 * (length + np.roll(length, -1))[joints]
-        jumps /= apart[:, None]
-        self._roughness = self._normal(jumps, self._wrap(joints, 5), apart)
+        jumps[:, 1:] = np.roll(thirds, -1, axis=0)[joints]
+        jumps[:, :4] -= thirds[joints]
+        spacing = 0.5 * (length + np.roll(length, -1))[joints]
+        jumps /= spacing[:, None]
+        self._roughness = self._normal(jumps, self._wrap(joints, 5), spacing)
         self._rough_right = np.zeros((self._count, 2))
         if guide is not None:
-            self._rough_right = self._spread(jumps, self._wrap(joints, 5), apart[:, None] * guide[1 + joints])
+            self._rough_right = self._spread(
+                jumps, self._wrap(joints, 5), spacing[:, None] * guide[1 + joints]
+            )
         borders = self._count if closed else len(breaks)
-        self._bends, self._bend_columns = bends[:borders], self._wrap(np.arange(borders))
-        self._bend_weight = np.gradient(breaks)[:borders]
+        self._seconds, self._second_columns = seconds[:borders], self._wrap(np.arange(borders))
+        self._second_weight = np.gradient(breaks)[:borders]
         self._span = float(np.median(length))
         self._rest = np.zeros((self._count, 2))
 
-    def smooth_within(self, tolerance: float, near: float | None = None) -> tuple[float, float]:
-        """Find the smoothest fit whose largest residual, as far as asked, keeps `tolerance`.
-
-        Returns that residual and the smoothing length; `near` is a first guess of the latter.
-        """
-        low, high = np.log(_LEAST * self._span), np.log(_STIFFEST * self._span)
-        steps = _BISECTIONS
-        if near is not None:
-            low, high, steps = max(low, np.log(near) - 0.5), min(high, np.log(near) + 0.5), steps // 2
+    def smooth_within(self, tolerance: float, length_guess: float | None = None) -> tuple[float, float]:
+        """Find the smoothest fit within `tolerance`; return the largest residual and the smoothing length."""
+        low, high = np.log(1e-2 * self._span), np.log(10.0 * self._span)
+        steps = 16
+        if length_guess is not None:
+            center = np.log(length_guess)
+            low, high, steps = max(low, center - 0.5), min(high, center + 0.5), steps // 2
         worst = self._solve(np.exp(high))
         if worst <= tolerance:
             return worst, float(np.exp(high))
@@ -98,30 +91,30 @@ class SmoothingSpline:
         return self._solve(0.1 * self._span)
 
     def limit_curvature(self, limit: float) -> None:
-        """Bring the second derivative under `limit`, at the least loss of fit and smoothness (ADMM)."""
-        bend = self._second_derivative(self._rest)
-        if np.hypot(*bend.T).max() <= limit:
+        """Reduce the second derivative to `limit` at the lowest loss of fit and smoothness (ADMM)."""
+        second = self._second_derivative(self._rest)
+        if np.hypot(*second.T).max() <= limit:
             return
-        stiffness = (2.0 / limit) ** 2  # weighs a bend like the distance it causes over a short turn
-        weight = stiffness * self._bend_weight
+        stiffness = (2.0 / limit) ** 2  # weighs a curve like the offset that it causes over a short turn
+        weight = stiffness * self._second_weight
         try:
-            factor = self._factor(self._matrix + self._normal(self._bends, self._bend_columns, weight))
+            factor = self._factor(self._matrix + self._normal(self._seconds, self._second_columns, weight))
         except np.linalg.LinAlgError:
             return
-        dual = np.zeros_like(bend)
-        for _ in range(_PROJECTIONS):
-            wish = bend + dual
-            size = np.hypot(wish[:, 0], wish[:, 1])[:, None]
-            legal = wish * np.minimum(1.0, limit / np.maximum(size, 1e-300))
-            dual = wish - legal
-            pull = self._spread(self._bends, self._bend_columns, weight[:, None] * (legal - dual))
+        dual = np.zeros_like(second)
+        for _ in range(100):
+            target = second + dual
+            size = np.hypot(target[:, 0], target[:, 1])[:, None]
+            projected = target * np.minimum(1.0, limit / np.maximum(size, 1e-300))
+            dual = target - projected
+            pull = self._spread(self._seconds, self._second_columns, weight[:, None] * (projected - dual))
             self._rest = factor(self._right + pull)
-            bend = self._second_derivative(self._rest)
-            if np.hypot(bend[:, 0], bend[:, 1]).max() <= _OVER * limit:
+            second = self._second_derivative(self._rest)
+            if np.hypot(second[:, 0], second[:, 1]).max() <= 1.02 * limit:
                 break
 
     def residuals(self) -> Array:
-        """Distance of each point from where the curve is at its parameter."""
+        """Distance of each point from the curve at its parameter."""
         fitted = np.einsum("ij,ijk->ik", self._basis, self._rest[self._columns])
         found = np.hypot(*(fitted - self._data).T)
         return np.append(found, found[0]) if self._closed else found
@@ -129,14 +122,15 @@ class SmoothingSpline:
     def arc_length(self) -> Array:
         """Arc length of the curve at each data parameter (Gauss-Legendre between neighbors)."""
         half = 0.5 * np.diff(self._s)[:, None]
-        at = self._s[:-1, None] + half * (1.0 + _GAUSS_X)
+        x, w = np.polynomial.legendre.leggauss(4)
+        at = self._s[:-1, None] + half * (1.0 + x)
         first = self.path().derivatives(at)[1]
         speed = np.hypot(first[..., 0], first[..., 1])
-        return np.concatenate(([0.0], np.cumsum((half * speed) @ _GAUSS_W)))
+        return np.concatenate(([0.0], np.cumsum((half * speed) @ w)))
 
-    def between(self, shares: Array) -> Array:
-        """Positions at shares of the parameter from each point to the next, shape (points - 1, shares, 2)."""
-        return self.path().derivatives(self._s[:-1, None] + np.diff(self._s)[:, None] * shares)[0]
+    def between(self, fractions: Array) -> Array:
+        """Positions at fractions of the parameter between points, shape (points - 1, fractions, 2)."""
+        return self.path().derivatives(self._s[:-1, None] + np.diff(self._s)[:, None] * fractions)[0]
 
     def path(self) -> Path:
         """Eqs (1) and (2): the cubics of each segment over lambda in [0, 1]."""
@@ -158,7 +152,7 @@ class SmoothingSpline:
             self._rest = self._factor(self._matrix)(self._right)
         except np.linalg.LinAlgError:
             return np.inf
-        return float((self.residuals() * self._asked).max())
+        return float((self.residuals() * self._weights).max())
 
     def _factor(self, matrix: Any) -> Any:
         if self._closed:
@@ -171,12 +165,12 @@ class SmoothingSpline:
         return lambda right: cho_solve_banded((factor, False), right, check_finite=False)
 
     def _second_derivative(self, rest: Array) -> Array:
-        """Second derivative at the segment borders (the affine part has none)."""
-        bend: Array = np.einsum("ij,ijk->ik", self._bends, rest[self._bend_columns])
-        return bend
+        """Second derivative at the segment borders; the affine part has none."""
+        second: Array = np.einsum("ij,ijk->ik", self._seconds, rest[self._second_columns])
+        return second
 
     def _wrap(self, first: Index, width: int = 4) -> Index:
-        """Columns of neighboring coefficients from each first one on."""
+        """Columns of neighboring coefficients, from the first one of each row."""
         columns: Index = (first[:, None] + np.arange(width)) % self._count
         return columns
 

@@ -10,8 +10,10 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.errors import InputError
 
-_LATITUDE = ("latitude", "lat", "latitude_deg")
-_LONGITUDE = ("longitude", "lon", "long", "lng", "longitude_deg")
+_COLUMNS = {
+    "latitude": ("latitude", "lat", "latitude_deg"),
+    "longitude": ("longitude", "lon", "long", "lng", "longitude_deg"),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -23,7 +25,7 @@ class Waypoints:
     lat, lon : ndarray, shape (n,)
         Geodetic latitude and longitude [deg], in driving order, no two neighbors equal.
     duplicates : int
-        Rows dropped because they repeated the one before [-].
+        Number of dropped rows that repeat the row before [-].
     """
 
     lat: Array
@@ -68,13 +70,15 @@ def read_waypoints(file: str | FilePath) -> Waypoints:
     if len(pairs) < 2:
         raise InputError(f"file {file.name!r} must hold at least two points, held {len(pairs)}")
     table = np.array(pairs)
-    for column, name, most in ((0, "latitude", 90.0), (1, "longitude", 180.0)):
-        bad = ~(np.abs(table[:, column]) <= most)
+    for column, name, limit in ((0, "latitude", 90.0), (1, "longitude", 180.0)):
+        bad = ~(np.abs(table[:, column]) <= limit)
         if bad.any():
             row = int(np.argmax(bad))
-            hint = "; are latitude and longitude mixed up?" if most < abs(table[row, column]) <= 180.0 else ""
+            hint = (
+                "; are latitude and longitude mixed up?" if limit < abs(table[row, column]) <= 180.0 else ""
+            )
             raise InputError(
-                f"{name} must be within +-{most:g} deg, was {table[row, column]:g} "
+                f"{name} must be within +-{limit:g} deg, was {table[row, column]:g} "
                 f"in point {row} of {file.name!r}{hint}"
             )
     keep = np.concatenate(([True], (np.diff(table, axis=0) != 0.0).any(axis=1)))
@@ -100,12 +104,13 @@ def _read_csv(file: FilePath) -> list[tuple[float, float]]:
     with file.open(newline="", encoding="utf-8-sig") as stream:
         rows = csv.reader(stream)
         header = [cell.strip().lower() for cell in next(rows, [])]
-        lat = next((i for i, cell in enumerate(header) if cell in _LATITUDE), None)
-        lon = next((i for i, cell in enumerate(header) if cell in _LONGITUDE), None)
+        lat, lon = (
+            next((i for i, cell in enumerate(header) if cell in names), None) for names in _COLUMNS.values()
+        )
         if lat is None or lon is None:
             raise InputError(
                 f"file {file.name!r} must have a header with a latitude and a longitude column "
-                f"({', '.join(_LATITUDE)}; {', '.join(_LONGITUDE)}) and commas between columns, "
+                f"({'; '.join(', '.join(names) for names in _COLUMNS.values())}) and commas between columns, "
                 f"had {','.join(header)[:80]!r}"
             )
         pairs = []

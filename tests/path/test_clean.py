@@ -48,7 +48,7 @@ def eight() -> np.ndarray:
 
 @pytest.mark.parametrize("road", [roundabout, hairpin, eight])
 @pytest.mark.parametrize("seed", range(20))
-def test_a_road_with_gps_noise_loses_nothing(road: object, seed: int) -> None:
+def test_road_with_gps_noise_is_unchanged(road: object, seed: int) -> None:
     xy = road()  # type: ignore[operator]
     xy = xy + 0.3 * np.random.default_rng(seed).standard_normal(xy.shape)
     route = clean_route(xy)
@@ -63,7 +63,7 @@ def test_duplicates_are_merged() -> None:
     np.testing.assert_array_equal(route.report.duplicates, [i for i in range(60) if i % 3])
 
 
-def test_a_spike_is_dropped() -> None:
+def test_spike_is_dropped() -> None:
     xy = STRAIGHT.copy()
     xy[7] += (3.0, 80.0)
     route = clean_route(xy)
@@ -72,7 +72,7 @@ def test_a_spike_is_dropped() -> None:
     np.testing.assert_array_equal(route.rows[0], np.delete(np.arange(20), 7))
 
 
-def test_a_spike_beyond_the_largest_gap_is_dropped_and_splits_nothing() -> None:
+def test_spike_beyond_max_gap_is_dropped_without_split() -> None:
     xy = STRAIGHT.copy()
     xy[7] += (0.0, 4000.0)
     route = clean_route(xy)
@@ -81,7 +81,7 @@ def test_a_spike_beyond_the_largest_gap_is_dropped_and_splits_nothing() -> None:
 
 
 @pytest.mark.parametrize("i", [0, 1, 5, 17, 18])
-def test_neighbors_out_of_order_are_sorted(i: int) -> None:
+def test_swapped_neighbors_are_reordered(i: int) -> None:
     xy = STRAIGHT.copy()
     xy[[i, i + 1]] = xy[[i + 1, i]]
     route = clean_route(xy)
@@ -92,7 +92,7 @@ def test_neighbors_out_of_order_are_sorted(i: int) -> None:
         np.testing.assert_array_equal(route.parts[0], STRAIGHT)
 
 
-def test_zig_zag_of_a_standing_car_is_thinned() -> None:
+def test_zig_zag_of_stationary_car_is_thinned() -> None:
     jitter = np.array([[100.3, 0.4], [99.6, -0.3], [100.1, 0.6], [99.8, 0.1]])
     route = clean_route(np.vstack((STRAIGHT[:11], jitter, STRAIGHT[11:])))
     assert len(route.parts) == 1
@@ -102,7 +102,7 @@ def test_zig_zag_of_a_standing_car_is_thinned() -> None:
         assert (route.parts[0] == row).all(axis=1).any()
 
 
-def test_gaps_split_and_lone_points_are_reported() -> None:
+def test_gaps_split_and_isolated_points_are_reported() -> None:
     far = np.array([[1000.0, 0.0]])
     xy = np.vstack((STRAIGHT, far, STRAIGHT + 2.0 * far))
     route = clean_route(xy, max_gap=300.0)
@@ -113,7 +113,7 @@ def test_gaps_split_and_lone_points_are_reported() -> None:
     assert len(clean_route(xy, max_gap=2000.0).parts) == 1
 
 
-def test_a_car_that_backs_out_is_kept_and_reported() -> None:
+def test_reversing_car_is_preserved_and_reported() -> None:
     back = np.column_stack((np.arange(0.0, -60.0, -10.0), np.zeros(6)))
     ahead = np.column_stack((np.arange(-45.0, 200.0, 10.0), np.arange(25) * 1.0 + 4.0))
     route = clean_route(np.vstack((back, ahead)))
@@ -126,16 +126,16 @@ def test_a_car_that_backs_out_is_kept_and_reported() -> None:
     st.sampled_from([0.0, 0.05, 5.0]),
     st.sampled_from([30.0, 80.0, 500.0]),
 )
-def test_cleaning_again_changes_nothing(
-    places: list[tuple[float, float]], min_spacing: float, max_gap: float
+def test_second_cleaning_changes_nothing(
+    points: list[tuple[float, float]], min_spacing: float, max_gap: float
 ) -> None:
     try:
-        route = clean_route(places, min_spacing=min_spacing, max_gap=max_gap)
+        route = clean_route(points, min_spacing=min_spacing, max_gap=max_gap)
     except InputError:
         return  # nothing was left
     every = [row for part in route.rows for row in part.tolist()]
     lost = np.concatenate((route.report.duplicates, route.report.dropped, route.report.isolated)).tolist()
-    assert sorted(every + lost) == list(range(len(places)))  # each row is in a part or in the report, once
+    assert sorted(every + lost) == list(range(len(points)))  # each row is in a part or in the report, once
     for part in route.parts:
         again = clean_route(part, min_spacing=min_spacing, max_gap=max_gap)
         assert len(again.parts) == 1
@@ -149,7 +149,7 @@ def test_recorded_drive_is_one_part(data_dir: FilePath) -> None:
     np.testing.assert_array_equal(route.report.reversals, [98])
 
 
-def test_recorded_drive_is_drivable_end_to_end(data_dir: FilePath) -> None:
+def test_recorded_drive_is_drivable(data_dir: FilePath) -> None:
     """Least radius 5.5 m; within 1.5 m of the points of the road, and 7 m where the car was parked."""
     xy = clean_route(recorded(data_dir, "around-visnjan-with-car.gpx")).parts[0]
     path = fit_path(xy, curvature_limit=1.0 / 5.5)
@@ -163,7 +163,7 @@ def test_recorded_drive_is_drivable_end_to_end(data_dir: FilePath) -> None:
     assert path.length <= 1.01 * np.hypot(*np.diff(xy, axis=0).T).sum()  # no loops
 
 
-def test_recorded_motorway_is_gentle(data_dir: FilePath) -> None:
+def test_recorded_motorway_has_small_curvature(data_dir: FilePath) -> None:
     route = clean_route(recorded(data_dir, "I_80_Eastbound_Vertices.csv"))
     assert len(route.report.gaps) == 34
     off = []
@@ -203,6 +203,6 @@ def test_results_are_read_only_and_readable() -> None:
         (STRAIGHT, {"max_turn": 4.0}, "^max_turn must"),
     ],
 )
-def test_bad_routes(xy: object, options: dict, words: str) -> None:
+def test_invalid_route_raises(xy: object, options: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         clean_route(xy, **options)  # type: ignore[arg-type]

@@ -76,7 +76,7 @@ def test_straight_road_is_exact(direction: float, tolerance: float) -> None:
     np.testing.assert_allclose(path.curvature(at), 0.0, rtol=0.0, atol=1e-10)
 
 
-def test_two_points_are_a_straight_path() -> None:
+def test_two_points_give_straight_path() -> None:
     path = fit_path([[1.0, 2.0], [4.0, 6.0]])
     assert path.length == pytest.approx(5.0, abs=1e-7)
     np.testing.assert_allclose(path.position([0.0, 2.5, 5.0]), [[1, 2], [2.5, 4], [4, 6]], atol=1e-7)
@@ -85,7 +85,7 @@ def test_two_points_are_a_straight_path() -> None:
 
 @pytest.mark.parametrize("radius", [60.0, 300.0, 1500.0])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_arc_has_the_curvature_of_its_circle(radius: float, sign: float) -> None:
+def test_arc_has_curvature_of_its_circle(radius: float, sign: float) -> None:
     xy = circle(radius, 81, sign, turn=2.0)
     path = fit_path(xy, tolerance=0.01)
     at = np.linspace(0.05, 0.95, 200) * path.length
@@ -98,7 +98,7 @@ def test_arc_has_the_curvature_of_its_circle(radius: float, sign: float) -> None
 
 @pytest.mark.parametrize("noise", [0.0, 0.3])
 @pytest.mark.parametrize("tolerance", [0.0, 0.1, 1.0])
-def test_joints_are_c2(noise: float, tolerance: float) -> None:
+def test_joints_are_c2_continuous(noise: float, tolerance: float) -> None:
     path = fit_path(winding(noise=noise), tolerance=tolerance)
     assert len(path.coefficients) > 5
     assert_c2(path)
@@ -127,7 +127,7 @@ def test_tolerance_zero_interpolates() -> None:
     assert distance_to(path, xy).max() < 0.03
 
 
-def test_a_looser_tolerance_gives_a_smoother_path() -> None:
+def test_larger_tolerance_gives_smoother_path() -> None:
     xy = winding(100, 0.2, 4)
 
     def roughness(tolerance: float) -> float:
@@ -151,7 +151,7 @@ def test_segments_hold_equal_point_counts(n: int, per_segment: int) -> None:
     assert counts.mean() >= min(per_segment, n - 1)  # whole segments, none nearly empty
 
 
-def test_coefficients_reproduce_the_position() -> None:
+def test_coefficients_reproduce_position() -> None:
     path = fit_path(winding())
     rng = np.random.default_rng(0)
     for i in rng.integers(0, len(path.coefficients), 20):
@@ -177,7 +177,7 @@ def test_s_is_arc_length(noise: float) -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("repeat_first", [False, True])
-def test_closed_circle(sign: float, repeat_first: bool) -> None:
+def test_closed_circle_is_periodic(sign: float, repeat_first: bool) -> None:
     radius = 100.0
     xy = circle(radius, 88, sign)
     if repeat_first:
@@ -193,7 +193,7 @@ def test_closed_circle(sign: float, repeat_first: bool) -> None:
 
 @pytest.mark.parametrize("tolerance", [0.4, 1.0])
 @pytest.mark.parametrize("seed", [5, 29, 45, 47])
-def test_closed_circuit_is_smooth_where_the_lap_ends(seed: int, tolerance: float) -> None:
+def test_closed_circuit_is_smooth_at_lap_end(seed: int, tolerance: float) -> None:
     """A closed road that is no circle, with noise: it 'ends where it starts, same heading and curvature'."""
     rng = np.random.default_rng(seed)
     phi = np.sort(rng.uniform(0.0, 2 * math.pi, int(rng.integers(7, 100))))
@@ -229,7 +229,7 @@ def test_fit_is_mirror_symmetric() -> None:
     np.testing.assert_allclose(there.curvature(at), -here.curvature(at), rtol=0.0, atol=1e-10)
 
 
-def test_driving_it_backwards_gives_the_same_road() -> None:
+def test_reversed_waypoints_give_same_road() -> None:
     xy = winding(81, 0.0)  # 80 chords: the knots fall on the same points both ways
     there, back = fit_path(xy), fit_path(xy[::-1])
     assert back.length == pytest.approx(there.length, abs=1e-4)
@@ -237,7 +237,7 @@ def test_driving_it_backwards_gives_the_same_road() -> None:
     np.testing.assert_allclose(back.position(there.length - at), there.position(at), rtol=0.0, atol=1e-2)
 
 
-def test_a_long_gap_is_bridged_straight() -> None:
+def test_long_gap_is_bridged_straight() -> None:
     left = np.column_stack((np.arange(0.0, 101.0, 10.0), np.zeros(11)))
     right = left + np.array([600.0, 0.0])
     right[:, 1] = 0.02 * (right[:, 0] - 600.0) ** 2 / 10.0
@@ -260,7 +260,7 @@ def test_a_long_gap_is_bridged_straight() -> None:
     ],
 )
 @pytest.mark.parametrize("closed", [False, True])
-def test_bad_waypoints(xy: object, words: str, closed: bool) -> None:
+def test_invalid_waypoints_raise(xy: object, words: str, closed: bool) -> None:
     with pytest.raises(InputError, match=words):
         fit_path(xy, closed=closed)  # type: ignore[arg-type]
 
@@ -270,7 +270,7 @@ def test_bad_waypoints(xy: object, words: str, closed: bool) -> None:
     [("tolerance", -0.1), ("tolerance", math.nan), ("tolerance", None), ("points_per_segment", 0),
      ("points_per_segment", -3), ("points_per_segment", math.nan), ("points_per_segment", 2.5)],
 )  # fmt: skip
-def test_bad_settings(name: str, value: object) -> None:
+def test_invalid_settings_raise(name: str, value: object) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be"):
         fit_path(winding(20), **{name: value})
 
@@ -281,7 +281,7 @@ def test_two_points_cannot_be_closed(xy: list) -> None:
         fit_path(xy, closed=True)
 
 
-def test_a_hairpin_of_gps_points_does_not_break_the_fit() -> None:
+def test_hairpin_of_gps_points_is_fitted() -> None:
     """Reversed neighbors occur in logs: the fit stays finite and keeps its tolerance."""
     xy = winding(60, 0.0)
     xy[[30, 31]] = xy[[31, 30]]
@@ -293,7 +293,7 @@ def test_a_hairpin_of_gps_points_does_not_break_the_fit() -> None:
 # --- interpolate_path ---------------------------------------------------------------------------------
 
 
-def test_interpolation_passes_through_the_nodes() -> None:
+def test_interpolation_passes_through_nodes() -> None:
     nodes = winding(50, 0.3)
     path = interpolate_path(nodes, start=1000.0)
     assert path.start == 1000.0
@@ -305,7 +305,7 @@ def test_interpolation_passes_through_the_nodes() -> None:
 
 
 @pytest.mark.parametrize("ends", ["natural", "clamped", "start", "end"])
-def test_interpolation_against_scipy(ends: str) -> None:
+def test_interpolation_equals_scipy(ends: str) -> None:
     nodes = winding(30, 0.2)
     s = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(nodes, axis=0).T))))
     first, last = np.array([1.0, 2.0]), np.array([3.0, -1.0])  # not of length 1: only their direction counts
@@ -331,7 +331,7 @@ def test_interpolation_against_scipy(ends: str) -> None:
         assert abs(float(path.curvature(path.end))) < 1e-12
 
 
-def test_interpolating_two_nodes_is_straight_or_a_cubic() -> None:
+def test_interpolated_two_nodes_are_line_or_cubic() -> None:
     path = interpolate_path([[0.0, 0.0], [3.0, 4.0]])
     np.testing.assert_allclose(path.position([0.0, 2.5, 5.0]), [[0, 0], [1.5, 2], [3, 4]], atol=1e-12)
     bent = interpolate_path([[0.0, 0.0], [4.0, 0.0]], start_tangent=[0.0, 1.0], end_tangent=[0.0, -1.0])
@@ -352,6 +352,6 @@ def test_interpolating_two_nodes_is_straight_or_a_cubic() -> None:
         ({"end_tangent": [0.0, 0.0]}, r"^end_tangent must"),
     ],
 )
-def test_bad_interpolation(arguments: dict, words: str) -> None:
+def test_invalid_interpolation_raises(arguments: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         interpolate_path(**{"nodes": [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], **arguments})

@@ -29,7 +29,7 @@ def corner(noise: float = 0.0) -> np.ndarray:
 
 @pytest.mark.parametrize("segmentation", ["equal", "adaptive"])
 @pytest.mark.parametrize("turn", [1.0, 2.0, 6.2])
-def test_circle(segmentation: str, turn: float) -> None:
+def test_circle_has_constant_curvature(segmentation: str, turn: float) -> None:
     phi = np.arange(0.0, turn, 2.0 / 50.0)
     xy = 50.0 * np.column_stack((np.sin(phi), 1.0 - np.cos(phi)))
     path = fit_path(xy, tolerance=0.001, segmentation=segmentation)
@@ -40,7 +40,7 @@ def test_circle(segmentation: str, turn: float) -> None:
 
 @pytest.mark.parametrize(("length", "radius"), [(100.0, 50.0), (200.0, 300.0)])
 @pytest.mark.parametrize("tolerance", [0.001, 0.05])
-def test_clothoid(length: float, radius: float, tolerance: float) -> None:
+def test_clothoid_has_linear_curvature(length: float, radius: float, tolerance: float) -> None:
     scale = math.sqrt(length * radius * math.pi)
     s = np.arange(0.0, length + 1e-9, 2.0)
     y, x = fresnel(s / scale)
@@ -51,13 +51,13 @@ def test_clothoid(length: float, radius: float, tolerance: float) -> None:
 
 @pytest.mark.parametrize("segmentation", ["equal", "adaptive"])
 @pytest.mark.parametrize("tolerance", [0.0, 0.05, 0.5])
-def test_s_is_arc_length_also_round_a_sharp_corner(segmentation: str, tolerance: float) -> None:
+def test_s_is_arc_length_around_sharp_corner(segmentation: str, tolerance: float) -> None:
     assert speed_error(fit_path(corner(0.1), tolerance=tolerance, segmentation=segmentation)) <= 1e-3
 
 
 @pytest.mark.parametrize("segmentation", ["equal", "adaptive"])
 @pytest.mark.parametrize("radius", [5.5, 12.0, 30.0])
-def test_curvature_limit_wins_over_the_tolerance(segmentation: str, radius: float) -> None:
+def test_curvature_limit_wins_over_tolerance(segmentation: str, radius: float) -> None:
     xy = corner()
     path = fit_path(xy, tolerance=0.2, segmentation=segmentation, curvature_limit=1.0 / radius)
     s = np.linspace(path.start, path.end, 5001)
@@ -75,7 +75,7 @@ def test_inactive_curvature_limit_has_no_effect() -> None:
     np.testing.assert_array_equal(free.coefficients, limited.coefficients)
 
 
-def test_a_closed_road_cannot_be_wider_than_it_is() -> None:
+def test_closed_path_above_curvature_limit_is_infeasible() -> None:
     phi = np.linspace(0.0, 2.0 * math.pi, 60, endpoint=False)
     xy = 40.0 * np.column_stack((np.cos(phi), np.sin(phi)))
     assert fit_path(xy, closed=True, curvature_limit=1.0 / 35.0).length == pytest.approx(
@@ -84,7 +84,7 @@ def test_a_closed_road_cannot_be_wider_than_it_is() -> None:
 
 
 @pytest.mark.parametrize("tolerance", [0.05, 0.3])
-def test_adaptive_segments_are_fewer_and_keep_the_tolerance(tolerance: float) -> None:
+def test_adaptive_segments_are_fewer_within_tolerance(tolerance: float) -> None:
     rng = np.random.default_rng(3)
     x = np.arange(0.0, 4000.0, 8.0)
     y = np.where(x < 2000.0, 0.0, 40.0 * (1.0 - np.cos((x - 2000.0) / 120.0)))
@@ -97,18 +97,18 @@ def test_adaptive_segments_are_fewer_and_keep_the_tolerance(tolerance: float) ->
 
 
 @pytest.mark.parametrize("limit", [0.0, -1.0, math.nan, "a"])
-def test_bad_limit(limit: object) -> None:
+def test_invalid_limit_raises(limit: object) -> None:
     with pytest.raises(InputError, match=r"^curvature_limit must"):
         fit_path(corner(), curvature_limit=limit)  # type: ignore[arg-type]
 
 
-def test_bad_segmentation() -> None:
+def test_invalid_segmentation_raises() -> None:
     with pytest.raises(InputError, match=r"^segmentation must be 'equal' or 'adaptive', was 'even'"):
         fit_path(corner(), segmentation="even")
 
 
 @pytest.mark.parametrize("radius", [10.5, 15.0, 1e4])
-def test_infeasible_is_an_error_of_its_own(radius: float) -> None:
+def test_infeasible_fit_raises_infeasible_error(radius: float) -> None:
     phi = np.linspace(0.0, 2.0 * math.pi, 40, endpoint=False)
     xy = 10.0 * np.column_stack((np.cos(phi), np.sin(phi)))
     with pytest.raises(InfeasibleError, match=r"^no path"):
@@ -135,7 +135,7 @@ def noisy_road(seed: int, spacing: float, noise: float, n: int = 60) -> np.ndarr
 
 
 @pytest.mark.parametrize("tolerance", [4.5, 6.0])
-def test_noise_grows_no_spike_at_the_end(tolerance: float) -> None:
+def test_noise_causes_no_spike_at_end(tolerance: float) -> None:
     """Noise of 3 m on the demonstration road: between the last two points a fit once ran 46 m off."""
     route = demo_route()
     frame = LocalFrame(route.lat[0], route.lon[0])
@@ -157,7 +157,7 @@ def test_noise_grows_no_spike_at_the_end(tolerance: float) -> None:
     st.floats(0.0, 0.5),
     st.sampled_from(["equal", "adaptive"]),
 )
-def test_the_path_stays_by_its_waypoints(
+def test_path_stays_near_chords_of_waypoints(
     seed: int, spacing: float, noise: float, tolerance: float, segmentation: str
 ) -> None:
     """Never far off the polyline, whatever the noise; and not in countless segments."""
@@ -167,7 +167,7 @@ def test_the_path_stays_by_its_waypoints(
     assert len(path.coefficients) <= 20 * len(xy)
 
 
-def test_a_tolerance_that_cannot_be_kept_is_an_error_with_the_nearest_path() -> None:
+def test_infeasible_tolerance_returns_nearest_path() -> None:
     xy = [[-0.5, 0.7], [0.2, -0.1], [6.8, -1.0], [5.4, -0.8], [11.4, -1.5], [12.1, -1.7], [12.9, -1.9],
           [12.4, -1.6], [18.5, -2.3]]  # fmt: skip
     with pytest.raises(InfeasibleError, match=r"^no smooth path within 0\.3 m of every waypoint") as error:

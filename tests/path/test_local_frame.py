@@ -15,7 +15,7 @@ ORIGINS = [(45.27, 13.72), (41.2476, -111.0467), (0.0, 0.0), (-33.9, 151.2), (69
 
 
 @pytest.mark.parametrize(("lat0", "lon0"), ORIGINS)
-def test_against_pymap3d_over_50_km(lat0: float, lon0: float) -> None:
+def test_frame_equals_pymap3d_over_50_km(lat0: float, lon0: float) -> None:
     rng = np.random.default_rng(1)
     r, azimuth = rng.uniform(0.0, 50e3, 500), rng.uniform(0.0, 360.0, 500)
     lat, lon, _ = pymap3d.enu2geodetic(
@@ -43,7 +43,7 @@ def test_round_trip_from_degrees(lat0: float, lon0: float, north: float, east: f
     assert float(lon) == pytest.approx(lon0 + east, abs=1e-9)
 
 
-def test_origin_and_directions() -> None:
+def test_east_is_x_and_north_is_y() -> None:
     frame = LocalFrame(45.0, 14.0)
     np.testing.assert_array_equal(frame.to_local(45.0, 14.0), [0.0, 0.0])
     east, north = frame.to_local([45.0, 45.001], [14.001, 14.0])
@@ -54,7 +54,7 @@ def test_origin_and_directions() -> None:
     assert abs(north[0]) < 1e-9
 
 
-def test_shapes() -> None:
+def test_shapes_are_preserved() -> None:
     frame = LocalFrame(45.0, 14.0)
     assert frame.to_local(45.0, 14.0).shape == (2,)
     assert frame.to_local([[45.0], [45.1]], [[14.0], [14.0]]).shape == (2, 1, 2)
@@ -68,23 +68,23 @@ def test_shapes() -> None:
     [(91.0, 0.0, "lat0"), (-111.05, 41.2, "lat0"), (0.0, 181.0, "lon0"), (math.nan, 0.0, "lat0"),
      (0.0, math.inf, "lon0"), (None, 0.0, "lat0"), (0.0, "east", "lon0")],
 )  # fmt: skip
-def test_bad_origin(lat0: object, lon0: object, name: str) -> None:
+def test_invalid_origin_raises(lat0: object, lon0: object, name: str) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be"):
         LocalFrame(lat0, lon0)  # type: ignore[arg-type]
 
 
-def test_mixed_up_latitude_and_longitude_out_of_range() -> None:
+def test_swapped_coordinates_out_of_range_raise() -> None:
     with pytest.raises(InputError, match=r"^lat must be within \+-90 deg, was 111\.05; .*mixed up\?"):
         LocalFrame(41.2, -111.0).to_local([-111.05], [41.2])
 
 
 @pytest.mark.parametrize(("lat0", "lon0"), [(45.27, 13.72), (-33.9, 18.4), (10.0, 40.0), (41.2, -87.6)])
-def test_mixed_up_latitude_and_longitude_in_range(lat0: float, lon0: float) -> None:
+def test_swapped_coordinates_in_range_raise(lat0: float, lon0: float) -> None:
     with pytest.raises(InputError, match=r"lat, lon .*mixed up\?"):
         LocalFrame(lat0, lon0).to_local([lon0, lon0 + 0.001], [lat0, lat0])
 
 
-def test_the_other_side_of_the_earth_is_refused() -> None:
+def test_far_side_of_earth_is_rejected() -> None:
     with pytest.raises(InputError, match="km away"):
         LocalFrame(45.0, 14.0).to_local(-45.0, -166.0)
 
@@ -102,7 +102,7 @@ def test_the_other_side_of_the_earth_is_refused() -> None:
         ([[45.0], [45.0, 46.0]], [14.0], r"^lat must be"),
     ],
 )
-def test_bad_positions(lat: object, lon: object, words: str) -> None:
+def test_invalid_positions_raise(lat: object, lon: object, words: str) -> None:
     with pytest.raises(InputError, match=words):
         LocalFrame(45.0, 14.0).to_local(lat, lon)  # type: ignore[arg-type]
 
@@ -119,6 +119,6 @@ def test_bad_positions(lat: object, lon: object, words: str) -> None:
         [[1.0], [1.0, 2.0]],
     ],
 )
-def test_bad_points(xy: object) -> None:
+def test_invalid_points_raise(xy: object) -> None:
     with pytest.raises(InputError, match=r"^xy must"):
         LocalFrame(45.0, 14.0).to_geodetic(xy)  # type: ignore[arg-type]

@@ -25,7 +25,7 @@ along = st.floats(0.0, WINDING.length)
 
 
 @given(along, st.floats(-0.95, 0.95))
-def test_round_trip_where_the_offset_is_short_of_the_center(s: float, share: float) -> None:
+def test_round_trip_for_offsets_below_radius(s: float, share: float) -> None:
     """|d kappa| < 1 on the inner side; elsewhere up to 30 m."""
     kappa = float(WINDING.curvature(s))
     d = math.copysign(min(abs(share) / max(abs(kappa), 1e-9), 30.0), share)
@@ -36,14 +36,14 @@ def test_round_trip_where_the_offset_is_short_of_the_center(s: float, share: flo
 
 
 @given(along, st.floats(-10.0, 10.0))
-def test_round_trip_cold_on_the_road(s: float, d: float) -> None:
+def test_round_trip_without_guess_on_road(s: float, d: float) -> None:
     found_s, found_d = WINDING.project(WINDING.to_cartesian(s, d))
     assert float(found_s) == pytest.approx(s, abs=1e-6)
     assert float(found_d) == pytest.approx(d, abs=1e-6)
 
 
 @given(st.floats(-60.0, 660.0), st.floats(-200.0, 400.0))
-def test_cold_projection_finds_the_nearest_point_of_the_whole_path(x: float, y: float) -> None:
+def test_projection_without_guess_finds_nearest_point(x: float, y: float) -> None:
     _, d = WINDING.project([x, y])
     dense = WINDING.position(np.linspace(-300.0, WINDING.length + 300.0, 24_001))
     nearest = float(np.hypot(dense[:, 0] - x, dense[:, 1] - y).min())
@@ -51,7 +51,7 @@ def test_cold_projection_finds_the_nearest_point_of_the_whole_path(x: float, y: 
 
 
 @given(along, st.floats(-20.0, 20.0), st.floats(-3.0, 3.0))
-def test_foot_point_is_project_in_floats(s: float, d: float, off: float) -> None:
+def test_foot_point_equals_project(s: float, d: float, off: float) -> None:
     kappa = float(WINDING.curvature(s))
     d = max(min(d, 0.8 / max(abs(kappa), 1e-9)), -0.8 / max(abs(kappa), 1e-9))
     x, y = WINDING.to_cartesian(s, d).tolist()
@@ -65,11 +65,11 @@ def test_foot_point_is_project_in_floats(s: float, d: float, off: float) -> None
 
 
 @given(st.floats(-100.0, 800.0))
-def test_plain_float_queries_agree_with_arrays_also_beyond_the_ends(s: float) -> None:
+def test_float_queries_equal_array_queries(s: float) -> None:
     assert WINDING.curvature_at(s) == pytest.approx(float(WINDING.curvature(s)), abs=1e-14)
 
 
-def test_beyond_the_ends_the_path_is_straight() -> None:
+def test_path_is_straight_beyond_its_ends() -> None:
     for end, outwards in ((WINDING.start, -1.0), (WINDING.end, 1.0)):
         unit = np.array([math.cos(WINDING.heading(end)), math.sin(WINDING.heading(end))])
         far = end + outwards * np.array([1e-3, 1.0, 50.0])
@@ -84,7 +84,7 @@ def test_beyond_the_ends_the_path_is_straight() -> None:
         np.testing.assert_allclose(d, 2.0, rtol=0.0, atol=1e-9)
 
 
-def test_line_closed_form() -> None:
+def test_line_equals_closed_form() -> None:
     assert (LINE.start, LINE.end, LINE.length) == (5.0, 15.0, 10.0)
     np.testing.assert_allclose(LINE.to_cartesian([5.0, 10.0, 25.0, 0.0], [1.0, -2.0, 0.0, 3.0]),
                                [[0.0, 1.0], [5.0, -2.0], [20.0, 0.0], [-5.0, 3.0]], atol=1e-14)  # fmt: skip
@@ -94,7 +94,7 @@ def test_line_closed_form() -> None:
 
 
 @pytest.mark.parametrize("radius", [30.0, -30.0])
-def test_circle_closed_form(radius: float) -> None:
+def test_circle_equals_closed_form(radius: float) -> None:
     phi = np.linspace(0.0, 3.0, 301)
     nodes = np.column_stack((abs(radius) * np.sin(phi), radius * (1.0 - np.cos(phi))))
     path = interpolate_path(
@@ -111,7 +111,7 @@ def test_circle_closed_form(radius: float) -> None:
 
 
 @given(along, st.floats(-8.0, 8.0))
-def test_mirror_flips_d_only(s: float, d: float) -> None:
+def test_mirrored_path_flips_d_only(s: float, d: float) -> None:
     xy = WINDING.to_cartesian(s, d)
     s0, d0 = WINDING.project(xy)
     s1, d1 = MIRRORED.project(xy * [1.0, -1.0])
@@ -131,7 +131,7 @@ def test_projection_is_rotation_invariant(turn: float) -> None:
         np.testing.assert_allclose(there, here, rtol=0.0, atol=1e-6)
 
 
-def test_near_picks_the_branch_where_the_road_passes_itself() -> None:
+def test_guess_selects_branch_of_self_crossing_road() -> None:
     phi = np.linspace(0.0, 2 * math.pi, 129)
     eight = interpolate_path(np.column_stack((100 * np.sin(phi), 50 * np.sin(2 * phi))))
     crossing = [0.2, 0.1]
@@ -148,14 +148,14 @@ def test_shapes_broadcast() -> None:
     assert WINDING.to_cartesian(100.0, [1.0, 2.0]).shape == (2, 2)
     found = WINDING.project(WINDING.to_cartesian(s, 1.0))
     assert found[0].shape == found[1].shape == (2, 3)
-    near = WINDING.project(WINDING.to_cartesian(s, 1.0), s_guess=s)
-    np.testing.assert_allclose(near[0], s, atol=1e-6)
+    s_guess = WINDING.project(WINDING.to_cartesian(s, 1.0), s_guess=s)
+    np.testing.assert_allclose(s_guess[0], s, atol=1e-6)
     assert WINDING.project(np.zeros((0, 2)))[0].shape == (0,)
     assert WINDING.project([0.0, 0.0])[0].shape == ()
 
 
 @pytest.mark.parametrize("spacing", [0.5, 1.0, 7.0, 1e4])
-def test_sample_is_equidistant_and_not_wider_than_asked(spacing: float) -> None:
+def test_sample_is_equidistant_within_spacing(spacing: float) -> None:
     nodes = WINDING.sample(spacing)
     np.testing.assert_allclose(nodes[[0, -1]], WINDING.position([WINDING.start, WINDING.end]), atol=1e-12)
     s, d = WINDING.project(nodes)
@@ -166,12 +166,12 @@ def test_sample_is_equidistant_and_not_wider_than_asked(spacing: float) -> None:
     assert len(nodes) == max(2, math.ceil(WINDING.length / spacing) + 1)
 
 
-def test_sample_does_not_add_a_node_for_rounding() -> None:
+def test_sample_adds_no_node_for_rounding() -> None:
     assert len(LINE.sample(1.0)) == 11
     assert len(LINE.sample(10.0 / 3.0)) == 4
 
 
-def test_path_is_read_only_and_copies() -> None:
+def test_path_is_read_only_and_copies_arrays() -> None:
     coefficients = np.zeros((1, 2, 4))
     coefficients[0, 0, 2] = 10.0
     path = Path([0.0, 10.0], coefficients)
@@ -197,7 +197,7 @@ def test_path_is_read_only_and_copies() -> None:
         ([0.0, 1.0], "abc"),
     ],
 )
-def test_bad_path(breaks: object, coefficients: object) -> None:
+def test_invalid_path_raises(breaks: object, coefficients: object) -> None:
     with pytest.raises(InputError, match=r"breaks|coefficients"):
         Path(breaks, coefficients)  # type: ignore[arg-type]
 
@@ -205,19 +205,19 @@ def test_bad_path(breaks: object, coefficients: object) -> None:
 @pytest.mark.parametrize(
     "xy", [5.0, [1.0, 2.0, 3.0], [[math.nan, 0.0]], [math.inf, 0.0], "ab", [[1.0], [1.0, 2.0]]]
 )
-def test_bad_points_to_project(xy: object) -> None:
+def test_projection_of_invalid_points_raises(xy: object) -> None:
     with pytest.raises(InputError, match=r"^xy must"):
         WINDING.project(xy)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("near", [math.nan, math.inf, [1.0, 2.0, 3.0], "a"])
-def test_bad_near(near: object) -> None:
-    with pytest.raises(InputError, match=r"^near must"):
-        WINDING.project([[0.0, 0.0], [1.0, 0.0]], s_guess=near)  # type: ignore[arg-type]
+@pytest.mark.parametrize("s_guess", [math.nan, math.inf, [1.0, 2.0, 3.0], "a"])
+def test_invalid_guess_raises(s_guess: object) -> None:
+    with pytest.raises(InputError, match=r"^s_guess must"):
+        WINDING.project([[0.0, 0.0], [1.0, 0.0]], s_guess=s_guess)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("spacing", [0.0, -1.0, math.nan, None])
-def test_bad_spacing(spacing: object) -> None:
+def test_invalid_spacing_raises(spacing: object) -> None:
     with pytest.raises(InputError, match=r"^spacing must"):
         WINDING.sample(spacing)  # type: ignore[arg-type]
 
@@ -232,7 +232,7 @@ def test_queries_far_away_stay_finite() -> None:
 # --- lanes --------------------------------------------------------------------------------------------
 
 
-def test_road_edges_and_lanes() -> None:
+def test_road_has_edges_and_lanes() -> None:
     left, own, right = Lane(d=3.6, width=3.7, direction=-1), Lane(d=0.0, width=3.5), Lane(d=-3.0, width=2.5)
     here = Road(LINE, lanes=[left, own, right], speed_limit=30.0)
     assert here.lanes == (right, own, left)
@@ -265,7 +265,7 @@ def test_bare_road_is_one_lane() -> None:
         ({"speed_limit": math.nan}, r"^speed_limit must"),
     ],
 )
-def test_bad_road(changes: dict, words: str) -> None:
+def test_invalid_road_raises(changes: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         Road(**{"path": LINE, **changes})
 
@@ -275,6 +275,6 @@ def test_bad_road(changes: dict, words: str) -> None:
     [({"d": math.nan}, "^d must"), ({"width": 0.0}, "^width must"), ({"width": -3.5}, "^width must"),
      ({"direction": 0}, "^direction must be 1 or -1, was 0"), ({"direction": None}, "^direction must")],
 )  # fmt: skip
-def test_bad_lane(changes: dict, words: str) -> None:
+def test_invalid_lane_raises(changes: dict, words: str) -> None:
     with pytest.raises(InputError, match=words):
         Lane(**{"d": 0.0, **changes})

@@ -53,7 +53,7 @@ def brute(path: Path, xy: np.ndarray, low: float, high: float) -> tuple[float, f
 
 
 @ROADS
-def test_with_last_s_the_branch_is_kept(make: Callable[[], Path]) -> None:
+def test_guess_preserves_branch(make: Callable[[], Path]) -> None:
     path = make()
     rng = np.random.default_rng(0)
     s = rng.uniform(path.start + 5.0, path.end - 5.0, 150)
@@ -69,7 +69,7 @@ def test_with_last_s_the_branch_is_kept(make: Callable[[], Path]) -> None:
 
 
 @ROADS
-def test_without_last_s_the_nearest_of_all_branches_is_found(make: Callable[[], Path]) -> None:
+def test_search_finds_nearest_of_all_branches(make: Callable[[], Path]) -> None:
     path = make()
     rng = np.random.default_rng(1)
     low, high = path.sample(1.0).min(axis=0) - 30.0, path.sample(1.0).max(axis=0) + 30.0
@@ -83,7 +83,7 @@ def test_without_last_s_the_nearest_of_all_branches_is_found(make: Callable[[], 
 
 
 @ROADS
-def test_far_away_the_nearest_point_is_found_too(make: Callable[[], Path]) -> None:
+def test_search_finds_nearest_point_far_away(make: Callable[[], Path]) -> None:
     path = make()
     rng = np.random.default_rng(2)
     xy = rng.uniform(-3e3, 3e3, (100, 2))
@@ -93,7 +93,7 @@ def test_far_away_the_nearest_point_is_found_too(make: Callable[[], Path]) -> No
         assert abs(found) <= np.hypot(*(on - point).T).min() + 1e-6
 
 
-def test_many_positions_at_once_are_as_each_alone() -> None:
+def test_batch_equals_scalar() -> None:
     path = hairpin()
     s = np.random.default_rng(3).uniform(path.start, path.end, 20_000)
     found, d = path.project(path.to_cartesian(s, 2.0), s_guess=s + 0.3)
@@ -105,7 +105,7 @@ def test_many_positions_at_once_are_as_each_alone() -> None:
 
 
 @pytest.mark.parametrize(("start", "end"), [(10.3, 97.1), (0.0, 50.0), (31.0, 31.2), (3.0, 3.0 + 1e-6)])
-def test_a_cut_is_the_same_curve(start: float, end: float) -> None:
+def test_cut_is_same_curve(start: float, end: float) -> None:
     path = eight()
     part = path.cut(start, end)
     assert (part.start, part.end) == (start, end)
@@ -114,7 +114,7 @@ def test_a_cut_is_the_same_curve(start: float, end: float) -> None:
         np.testing.assert_allclose(mine, whole, rtol=0.0, atol=1e-7)
 
 
-def test_cutting_at_borders_divides_nothing() -> None:
+def test_cut_at_breaks_divides_no_segment() -> None:
     path = hairpin()
     np.testing.assert_array_equal(path.cut(path.start, path.end).coefficients, path.coefficients)
     inner = path.cut(path.breaks[3], path.breaks[9])
@@ -122,12 +122,12 @@ def test_cutting_at_borders_divides_nothing() -> None:
 
 
 @pytest.mark.parametrize(("start", "end"), [(-1.0, 5.0), (5.0, 5.0), (6.0, 5.0), (5.0, 1e6), (math.nan, 5.0)])
-def test_bad_cuts(start: float, end: float) -> None:
+def test_invalid_cut_raises(start: float, end: float) -> None:
     with pytest.raises(InputError, match=r"^(start|end) must"):
         hairpin().cut(start, end)
 
 
-def test_one_position_gives_numbers() -> None:
+def test_one_position_gives_scalars() -> None:
     """Not arrays without axes, which no record takes for numbers."""
     path = interpolate_path([[0.0, 0.0], [10.0, 0.0], [20.0, 1.0]])
     s, d = path.project((5.0, 1.0))

@@ -24,7 +24,7 @@ def points(tag: str, pairs: list[tuple[float, float]]) -> str:
 A, B, C = (45.1, 13.2), (45.2, 13.3), (45.3, 13.4)
 
 
-def test_csv_with_duplicates(tmp_path: FilePath) -> None:
+def test_csv_duplicates_are_merged(tmp_path: FilePath) -> None:
     file = put(tmp_path, "a.csv", "ROUTE,LATITUDE,LONGITUDE\nI,1,2\nI,1,2\nI,3,4\nI,3,4\nI,3,4\nI,1,2\n")
     found = read_waypoints(file)
     np.testing.assert_array_equal(found.lat, [1.0, 3.0, 1.0])  # a return is not a duplicate
@@ -35,20 +35,20 @@ def test_csv_with_duplicates(tmp_path: FilePath) -> None:
 @pytest.mark.parametrize(
     "header", ["lat,lon", "Lat , LONG", "lon_x,latitude,lng", "latitude_deg,longitude_deg", "\ufefflat,lon"]
 )
-def test_csv_headers(tmp_path: FilePath, header: str) -> None:
+def test_csv_headers_are_recognized(tmp_path: FilePath, header: str) -> None:
     blank = "x," if header.startswith("lon_x") else ""
     found = read_waypoints(str(put(tmp_path, "a.CSV", f"{header}\r\n{blank}1,2\r\n\r\n{blank}3,4\r\n")))
     np.testing.assert_array_equal(found.lat, [1.0, 3.0])
     np.testing.assert_array_equal(found.lon, [2.0, 4.0])
 
 
-def test_csv_columns_in_any_order(tmp_path: FilePath) -> None:
+def test_csv_columns_may_have_any_order(tmp_path: FilePath) -> None:
     found = read_waypoints(put(tmp_path, "a.csv", "lon,name,lat\n100,x,1\n101,y,2\n"))
     np.testing.assert_array_equal(found.lat, [1.0, 2.0])
     np.testing.assert_array_equal(found.lon, [100.0, 101.0])
 
 
-def test_gpx_prefers_the_track(tmp_path: FilePath) -> None:
+def test_gpx_track_is_preferred(tmp_path: FilePath) -> None:
     body = points("wpt", [C, C]) + f"<rte>{points('rtept', [B, C])}</rte>"
     track = f"<trk><trkseg>{points('trkpt', [A, A, B])}</trkseg><trkseg>{points('trkpt', [C])}</trkseg></trk>"
     found = read_waypoints(put(tmp_path, "a.gpx", GPX.format(body + track)))
@@ -57,7 +57,7 @@ def test_gpx_prefers_the_track(tmp_path: FilePath) -> None:
     np.testing.assert_array_equal(read_waypoints(put(tmp_path, "b.gpx", GPX.format(body))).lat, [B[0], C[0]])
 
 
-def test_gpx_without_namespace(tmp_path: FilePath) -> None:
+def test_gpx_needs_no_namespace(tmp_path: FilePath) -> None:
     found = read_waypoints(put(tmp_path, "a.gpx", f"<gpx>{points('trkpt', [A, B])}</gpx>"))
     np.testing.assert_array_equal(found.lon, [A[1], B[1]])
 
@@ -101,14 +101,12 @@ def test_waypoints_are_read_only(tmp_path: FilePath) -> None:
         ("a.gpx", GPX.format(points("trkpt", [A, (95.0, 13.0)])), r"latitude .* was 95 in point 1"),
     ],
 )  # fmt: skip
-def test_broken_files_are_refused_with_a_reason(
-    tmp_path: FilePath, name: str, text: str | bytes, words: str
-) -> None:
+def test_broken_file_raises_with_reason(tmp_path: FilePath, name: str, text: str | bytes, words: str) -> None:
     with pytest.raises(InputError, match=words):
         read_waypoints(put(tmp_path, name, text))
 
 
-def test_file_that_cannot_be_read(tmp_path: FilePath) -> None:
+def test_unreadable_file_raises(tmp_path: FilePath) -> None:
     with pytest.raises(InputError, match=r"nowhere\.csv' cannot be read: No such file"):
         read_waypoints(tmp_path / "nowhere.csv")
     (tmp_path / "folder.gpx").mkdir()
@@ -117,7 +115,7 @@ def test_file_that_cannot_be_read(tmp_path: FilePath) -> None:
 
 
 @pytest.mark.parametrize("file", [None, 5, ["a.csv"]])
-def test_file_that_is_no_file_name(file: object) -> None:
+def test_invalid_file_name_raises(file: object) -> None:
     with pytest.raises(InputError, match=r"^file must"):
         read_waypoints(file)  # type: ignore[arg-type]
 
@@ -131,7 +129,7 @@ def worst_residual(xy: np.ndarray, path: object) -> float:
     return float(np.abs(d).max())
 
 
-def test_recorded_drive(data_dir: FilePath) -> None:
+def test_recorded_drive_is_read(data_dir: FilePath) -> None:
     found = read_waypoints(data_dir / "gps" / "around-visnjan-with-car.gpx")
     assert len(found.lat) + found.duplicates == 104
     xy = LocalFrame(found.lat[0], found.lon[0]).to_local(found.lat, found.lon)
@@ -140,7 +138,7 @@ def test_recorded_drive(data_dir: FilePath) -> None:
     assert worst_residual(xy, path) <= 0.5 + 1e-6
 
 
-def test_recorded_motorway(data_dir: FilePath) -> None:
+def test_recorded_motorway_is_read(data_dir: FilePath) -> None:
     found = read_waypoints(data_dir / "gps" / "I_80_Eastbound_Vertices.csv")
     assert found.duplicates == 344
     assert len(found.lat) == 10415 - 344
