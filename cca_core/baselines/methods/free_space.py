@@ -1,7 +1,7 @@
-"""Where the ego's body is free on a road: a table for searching, and an exact check of what was found."""
+"""Free poses of the ego's body on a road: a table for the search, and an exact check of a result."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -9,217 +9,165 @@ from cca_core._checks import Array, Complex, Index, Mask
 from cca_core.baselines.problems.problem import Problem
 from cca_core.geometry import gap_between
 
+# fixed slopes of the lines that bound a Minkowski sum besides those along the sides of the boxes
 _SLOPES = np.array([-8.0, -2.4142, -1.0, -0.4142, 0.4142, 1.0, 2.4142, 8.0])
-_STEEPEST = 20.0
-_ROUNDING = 1e-6  # [m]
+_ROUNDING = 1e-6  # a body on the road edge is inside [m]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FreeCells:
-    """Table of poses at which the ego's body keeps the clearance to the others and to the edges.
+    """Table of free poses: a cell is free only if every pose half a spacing around its center is."""
 
-    A cell is free only if every pose half a spacing around its middle is.
-
-    Parameters
-    ----------
-    between_edges : ndarray of bool, shape (m, k)
-        Cells at headings and offsets that are free at stations which no other is near.
-    near : ndarray of int, shape (j,)
-        Increasing indices of the stations that another is near.
-    there : ndarray of bool, shape (j, m, k)
-        Free cells at these.
-    """
-
-    between_edges: Mask
-    near: Index
-    there: Mask
+    between_edges: Mask  # (headings, offsets): cells that are free where no vehicle is near
+    near: Index  # (j,): increasing indices of the stations with a vehicle near
+    free_near: Mask  # (j, headings, offsets): free cells at these stations
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RouteSamples:
-    """The route at stations that the ego passes at its wanted speed, and the others at those times.
+    """The route at n stations, and m other vehicles when the ego passes them at the wanted speed."""
 
-    Parameters
-    ----------
-    s : ndarray, shape (n,)
-        Stations: path coordinates of the foot point of the ego's center of gravity [m].
-    t : ndarray, shape (n,)
-        Times at which it is there, (s - start) / v_x [s].
-    place, along : ndarray of complex, shape (n,)
-        Points of the route x + iy [m] and unit tangents [-].
-    kappa : ndarray, shape (n,)
-        Curvature of the route [1/m].
-    center, ahead : ndarray of complex, shape (others, n)
-        Middles [m] and unit headings [-] of the others' boxes at these times.
-    half_length, half_width : ndarray, shape (others, n)
-        Half extents of their boxes [m].
-    """
-
-    s: Array
-    t: Array
-    place: Complex
-    along: Complex
-    kappa: Array
-    center: Complex
-    ahead: Complex
-    half_length: Array
+    s: Array  # stations of the ego's center of gravity [m]
+    t: Array  # times [s]
+    position: Complex  # x + iy [m]
+    tangent: Complex  # unit tangents [-]
+    kappa: Array  # curvature of the route [1/m]
+    other_center: Complex  # (m, n): centers of the boxes [m]
+    other_heading: Complex  # (m, n): their headings as unit numbers [-]
+    half_length: Array  # (m, n) [m]
     half_width: Array
 
 
 def sample_route(problem: Problem, s: Array) -> RouteSamples:
-    """Sample the route and the others.
-
-    Parameters
-    ----------
-    problem : Problem
-        Road, others and speed.
-    s : ndarray, shape (n,)
-        Stations [m].
-
-    Returns
-    -------
-    stretch : Stretch
-        What stands where when the ego passes these stations.
-    """
+    """Sample the route and the other vehicles."""
     t = (s - problem.start) / problem.v_x
     position, first, second = problem.road.path.derivatives(s)
     tangent: Complex = first[:, 0] + 1j * first[:, 1]
     norm = np.abs(tangent)
     kappa = (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]) / norm**3
     shape = (len(problem.others), len(s))
-    center, ahead = np.empty(shape, dtype=np.complex128), np.empty(shape, dtype=np.complex128)
+    center, heading = np.empty(shape, dtype=np.complex128), np.empty(shape, dtype=np.complex128)
     half_length, half_width = np.empty(shape), np.empty(shape)
     for i, box in enumerate(problem.boxes_at(t)):
-        center[i], ahead[i] = box.x + 1j * box.y, np.exp(1j * box.psi)
+        center[i], heading[i] = box.x + 1j * box.y, np.exp(1j * box.psi)
         half_length[i], half_width[i] = 0.5 * box.length, 0.5 * box.width
-    place: Complex = position[:, 0] + 1j * position[:, 1]
     tangent /= norm
-    return RouteSamples(s, t, place, tangent, kappa, center, ahead, half_length, half_width)
+    return RouteSamples(
+        s, t, position[:, 0] + 1j * position[:, 1], tangent, kappa, center, heading, half_length, half_width
+    )
+
+
+def subsample(at: RouteSamples, k: int) -> RouteSamples:
+    """Return every k-th station."""
+    return RouteSamples(*(getattr(at, field.name)[..., ::k] for field in fields(RouteSamples)))
 
 
 def free_cells(
     problem: Problem, at: RouteSamples, headings: Array, offsets: Array, *, station_margin: float = 0.0
 ) -> FreeCells:
-    """Look where the ego's body is free.
+    """Table for equidistant headings relative to the route [rad] and lateral offsets [m].
 
-    Parameters
-    ----------
-    problem : Problem
-        What is to be kept.
-    at : Stretch
-        Stations of the table.
-    headings : ndarray, shape (m,)
-        Equidistant headings relative to the route [rad].
-    offsets : ndarray, shape (k,)
-        Equidistant lateral coordinates of the center of gravity [m], left positive.
-    station_margin : float
-        How far before or behind its station a pose may be for which the table is asked [m].
-
-    Returns
-    -------
-    free : FreeCells
-        Table of stations, headings and offsets.
-
-    Notes
-    -----
-    The offsets that another blocks at one heading are an interval: a slice of the Minkowski sum of both boxes
-    and a disc of the clearance. It is bounded by lines along the boxes' sides and at eight fixed slopes,
-    which lie on or a few millimeters outside it.
+    A pose may be up to `station_margin` before or behind its station [m].
     """
     car = problem.vehicle
-    front = abs(car.box_offset) + 0.5 * car.length
-    lever = math.hypot(front, 0.5 * car.width)
-    turned = 0.5 * lever * float(headings[1] - headings[0])
+    turned = 0.5 * math.hypot(_reach(problem), 0.5 * car.width) * float(headings[1] - headings[0])
     shifted = 0.5 * float(offsets[1] - offsets[0])
-    cos, sin = np.cos(headings), np.sin(headings)
-    bend = 0.55 * front * front
-    reach = 0.5 * car.length * np.abs(sin) + 0.5 * car.width * cos + turned + shifted - _ROUNDING
-    leftmost = problem.road.left_edge - reach - bend * max(-float(at.kappa.min()), 0.0)
-    rightmost = problem.road.right_edge + reach + bend * max(float(at.kappa.max()), 0.0)
-    middle = offsets + car.box_offset * sin[:, None]
-    between_edges = (middle <= leftmost[:, None]) & (middle >= rightmost[:, None])
-
+    between_edges = _between_edges(problem, at, headings, offsets, turned + shifted)
     gap = problem.clearance + turned
-    seen = (at.center - at.place) * at.along.conj()
-    around = np.hypot(at.half_length, at.half_width) + gap + station_margin
-    near = np.abs(seen.real) < front + around
-    near &= (seen.imag - around < offsets[-1] + lever) & (seen.imag + around > offsets[0] - lever)
-    other, i = near.nonzero()
+    other, i = _near_vehicles(problem, at, offsets, gap + station_margin)
     rows, row = np.unique(i, return_inverse=True)
-    there = np.repeat(between_edges[None], len(rows), axis=0)
+    free_near = np.repeat(between_edges[None], len(rows), axis=0)
     if not len(i):
-        return FreeCells(between_edges, rows, there)
-    turn = (at.ahead[other, i] * at.along[i].conj())[:, None, None]
-    x = seen.real[other, i, None] - car.box_offset * cos
-    y = seen.imag[other, i, None] - car.box_offset * sin
-    # sides of the ego, of the other, and the margin, as vectors from the middle
-    ours = 0.5 * np.array((car.length * np.exp(1j * headings), 1j * car.width * np.exp(1j * headings)))
-    a, b = at.half_length[other, i, None, None] * turn, 1j * at.half_width[other, i, None, None] * turn
-    steep = np.abs(turn.imag) > _STEEPEST * np.abs(turn.real)
-    theirs = np.where(steep, 0.0, turn.imag / np.where(steep, 1.0, turn.real))
-    m = np.empty((len(i), len(headings), len(_SLOPES) + 2))
-    m[..., 0], m[..., 1], m[..., 2:] = np.tan(headings), theirs[..., 0], _SLOPES
-    high = np.abs(a.imag - m * a.real) + np.abs(b.imag - m * b.real) + gap * np.sqrt(1.0 + m * m)
-    high += station_margin * np.abs(m) + shifted
-    for side in ours[..., None]:
-        high += np.abs(side.imag - m * side.real)
-    long = (np.abs(a.real) + np.abs(b.real))[..., 0] + np.abs(ours.real).sum(axis=0) + gap + station_margin
-    m *= x[..., None]
-    beside = np.abs(x) < long
-    upper = np.where(beside, (m + high).min(axis=-1), -math.inf)
-    lower = np.where(beside, (m - high).max(axis=-1), math.inf)
-    clear = (offsets <= (y - upper)[..., None]) | (offsets >= (y - lower)[..., None])
+        return FreeCells(between_edges, rows, free_near)
+    lower, upper = _blocked_offsets(problem, at, headings, other, i, gap, station_margin, shifted)
+    clear = (offsets <= lower[..., None]) | (offsets >= upper[..., None])
     for k in range(len(problem.others)):
         of_this = other == k
-        there[row[of_this]] &= clear[of_this]
-    return FreeCells(between_edges, rows, there)
+        free_near[row[of_this]] &= clear[of_this]
+    return FreeCells(between_edges, rows, free_near)
 
 
-def subsample(at: RouteSamples, k: int) -> RouteSamples:
-    """Return every k-th station of a stretch."""
-    return RouteSamples(*(getattr(at, name)[..., ::k] for name in RouteSamples.__slots__))
+def _reach(problem: Problem) -> float:
+    """Longest distance of the body's ends from the center of gravity [m]."""
+    return abs(problem.vehicle.box_offset) + 0.5 * problem.vehicle.length
+
+
+def _between_edges(
+    problem: Problem, at: RouteSamples, headings: Array, offsets: Array, margin: float
+) -> Mask:
+    """Cells between the road edges at every station."""
+    car, sin = problem.vehicle, np.sin(headings)
+    sagitta = 0.55 * _reach(problem) ** 2  # over the curvature, with a reserve of 10 %
+    half = 0.5 * car.length * np.abs(sin) + 0.5 * car.width * np.cos(headings) + margin - _ROUNDING
+    leftmost = problem.road.left_edge - half - sagitta * max(-float(at.kappa.min()), 0.0)
+    rightmost = problem.road.right_edge + half + sagitta * max(float(at.kappa.max()), 0.0)
+    center = offsets + car.box_offset * sin[:, None]
+    cells: Mask = (center <= leftmost[:, None]) & (center >= rightmost[:, None])
+    return cells
+
+
+def _near_vehicles(problem: Problem, at: RouteSamples, offsets: Array, margin: float) -> tuple[Index, Index]:
+    """Vehicles and stations at which they may block a cell."""
+    front = _reach(problem)
+    lever = math.hypot(front, 0.5 * problem.vehicle.width)
+    relative = (at.other_center - at.position) * at.tangent.conj()
+    around = np.hypot(at.half_length, at.half_width) + margin
+    near = np.abs(relative.real) < front + around
+    near &= (relative.imag - around < offsets[-1] + lever) & (relative.imag + around > offsets[0] - lever)
+    other, i = near.nonzero()
+    return other, i
+
+
+def _blocked_offsets(
+    problem: Problem, at: RouteSamples, headings: Array, other: Index, i: Index, gap: float,
+    station_margin: float, shifted: float,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Open interval of offsets that a vehicle blocks, for each heading; lower is above upper if none is.
+
+    It is a slice of the Minkowski sum of both boxes and a disc of the gap. Lines along the sides of the boxes
+    and at fixed slopes bound it, which lie on or a few millimeters outside it.
+    """
+    car, cos, sin = problem.vehicle, np.cos(headings), np.sin(headings)
+    relative = (at.other_center[other, i] - at.position[i]) * at.tangent[i].conj()
+    x, y = relative.real[:, None] - car.box_offset * cos, relative.imag[:, None] - car.box_offset * sin
+    turn = (at.other_heading[other, i] * at.tangent[i].conj())[:, None, None]
+    ego_sides = 0.5 * np.array((car.length * np.exp(1j * headings), 1j * car.width * np.exp(1j * headings)))
+    a, b = at.half_length[other, i, None, None] * turn, 1j * at.half_width[other, i, None, None] * turn
+    steep = np.abs(turn.imag) > 20.0 * np.abs(turn.real)
+    m = np.empty((len(i), len(headings), len(_SLOPES) + 2))
+    m[..., 0] = np.tan(headings)
+    m[..., 1] = np.where(steep, 0.0, turn.imag / np.where(steep, 1.0, turn.real))[..., 0]
+    m[..., 2:] = _SLOPES
+    high = np.abs(a.imag - m * a.real) + np.abs(b.imag - m * b.real) + gap * np.sqrt(1.0 + m * m)
+    high += station_margin * np.abs(m) + shifted
+    for side in ego_sides[..., None]:
+        high += np.abs(side.imag - m * side.real)
+    length = (np.abs(a.real) + np.abs(b.real))[..., 0] + np.abs(ego_sides.real).sum(axis=0)
+    m *= x[..., None]
+    alongside = np.abs(x) < length + gap + station_margin
+    upper = np.where(alongside, (m + high).min(axis=-1), -math.inf)
+    lower = np.where(alongside, (m - high).max(axis=-1), math.inf)
+    return y - upper, y - lower
 
 
 def clearance_shortfall(problem: Problem, at: RouteSamples, d: Array, turn: Complex) -> Array:
-    """How much poses lack of the clearance to the others and to the edges.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is to be kept.
-    at : Stretch
-        Stations of the poses.
-    d : ndarray, shape (n,)
-        Lateral coordinates of the center of gravity [m].
-    turn : ndarray of complex, shape (n,)
-        Headings relative to the route as unit numbers exp(i psi) [-].
-
-    Returns
-    -------
-    shortfall : ndarray, shape (n,)
-        Largest of the distances missing [m], zero or negative where nothing is.
-    """
+    """Missing clearance [m] of poses with offsets [m] and headings relative to the route, as unit numbers."""
     car = problem.vehicle
     ends = car.box_offset + 0.5 * car.length * np.array([[1.0], [0.0], [-1.0]])
-    sides = d + ends * turn.imag - 0.5 * at.kappa * (ends * turn.real) ** 2
-    beside = 0.5 * car.width * np.abs(turn.real)
-    left = (sides + beside).max(axis=0) - problem.road.left_edge
-    right = problem.road.right_edge - (sides - beside).min(axis=0)
-    lacks: Array = np.maximum(left, right) - _ROUNDING
-    if len(at.center):
-        ahead = at.along * turn
-        offset = at.center - at.place - 1j * at.along * d - car.box_offset * ahead
-        half = (0.5 * car.length, 0.5 * car.width, at.half_length, at.half_width)
-        near = np.abs(offset) < np.hypot(half[2], half[3]) + math.hypot(*half[:2]) + problem.clearance
-        other, i = near.nonzero()
-        if len(i):
-            gap = gap_between(
-                offset[other, i],
-                ahead[i],
-                at.ahead[other, i],
-                *half[:2],
-                half[2][other, i],
-                half[3][other, i],
-            )
-            np.maximum.at(lacks, i, problem.clearance - gap)
-    return lacks
+    axis = d + ends * turn.imag - 0.5 * at.kappa * (ends * turn.real) ** 2
+    half_width = 0.5 * car.width * np.abs(turn.real)
+    left = (axis + half_width).max(axis=0) - problem.road.left_edge
+    right = problem.road.right_edge - (axis - half_width).min(axis=0)
+    shortfall: Array = np.maximum(left, right) - _ROUNDING
+    if not len(at.other_center):
+        return shortfall
+    heading = at.tangent * turn
+    offset = at.other_center - at.position - 1j * at.tangent * d - car.box_offset * heading
+    half = (0.5 * car.length, 0.5 * car.width)
+    sizes = np.hypot(at.half_length, at.half_width) + math.hypot(*half)
+    other, i = (np.abs(offset) < sizes + problem.clearance).nonzero()
+    if len(i):
+        sides = at.half_length[other, i], at.half_width[other, i]
+        gap = gap_between(offset[other, i], heading[i], at.other_heading[other, i], *half, *sides)
+        np.maximum.at(shortfall, i, problem.clearance - gap)
+    return shortfall

@@ -13,7 +13,7 @@ import numpy as np
 from cca_core._checks import Array, Complex, check_real
 from cca_core._optional import require_extra
 from cca_core.baselines.methods.free_space import clearance_shortfall, sample_route
-from cca_core.baselines.methods.road_space import STATION, RoadSpace, State
+from cca_core.baselines.methods.road_space import STATION_STEP, Pose, RoadSpace, State
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.errors import InputError, Status
 
@@ -22,30 +22,39 @@ __all__ = ["Rrt", "Variant"]
 Variant = Literal["rrt", "rrt_star"]
 """The tree as it grows (LaValle), or rewired to shorter paths (Karaman and Frazzoli)."""
 
-_THERE = 1e-6  # from the goal [m, rad]
-_REWIRE = 8.0  # of the radius in which RRT* looks for neighbors, over OMPL's for Euclidean space
-_BLOCK = 256  # samples drawn at once
-_FINE = 0.25  # between samples of the plan [m]
+_GOAL_TOLERANCE = 1e-6  # distance and heading [m, rad]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rrt:
-    """Random tree from the start to the goal.
+    """Random tree from start to goal.
 
     Parameters
     ----------
     variant : str
         ``"rrt_star"`` or ``"rrt"``.
     seed : int
-        Of all that is random: equal seeds give equal plans unless time runs out.
+        Seed of all random numbers: equal seeds give equal plans unless time runs out.
     iterations : int
-        Most samples.
+        Largest number of samples.
     refine : int
         Samples after the first solution, by which ``"rrt_star"`` shortens it.
     time_limit : float
-        Time after which it gives up [s].
+        Time after which the search ends [s].
     reach : float
         Longest motion toward a sample, as a time at the wanted speed [s].
+    rewire_factor : float
+        Radius of the neighbors of ``"rrt_star"`` over that of OMPL for Euclidean space [-].
+    goal_bias : float
+        Fraction of the samples that are the goal [-].
+    max_heading : float
+        Largest heading of a sample relative to the road [rad].
+    heading_spread : float
+        Standard deviation of the sampled headings over the largest one [-].
+    cell_width : float
+        Width of the cells in the table of free poses [m].
+    heading_step : float
+        Distance between the headings of that table [rad].
 
     Raises
     ------
@@ -56,14 +65,13 @@ class Rrt:
 
     Notes
     -----
-    OMPL's RRT and RRT* [1]_ grow the tree in its Dubins space [2]_, whose curvature jumps between the limit
-    to either side and zero; that is the method's. RRT* looks for neighbors within a radius that shrinks as
-    the tree grows. Samples are free poses, uniform over the road, with headings spread around the road's; one
-    in twenty is the goal. A state is valid if a table of poses says that the body is between the edges and
-    keeps the clearance to the others where they are when its station is passed at the wanted speed, and if
-    its heading is no more off the road's than a shift across the whole road needs. The path found is
-    shortened by direct motions between its states, checked exactly and given with the speeds at which
-    stations are passed at the wanted one.
+    RRT and RRT* of OMPL [1]_ grow the tree in the Dubins space [2]_, in which the curvature jumps between
+    zero and the limit to both sides. RRT* searches neighbors in a radius that shrinks as the tree grows.
+    Samples are free poses, uniform over the road. A table of poses decides whether a state is valid: the body
+    is between the edges and keeps the clearance to the other vehicles at the time at which its station passes
+    at the wanted speed. The heading of a state relative to the road is at most that of a shift across the
+    whole road. Direct motions between its states shorten the path found, which is then checked exactly. Its
+    stations pass at the wanted speed.
 
     References
     ----------
@@ -79,18 +87,24 @@ class Rrt:
     refine: int = 0
     time_limit: float = 2.0
     reach: float = 1.5
+    rewire_factor: float = 8.0
+    goal_bias: float = 0.05
+    max_heading: float = 0.6
+    heading_spread: float = 0.4
+    cell_width: float = 0.05
+    heading_step: float = 0.0125
 
     def __post_init__(self) -> None:
         if self.variant not in get_args(Variant):
             raise InputError(f"variant must be one of {get_args(Variant)}, was {self.variant!r}")
-        for name in ("seed", "iterations", "refine"):
+        for name, lowest in (("seed", 0), ("iterations", 1), ("refine", 0)):
             value = getattr(self, name)
-            if not isinstance(value, int) or isinstance(value, bool) or value < (name == "iterations"):
-                raise InputError(
-                    f"{name} must be a whole number, {name} >= {int(name == 'iterations')}, was {value!r}"
-                )
-        check_real("time_limit", self.time_limit, gt=0.0)
-        check_real("reach", self.reach, gt=0.0)
+            if not isinstance(value, int) or isinstance(value, bool) or value < lowest:
+                raise InputError(f"{name} must be a whole number, {name} >= {lowest}, was {value!r}")
+        for name in ("time_limit", "reach", "rewire_factor", "heading_spread", "cell_width", "heading_step"):
+            check_real(name, getattr(self, name), gt=0.0)
+        check_real("max_heading", self.max_heading, gt=0.0, le=1.5)
+        check_real("goal_bias", self.goal_bias, ge=0.0, le=1.0)
         require_extra("ompl", "rrt")
 
     def plan(self, problem: Problem) -> Plan:
@@ -99,7 +113,7 @@ class Rrt:
         Parameters
         ----------
         problem : Problem
-            What is to be driven.
+            The problem.
 
         Returns
         -------
@@ -108,99 +122,117 @@ class Rrt:
             not reach the goal.
         """
         begun = perf_counter()
-        corridor = RoadSpace.of(problem)
-        if corridor.message:
-            return Plan(status=Status.INFEASIBLE, message=corridor.message)
-        poses, message = self._quietly(problem, corridor, begun)
+        space = RoadSpace.of(problem, self.cell_width, self.heading_step, self.max_heading)
+        if space.message:
+            return Plan(status=Status.INFEASIBLE, message=space.message)
+        ompl = {part: require_extra(f"ompl.{part}", "rrt") for part in ("base", "geometric", "util")}
+        level = ompl["util"].getLogLevel()
+        ompl["util"].setLogLevel(ompl["util"].LogLevel.LOG_NONE)
+        try:
+            poses, message = self._grow(problem, space, begun, ompl["base"], ompl["geometric"])
+        finally:
+            ompl["util"].setLogLevel(level)
         if message:
             return Plan(status=Status.NOT_CONVERGED, message=message)
-        return _driven(problem, poses)
-
-    def _quietly(self, problem: Problem, corridor: RoadSpace, begun: float) -> tuple[Array, str]:
-        """Grow the tree while OMPL logs nothing."""
-        base, geometric, util = (
-            require_extra(f"ompl.{part}", "rrt") for part in ("base", "geometric", "util")
-        )
-        level = util.getLogLevel()
-        util.setLogLevel(util.LogLevel.LOG_NONE)
-        try:
-            return self._grow(problem, corridor, begun, base, geometric)
-        finally:
-            util.setLogLevel(level)
+        return _plan_of(problem, poses)
 
     def _grow(
-        self, problem: Problem, corridor: RoadSpace, begun: float, base: ModuleType, geometric: ModuleType
+        self, problem: Problem, space: RoadSpace, begun: float, base: ModuleType, geometric: ModuleType
     ) -> tuple[Array, str]:
-        """Poses (n, 3) along the path found, or why there is none."""
-        space = base.DubinsStateSpace(1.0 / corridor.kappa, False)
-        bounds = base.RealVectorBounds(2)
-        for axis, (low, high) in enumerate(corridor.bounds()):
-            bounds.setLow(axis, low)
-            bounds.setHigh(axis, high)
-        space.setBounds(bounds)
-        info = base.SpaceInformation(space)
-        info.setStateValidityChecker(corridor.check())
-        info.setStateValidityCheckingResolution(STATION / space.getMaximumExtent())
-        info.setup()
-        rng, samples = np.random.default_rng(self.seed), list[tuple[float, float, float]]()
-        count, left = 0, self.iterations
-        x, y, yaw = corridor.goal
-
-        class Guide(base.GoalSampleableRegion):  # type: ignore[name-defined, misc]
-            """Goal that the tree is drawn to by way of samples of the road."""
-
-            def distanceGoal(self, state: State) -> float:  # noqa: N802
-                nonlocal left, refine
-                turned = abs(state.getYaw() - yaw)
-                distance: float = math.hypot(state.getX() - x, state.getY() - y) + turned
-                if distance <= _THERE and refine is not None:
-                    left, refine = min(left, refine), None
-                return distance
-
-            def sampleGoal(self, state: State) -> None:  # noqa: N802
-                nonlocal count
-                if not samples:
-                    samples.extend(corridor.samples(rng, _BLOCK))
-                px, py, angle = samples.pop()
-                count += 1
-                state.setXY(px, py)
-                state.setYaw(angle)
-
-            def maxSampleCount(self) -> int:  # noqa: N802
-                return 2**31 - 1
-
-        refine: int | None = self.refine if self.variant == "rrt_star" else 0
-
-        def ended() -> bool:
-            nonlocal left
-            left -= 1
-            return left < 0 or perf_counter() - begun > self.time_limit
-
+        """Poses (n, 3) along the path found, or the reason why there is none."""
+        dubins, info = _dubins_space(base, space)
+        star = self.variant == "rrt_star"
+        budget = _Budget(left=self.iterations, refine=self.refine if star else 0)
+        rng = np.random.default_rng(self.seed)
         definition = base.ProblemDefinition(info)
-        start = space.allocState()
-        start.setXY(*corridor.start[:2])
-        start.setYaw(corridor.start[2])
+        start = dubins.allocState()
+        start.setXY(*space.start[:2])
+        start.setYaw(space.start[2])
         definition.addStartState(start)
-        goal = Guide(info)
-        goal.setThreshold(_THERE)
+        goal = _goal_region(
+            base, info, space.goal, budget,
+            lambda: space.samples(rng, 256, self.heading_spread, self.goal_bias),
+        )  # fmt: skip
         definition.setGoal(goal)
-        planner = geometric.RRTstar(info) if self.variant == "rrt_star" else geometric.RRT(info)
-        if self.variant == "rrt_star":
+        planner = geometric.RRTstar(info) if star else geometric.RRT(info)
+        if star:
             planner.setKNearest(False)
-            planner.setRewireFactor(_REWIRE)
+            planner.setRewireFactor(self.rewire_factor)
         planner.setRange(self.reach * problem.v_x)
-        planner.setGoalBias(1.0)
+        planner.setGoalBias(1.0)  # every sample is one of the goal region, which samples the road
         planner.setProblemDefinition(definition)
         planner.setup()
-        planner.solve(base.PlannerTerminationCondition(ended))
+
+        def is_exhausted() -> bool:
+            budget.left -= 1
+            return budget.left < 0 or perf_counter() - begun > self.time_limit
+
+        planner.solve(base.PlannerTerminationCondition(is_exhausted))
         if not definition.hasExactSolution():
-            return np.empty((0, 3)), f"the goal was not reached by {count} samples"
+            return np.empty((0, 3)), f"the goal was not reached by {budget.sampled} samples"
         states = _shortened(definition.getSolutionPath().getStates(), info.checkMotion)
-        return _sampled(space, states), ""
+        return _sampled(dubins, states), ""
+
+
+@dataclass(slots=True)
+class _Budget:
+    """Samples that are left, and that were taken."""
+
+    left: int
+    refine: int | None  # samples left once there is a solution; None after that
+    sampled: int = 0
+
+
+def _dubins_space(base: ModuleType, space: RoadSpace) -> tuple[Any, Any]:
+    """Dubins space of a road with its validity check."""
+    dubins = base.DubinsStateSpace(1.0 / space.kappa, False)
+    bounds = base.RealVectorBounds(2)
+    for axis, (low, high) in enumerate(space.bounds()):
+        bounds.setLow(axis, low)
+        bounds.setHigh(axis, high)
+    dubins.setBounds(bounds)
+    info = base.SpaceInformation(dubins)
+    info.setStateValidityChecker(space.validity_check())
+    info.setStateValidityCheckingResolution(STATION_STEP / dubins.getMaximumExtent())
+    info.setup()
+    return dubins, info
+
+
+def _goal_region(
+    base: ModuleType, info: Any, goal: Pose, budget: _Budget, sample: Callable[[], list[Pose]]
+) -> Any:
+    """Goal whose samples are those of the road."""
+    samples: list[Pose] = []
+    x, y, yaw = goal
+
+    class Region(base.GoalSampleableRegion):  # type: ignore[name-defined, misc]
+        """Region that OMPL asks for the distance to the goal and for samples."""
+
+        def distanceGoal(self, state: State) -> float:  # noqa: N802
+            turned = abs(state.getYaw() - yaw)
+            distance: float = math.hypot(state.getX() - x, state.getY() - y) + turned
+            if distance <= _GOAL_TOLERANCE and budget.refine is not None:
+                budget.left, budget.refine = min(budget.left, budget.refine), None
+            return distance
+
+        def sampleGoal(self, state: State) -> None:  # noqa: N802
+            if not samples:
+                samples.extend(sample())
+            px, py, angle = samples.pop()
+            budget.sampled += 1
+            state.setXY(px, py)
+            state.setYaw(angle)
+
+        def maxSampleCount(self) -> int:  # noqa: N802
+            return 2**31 - 1
+
+    region = Region(info)
+    region.setThreshold(_GOAL_TOLERANCE)
+    return region
 
 
 def _shortened(states: list[State], free: Callable[[State, State], bool]) -> list[State]:
-    """Leave out states where the motion to a later one is free."""
+    """Omit states where the motion to a later one is free."""
     kept, i = [states[0]], 0
     while i < len(states) - 1:
         i = next((j for j in range(len(states) - 1, i + 1, -1) if free(states[i], states[j])), i + 1)
@@ -209,10 +241,10 @@ def _shortened(states: list[State], free: Callable[[State, State], bool]) -> lis
 
 
 def _sampled(space: Any, states: list[State]) -> Array:
-    """Poses (n, 3) along the motions between states."""
+    """Poses (n, 3) along the motions between states, at most 0.25 m apart."""
     poses, at = [], space.allocState()
     for a, b in pairwise(states):
-        n = max(math.ceil(space.distance(a, b) / _FINE), 1)
+        n = max(math.ceil(space.distance(a, b) / 0.25), 1)
         for k in range(n):
             space.interpolate(a, b, k / n, at)
             poses.append((at.getX(), at.getY(), at.getYaw()))
@@ -220,14 +252,14 @@ def _sampled(space: Any, states: list[State]) -> Array:
     return np.array(poses)
 
 
-def _driven(problem: Problem, poses: Array) -> Plan:
-    """Check a path exactly, and give it the times of its stations."""
+def _plan_of(problem: Problem, poses: Array) -> Plan:
+    """Plan along poses that passes the stations at the wanted speed, checked exactly."""
     path = problem.road.path
     length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))))
     s, d = path.project(poses[:, :2], s_guess=np.minimum(problem.start + length, problem.goal))
     s[0], s[-1] = problem.start, problem.goal
     at = sample_route(problem, s)
-    turn: Complex = np.exp(1j * poses[:, 2]) * at.along.conj()
+    turn: Complex = np.exp(1j * poses[:, 2]) * at.tangent.conj()
     if not (np.diff(s) > 0.0).all() or (clearance_shortfall(problem, at, d, turn) > 0.0).any():
         return Plan(status=Status.NOT_CONVERGED, message="the path found failed the exact check")
     v_x = problem.v_x * (1.0 - at.kappa * d) / turn.real
