@@ -3,7 +3,7 @@
 from cca_core.plot.bands import fig_12, fig_15
 from cca_core.plot.braking import plot_braking
 from cca_core.plot.commonroad import plot_commonroad
-from cca_core.plot.comparison import plot_growth, plot_plans, plot_time_quality
+from cca_core.plot.comparison import plot_plans, plot_scaling, plot_time_quality
 from cca_core.plot.crossing import plot_crossing
 from cca_core.plot.defects import DEFECTS, plot_defect
 from cca_core.plot.gains import plot_gain_region, plot_margins
@@ -25,11 +25,11 @@ __all__ = [
     "plot_crossing",
     "plot_defect",
     "plot_gain_region",
-    "plot_growth",
     "plot_layout",
     "plot_margins",
     "plot_passing",
     "plot_plans",
+    "plot_scaling",
     "plot_study",
     "plot_time_quality",
     "plot_time_series",

@@ -42,24 +42,24 @@ def plot_commonroad(run: CommonRoadRun, *, times: Sequence[float] | None = None)
     MissingExtraError
         If matplotlib is not installed.
     """
-    moments = np.linspace(run.t[0], run.t[-1], 4) if times is None else check_array("times", times, (None,))
-    if not len(moments):
+    instants = np.linspace(run.t[0], run.t[-1], 4) if times is None else check_array("times", times, (None,))
+    if not len(instants):
         raise InputError("times must hold at least one time")
     regions = [region for goal in run.problem.goals for region in goal.regions]
     shown = np.vstack([run.ego[:, :2], *regions])
     low, high = shown.min(axis=0) - 7.0, shown.max(axis=0) + 7.0  # a margin of 7 m
     tall = bool((high - low)[1] > 0.6 * (high - low)[0])
     columns = 2 if tall else 1
-    rows = -(-len(moments) // columns)
+    rows = -(-len(instants) // columns)
     height = rows * (0.5 + PAGE_WIDTH / columns * float((high - low)[1] / (high - low)[0])) + 0.3
     figure = new_figure(height)
     figure.suptitle(f"{run.scenario.name} ({run.plant})", weight="bold", fontsize=TEXT.heading)
     axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
-    for view, (axis, t) in enumerate(zip(axes, moments.tolist(), strict=False), start=1):
+    for view, (axis, t) in enumerate(zip(axes, instants.tolist(), strict=False), start=1):
         _draw_world(axis, run, regions)
         _draw_moment(axis, run, t, view, (low, high))
         axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    for axis in axes[len(moments) :]:
+    for axis in axes[len(instants) :]:
         axis.set_axis_off()
     for axis in axes[-columns:]:
         axis.set_xlabel("x [m]", fontsize=TEXT.axis)

@@ -1,4 +1,4 @@
-"""Planning methods compared: time against quality, growth, and their plans for one problem."""
+"""Planning methods compared: time against quality, scaling, and plans for one problem."""
 
 from collections.abc import Mapping, Sequence
 from itertools import cycle
@@ -14,7 +14,7 @@ from cca_core.plot.style import COLORS, METHOD_STYLES, TEXT, new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot_growth", "plot_plans", "plot_time_quality"]
+__all__ = ["plot_plans", "plot_scaling", "plot_time_quality"]
 
 
 def _styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
@@ -26,17 +26,17 @@ def _styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
 
 
 def plot_time_quality(rows: Sequence[ComparisonRow]) -> "Figure":
-    """Draw time against quality.
+    """Draw the quality of plans over the time of a plan.
 
     Parameters
     ----------
-    rows : sequence of Row
-        What `compare` measured.
+    rows : sequence of ComparisonRow
+        Measured outcomes.
 
     Returns
     -------
     figure : Figure
-        Over the median processor time of a plan, a bar up to its 99th percentile: the share of solvable
+        Over the median processor time of a plan, a bar up to its 99th percentile: the fraction of solvable
         problems that are solved, and the median of the largest jerk when these plans are driven.
 
     Raises
@@ -49,15 +49,15 @@ def plot_time_quality(rows: Sequence[ComparisonRow]) -> "Figure":
     figure = new_figure(3.9)
     left, right = figure.subplots(1, 2, sharex=True)
     for name in names:
-        own = [row for row in rows if row.method == name and np.isfinite(row.time_ms)]
-        open_ = [row for row in rows if row.method == name and row.kind != "blocked"]
-        solved = [row for row in open_ if row.outcome == "solved"]
-        if not own:
+        times = [row.time_ms for row in rows if row.method == name and np.isfinite(row.time_ms)]
+        solvable = [row for row in rows if row.method == name and row.kind != "blocked"]
+        solved = [row for row in solvable if row.outcome == "solved"]
+        if not times:
             continue
-        median, p99 = np.percentile([row.time_ms for row in own], (50, 99))
-        claimed = solved or [row for row in open_ if np.isfinite(row.driven_jerk)]
+        median, p99 = np.percentile(times, (50, 99))
+        claimed = solved or [row for row in solvable if np.isfinite(row.driven_jerk)]
         jerk = float(np.median([row.driven_jerk for row in claimed])) if claimed else np.nan
-        for axis, height in ((left, 100.0 * len(solved) / max(len(open_), 1)), (right, jerk)):
+        for axis, height in ((left, 100.0 * len(solved) / max(len(solvable), 1)), (right, jerk)):
             axis.plot((median, p99), (height, height), color=styles[name]["color"], linewidth=1.0, alpha=0.6)
             axis.plot(median, height, **styles[name], linestyle="", markersize=7, label=name)
     left.set(xscale="log", ylim=(-4.0, 104.0), ylabel="solvable problems solved [%]")
@@ -65,61 +65,64 @@ def plot_time_quality(rows: Sequence[ComparisonRow]) -> "Figure":
     for axis in (left, right):
         axis.set_xlabel("time of a plan, median to 99th percentile [ms]")
         axis.grid(alpha=0.3)
-    figure.legend(
-        *left.get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=TEXT.legend
-    )
+    _draw_legend(figure, left)
     return figure
 
 
-def plot_growth(results: Sequence[ScalingResult], axes: Sequence[str]) -> "Figure":
-    """Draw how times grow.
+def plot_scaling(results: Sequence[ScalingResult], axes: Sequence[str]) -> "Figure":
+    """Draw how the time of a plan scales with the size of the problem.
 
     Parameters
     ----------
-    results : sequence of Growth
-        What `grow` measured.
+    results : sequence of ScalingResult
+        Measured times.
     axes : sequence of str
-        What grows, one panel for each.
+        Quantities that grow, one panel for each.
 
     Returns
     -------
     figure : Figure
-        Median times over each quantity, in logarithmic axes; hollow where the plan was not OK.
+        Median times over each quantity, in logarithmic axes; hollow if the plan was not OK.
 
     Raises
     ------
     MissingExtraError
         If matplotlib is not installed.
     """
-    names = list(dict.fromkeys(r.method for r in results if r.axis in axes))
-    styles = _styles(names)
+    styles = _styles(list(dict.fromkeys(r.method for r in results if r.axis in axes)))
     figure = new_figure(3.7)
     panels = np.atleast_1d(figure.subplots(1, len(axes), sharey=True))
-    for panel, what in zip(panels, axes, strict=True):
-        for name in names:
-            own = sorted((r for r in results if r.axis == what and r.method == name), key=lambda r: r.value)
-            if not own:
-                continue
-            values, times = [r.value for r in own], [r.time_ms for r in own]
-            panel.plot(values, times, color=styles[name]["color"], linewidth=1.0)
-            for r in own:
-                fill = "full" if r.status == "OK" else "none"
-                panel.plot(r.value, r.time_ms, **styles[name], linestyle="", fillstyle=fill, markersize=5)
-        panel.set(xscale="log", yscale="log", xlabel=what)
-        ticks = sorted({r.value for r in results if r.axis == what})
-        panel.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-        panel.minorticks_off()
-        panel.grid(alpha=0.3)
+    for panel, quantity in zip(panels, axes, strict=True):
+        _draw_scaling(panel, [r for r in results if r.axis == quantity], styles)
+        panel.set_xlabel(quantity)
     panels[0].set_ylabel("processor time of a plan [ms]")
     low, high = panels[0].get_ylim()
     levels = [k * 10.0**n for n in range(-1, 5) for k in (1, 2, 5) if low <= k * 10.0**n <= high]
     panels[0].set_yticks(levels, [f"{level:g}" for level in levels])
-    for name in names:
-        panels[0].plot([], [], **styles[name], linewidth=1.0, markersize=5, label=name)
-    figure.legend(
-        *panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=TEXT.legend
-    )
+    for name, style in styles.items():
+        panels[0].plot([], [], **style, linewidth=1.0, markersize=5, label=name)
+    _draw_legend(figure, panels[0])
     return figure
+
+
+def _draw_scaling(axis: Any, results: Sequence[ScalingResult], styles: dict[str, dict[str, Any]]) -> None:
+    for name, style in styles.items():
+        of_method = sorted((r for r in results if r.method == name), key=lambda r: r.value)
+        times = [r.time_ms for r in of_method]
+        axis.plot([r.value for r in of_method], times, color=style["color"], linewidth=1.0)
+        for r in of_method:
+            fill = "full" if r.status == "OK" else "none"
+            axis.plot(r.value, r.time_ms, **style, linestyle="", fillstyle=fill, markersize=5)
+    axis.set(xscale="log", yscale="log")
+    ticks = sorted({r.value for r in results})
+    axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axis.minorticks_off()
+    axis.grid(alpha=0.3)
+
+
+def _draw_legend(figure: "Figure", axis: Any) -> None:
+    handles = axis.get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=5, fontsize=TEXT.legend)
 
 
 def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) -> Any:
@@ -128,9 +131,9 @@ def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) ->
     Parameters
     ----------
     problem : Problem
-        Road and others; who moves is drawn when the ego is beside it, as met at the wanted speed.
+        Road and vehicles. A moving vehicle is drawn at the time at which the ego passes it at constant speed.
     plans : mapping of str to Plan
-        By method; those without a way are left out.
+        Plans by method; empty ones are left out.
     axis : matplotlib axes, optional
         Where to draw; by default on a new figure.
 

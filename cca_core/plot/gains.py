@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,20 +14,20 @@ if TYPE_CHECKING:
 
 
 def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) -> "Figure":
-    """Draw which gains keep the poles where they belong for every car in the box.
+    """Draw the admissible gains at one speed.
 
     Parameters
     ----------
     region : GainRegion
-        What `gain_region` found at one speed.
+        Result of `gain_region` at one speed.
     shipped : PreviewGains, optional
-        A schedule whose gains at that speed are marked as well.
+        Schedule whose gains at that speed are marked.
 
     Returns
     -------
     figure : Figure
         The plane of k_p and k_d: the admissible region, contours of the worst decay and of the worst
-        damping ratio, and the gains chosen.
+        damping ratio, and the selected gains.
 
     Raises
     ------
@@ -36,37 +36,9 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     """
     figure = new_figure(4.6, 7.0)
     axis = figure.subplots()
-    k_p, k_d = region.k_p, region.k_d
-    # by how much the demands are kept changes evenly over the grid, so that its zero is a smooth edge
-    kept = np.minimum(region.decay - region.requested[0], region.damping - region.requested[1])
-    axis.contourf(k_p, k_d, kept, levels=[0.0, math.inf], colors=[COLORS.admissible])
-    stable = np.where(region.decay > 0.0)
-    if len(stable[0]):  # before the labels, whose gaps in the curves are as wide as they are in this view
-        axis.set_xlim(0.0, 1.05 * float(k_p[stable].max()))
-        axis.set_ylim(0.0, 1.05 * float(k_d[stable].max()))
-    curves = axis.contour(
-        k_p,
-        k_d,
-        region.decay,
-        levels=(0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0),
-        colors=COLORS.ego,
-        linewidths=0.9,
-    )
-    axis.clabel(curves, fmt=lambda value: f"{value:g} 1/s", fontsize=TEXT.legend)
-    curves = axis.contour(
-        k_p,
-        k_d,
-        region.damping,
-        levels=(0.2, 0.3, 0.4, 0.5, 0.6, 0.7),
-        colors=COLORS.second,
-        linewidths=0.9,
-        linestyles="--",
-    )
-    axis.clabel(curves, fmt=lambda value: f"{value:g}", fontsize=TEXT.legend)
-    around = [np.append(each[-1], each[::-1, -1]) for each in (k_p, k_d)]
-    axis.plot(*around, ":", color=COLORS.route, linewidth=0.9, label="edge of what was tried")
+    _draw_region(axis, region)
     if region.selected is not None:
-        axis.plot(*region.selected, "o", color="black", label="chosen")
+        axis.plot(*region.selected, "o", color="black", label="selected")
     if shipped is not None:
         at_p, at_d, _ = shipped.at(region.v_x)
         axis.plot(at_p, at_d, "D", color="black", fillstyle="none", markersize=9, label="schedule")
@@ -80,13 +52,32 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     return figure
 
 
+def _draw_region(axis: Any, region: GainRegion) -> None:
+    k_p, k_d = region.k_p, region.k_d
+    # the reserve changes evenly over the grid, so its zero is a smooth edge
+    reserve = np.minimum(region.decay - region.requested[0], region.damping - region.requested[1])
+    axis.contourf(k_p, k_d, reserve, levels=[0.0, math.inf], colors=[COLORS.admissible])
+    stable = np.where(region.decay > 0.0)
+    if len(stable[0]):  # before the labels: their gaps in the curves depend on the view
+        axis.set_xlim(0.0, 1.05 * float(k_p[stable].max()))
+        axis.set_ylim(0.0, 1.05 * float(k_d[stable].max()))
+    decays, dampings = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0), (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # [1/s], [-]
+    curves = axis.contour(k_p, k_d, region.decay, levels=decays, colors=COLORS.ego, linewidths=0.9)
+    axis.clabel(curves, fmt=lambda value: f"{value:g} 1/s", fontsize=TEXT.legend)
+    style = {"colors": COLORS.second, "linewidths": 0.9, "linestyles": "--"}
+    curves = axis.contour(k_p, k_d, region.damping, levels=dampings, **style)
+    axis.clabel(curves, fmt=lambda value: f"{value:g}", fontsize=TEXT.legend)
+    around = [np.append(each[-1], each[::-1, -1]) for each in (k_p, k_d)]
+    axis.plot(*around, ":", color=COLORS.route, linewidth=0.9, label="edge of the search")
+
+
 def plot_margins(margins: Sequence[Margins]) -> "Figure":
     """Draw the robustness of a gain schedule over speed.
 
     Parameters
     ----------
     margins : sequence of Margins
-        What `stability_margins` gives, at increasing speeds.
+        Results of `stability_margins` at increasing speeds.
 
     Returns
     -------

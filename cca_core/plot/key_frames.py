@@ -1,4 +1,4 @@
-"""The moments of a run that are worth a picture."""
+"""Key frames of a run: times that are worth a picture."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from cca_core.sim import Log
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeyFrame:
-    """A moment [s] of a run, and what happens in words."""
+    """A time [s] of a run, and what happens in words."""
 
     t: float
     text: str
@@ -19,7 +19,7 @@ class KeyFrame:
 def key_frames(
     log: Log, *, max_frames: int = 6, min_spacing: float = 0.3, max_distance: float = 60.0
 ) -> list[KeyFrame]:
-    """Choose moments, in order of time, at least `min_spacing` [s] apart."""
+    """Choose times in ascending order, at least `min_spacing` [s] apart."""
     # most important first: a collision; where the ego begins to evade, follow or brake; what others do, and
     # where they are nearest, if within `max_distance` [m]; where the ego goes back to its lane; the end
     ranked: list[tuple[int, KeyFrame]] = []

@@ -21,7 +21,7 @@ class ParkedCar:
 
     @property
     def contact_distance(self) -> float:
-        """Lateral distance of the centers at which the bodies touch [m]."""
+        """Lateral distance of the centers at which the bodies have no gap [m]."""
         return 0.5 * (self.width + self.vehicle.width)
 
     @property

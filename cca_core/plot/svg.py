@@ -53,8 +53,8 @@ def to_svg(item: Band | Path | Road) -> str:
     Parameters
     ----------
     item : Band, Path or Road
-        A single band is drawn with its route, its edges and its obstacles, each as the ego comes nearest to it. A band that must not be
-        driven has another color.
+        A single band is drawn with its route, its edges and its obstacles, each at the time at which the ego is
+        closest to it. An infeasible band has another color.
 
     Returns
     -------

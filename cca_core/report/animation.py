@@ -60,8 +60,8 @@ def animate(logs: Sequence[Log], *, standalone: bool = True) -> str:
     Returns
     -------
     fragment : str
-        HTML and well-formed XML, for example for ``IPython.display.HTML``. Without a script it shows the first
-        moment. A vehicle that the ego does not know, by messages or by its sensor, is drawn hollow.
+        HTML and well-formed XML, for example for ``IPython.display.HTML``. Without a script it shows the
+        start. A vehicle that the ego does not know, by messages or by its sensor, is drawn hollow.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def _rings(log: Log) -> list[list[int]]:
 
 
 def _run(log: Log, view: View) -> str:
-    """One run at its first moment."""
+    """One run at its start."""
     origin, users = _poses(log)[0, 0, :2], log.scenario.road_users
     x, y, psi = view.camera[0]
     pulses = '<circle class="pulse"/>' * len(users)

@@ -81,7 +81,7 @@ def first_lane_change(log: Log) -> tuple[float, float]:
     Returns
     -------
     start, end : float
-        Stations at which the ego has made 5 % and 95 % of its way to the other lane [m].
+        Stations at which the ego has made 5 % and 95 % of the lateral distance [m].
 
     Raises
     ------

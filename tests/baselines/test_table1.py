@@ -16,7 +16,7 @@ from cca_core.baselines.table1.csv_rows import read_rows, write_rows
 from cca_core.baselines.table1.experiment import methods, planners, scaling_points
 from cca_core.baselines.table1.page import page
 from cca_core.baselines.table1.scaling import ScalingPoint, ScalingResult, measure_scaling
-from cca_core.plot.comparison import plot_growth, plot_plans, plot_time_quality
+from cca_core.plot.comparison import plot_plans, plot_scaling, plot_time_quality
 from cca_core.sim import paper_scenarios
 from cca_core.sim.loop import make_planner
 from cca_core.sim.study.store import Store
@@ -59,7 +59,7 @@ def test_scaling_is_timed_once(tmp_path: Path) -> None:
     assert found[0].peak > 1.0
     assert found[0].time_ms > 0.0
     assert math.isnan(found[1].time_ms)
-    assert plot_growth(found[:1], ["cars"]).axes
+    assert plot_scaling(found[:1], ["cars"]).axes
 
 
 def test_closed_loop_is_measured_once(tmp_path: Path) -> None:

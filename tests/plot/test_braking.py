@@ -30,9 +30,9 @@ def test_bands_reach_from_rear_to_front_bumper(braking: tuple[Log, Log]) -> None
 
 
 def test_bands_meet_only_in_a_collision(braking: tuple[Log, Log]) -> None:
-    hit, free = (log.user_frenet[:, 0, 0] - log.ego_frenet[:, 0] - 4.5 for log in braking)
+    collided, free = (log.user_frenet[:, 0, 0] - log.ego_frenet[:, 0] - 4.5 for log in braking)
     assert first_collision(braking[0]).id == "yellow"
-    assert hit.min() < 0.05
+    assert collided.min() < 0.05
     assert first_collision(braking[1]) is None
     assert free.min() > 0.5
     first, second = plot_braking(braking).axes[:2]

@@ -15,11 +15,11 @@ GAINS = shipped_gains(CAR)
 
 
 @pytest.mark.parametrize("v", [5.0, 20.0])
-def test_region_shows_the_points(v: float) -> None:
+def test_region_marks_selected_and_scheduled_gains(v: float) -> None:
     found = gain_region(CAR, v, max(v, 4.0), StabilityRegion())
     (axis,) = plot_gain_region(found, GAINS).axes
     points = {line.get_label(): line.get_xydata() for line in axis.lines}
-    np.testing.assert_allclose(points["chosen"], [found.selected])
+    np.testing.assert_allclose(points["selected"], [found.selected])
     np.testing.assert_allclose(points["schedule"], [GAINS.at(v)[:2]])
     low, high = axis.get_xlim()
     assert low <= found.selected[0] <= high
@@ -31,10 +31,10 @@ def test_region_without_admissible_gains() -> None:
     found = gain_region(CAR, 20.0, 20.0, StabilityRegion(damping=1.0, delay=0.5))
     assert found.selected is None
     (axis,) = plot_gain_region(found).axes
-    assert "chosen" not in {line.get_label() for line in axis.lines}
+    assert "selected" not in {line.get_label() for line in axis.lines}
 
 
-def test_margins_over_speed() -> None:
+def test_margins_are_drawn_over_speed() -> None:
     margins = [stability_margins(CAR, GAINS, v) for v in GAINS.speeds]
     gain, phase, delay, disk = plot_margins(margins).axes
     assert all("[" in axis.get_ylabel() for axis in (gain, phase, delay, disk))
@@ -43,10 +43,10 @@ def test_margins_over_speed() -> None:
     np.testing.assert_allclose(phase.lines[0].get_ydata(), [math.degrees(m.phase) for m in margins])
 
 
-def test_the_edge_of_the_admissible_gains_is_not_sawtoothed() -> None:
+def test_edge_of_admissible_gains_is_smooth() -> None:
     region = gain_region(VehicleParams.bmw_320i(), 20.0, 22.0, StabilityRegion())
     area = plot_gain_region(region).axes[0].collections[0].get_paths()[0]
     edge = area.to_polygons()[0] / [region.k_p.max(), region.k_d.max()]
     hull = edge[ConvexHull(edge).vertices]
-    around, least = (np.hypot(*np.diff(np.vstack((p, p[:1])), axis=0).T).sum() for p in (edge, hull))
-    assert around < 1.05 * least
+    perimeter, shortest = (np.hypot(*np.diff(np.vstack((p, p[:1])), axis=0).T).sum() for p in (edge, hull))
+    assert perimeter < 1.05 * shortest

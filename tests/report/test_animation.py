@@ -113,10 +113,10 @@ def test_style_and_script_are_included_on_request(pair: tuple[Log, Log]) -> None
 
 def test_collision_is_marked_and_named(pair: tuple[Log, Log]) -> None:
     fragment = animate(pair)
-    hit, none = (data["collision"] for data in data_of(fragment))
+    text, none = (data["collision"] for data in data_of(fragment))
     log = pair[0]
     assert none is None
-    assert hit == f"collision with yellow at {log.t[-1]:.1f} s, {log.closing_speed():.1f} m/s"
+    assert text == f"collision with yellow at {log.t[-1]:.1f} s, {log.closing_speed():.1f} m/s"
     crashed, free = ElementTree.fromstring(fragment).iter("svg")
     (mark,) = (group for group in crashed.iter("g") if group.get("class") == "collision")
     x, y = (float(v) for v in re.findall(r"-?[\d.]+", mark.get("transform")))

@@ -21,7 +21,7 @@ from cca_core.baselines.table1.experiment import AXES, methods, planners, scalin
 from cca_core.baselines.table1.page import main_table, page
 from cca_core.baselines.table1.scaling import ScalingResult, measure_scaling
 from cca_core.baselines.table1.statistics import Statistics
-from cca_core.plot.comparison import plot_growth, plot_time_quality
+from cca_core.plot.comparison import plot_scaling, plot_time_quality
 from cca_core.sim import paper_scenarios
 from cca_core.sim.study.store import Store
 from cca_core.sim.study.study import source_digest
@@ -93,7 +93,7 @@ def write(docs: Path) -> str:
     measured = (folder / "measured.txt").read_text(encoding="utf-8").strip()
     (docs / "table1.md").write_text(page(rows, scaling, drives, measured=measured), encoding="utf-8")
     for name, figure in (
-        ("quality.svg", plot_time_quality(rows)), ("scaling.svg", plot_growth(scaling, AXES)),
+        ("quality.svg", plot_time_quality(rows)), ("scaling.svg", plot_scaling(scaling, AXES)),
     ):  # fmt: skip
         figure.savefig(folder / name, metadata={"Date": None})
     return main_table(Statistics(rows))
