@@ -23,7 +23,7 @@ frame = LocalFrame(route.lat[0], route.lon[0])
 path = fit_path(frame.to_local(route.lat, route.lon), tolerance=0.5)
 road = Road(path, [Lane(d=0.0), Lane(d=3.5)], speed_limit=25.0)  # a second lane to the left
 
-x, y = path.to_cartesian(160.0, -0.4)  # where it stands: 160 m down the road, a little right of the middle
+x, y = path.to_cartesian(160.0, -0.4)  # 160 m down the road, a little right of the lane's center
 psi = float(path.heading(160.0))
 obstacle = RemoteVehicle(id="broken down", x=x, y=y, psi=psi, v_x=0.0, length=6.0, width=2.0)
 
@@ -32,14 +32,14 @@ x, y = path.position(20.0)
 plant = SingleTrackPlant(car, VehicleState(x=x, y=y, psi=float(path.heading(20.0)), v_x=15.0))
 planner = Planner(car, road, cruise_speed=15.0, evasion=EvasionSettings(awareness_range=1000.0))
 
-s, said = 20.0, None
+s, last_action = 20.0, None
 for k in range(750):  # 15 s
     state = plant.state
     command = planner.step(0.02 * k, state, [obstacle])
     plant.step(command.delta, command.a_x, 0.02)
     s, d, _, _ = path.foot_point(state.x, state.y, s_guess=s)
-    if k % 50 == 0 or command.decision.action is not said:
-        said = command.decision.action
+    if k % 50 == 0 or command.decision.action is not last_action:
+        last_action = command.decision.action
         print(
-            f"{0.02 * k:5.1f} s: {s:4.0f} m along, {d:5.2f} m left, {said.name:10} {command.decision.reason}"
+            f"{0.02 * k:5.1f} s: {s:4.0f} m along, {d:5.2f} m left, {last_action.name:10} {command.decision.reason}"
         )

@@ -1,4 +1,4 @@
-"""Ask the planner once whether to pass a slow car or to wait for what comes on the other lane."""
+"""One planner cycle: pass a slow car, or follow it because of an oncoming vehicle."""
 
 import math
 
@@ -17,7 +17,7 @@ path = fit_path([(10.0 * i, 0.0) for i in range(201)])  # 2 km straight
 road = Road(path, [Lane(d=0.0), Lane(d=3.5, direction=-1)], speed_limit=25.0)
 car = VehicleParams.bmw_320i()
 ego = VehicleState(x=100.0, y=0.0, psi=0.0, v_x=20.0)
-settings = EvasionSettings(awareness_range=1000.0)  # whoever is nearer than this has sent a message
+settings = EvasionSettings(awareness_range=1000.0)  # every vehicle within this distance has sent a message
 slow = RemoteVehicle(id="slow", x=140.0, y=0.0, psi=0.0, v_x=12.0)
 
 for distance in (100.0, 300.0, 400.0, 600.0):

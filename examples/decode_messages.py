@@ -1,4 +1,4 @@
-"""From bytes to vehicles: decode Basic Safety Messages, track their senders, and ask where they are now."""
+"""From bytes to vehicles: decode Basic Safety Messages, track their senders, predict their positions."""
 
 from cca_core import LocalFrame
 from cca_core.v2x import Bsm, Tracker, decode_bsm, encode_bsm
@@ -6,7 +6,7 @@ from cca_core.v2x import Bsm, Tracker, decode_bsm, encode_bsm
 frame = LocalFrame(40.0, -83.0)
 tracker = Tracker(frame)
 
-log = []  # (time of reception [s], bytes), as a modem or a file gives them; here they are made
+log = []  # (time of reception [s], bytes), as from a modem or a file; synthetic here
 for k in range(20):
     t = 0.1 * k
     lat, lon = frame.to_geodetic((30.0 + 15.0 * t, 2.0))
@@ -19,14 +19,14 @@ for k in range(20):
 log.insert(10, (1.0, b"not a message"))
 
 for t_received, data in log:
-    outcome = tracker.update(data, t_received)
-    if not outcome.accepted:
-        print(f"dropped at {t_received:.2f} s: {outcome.kind}")
+    result = tracker.update(data, t_received)
+    if not result.accepted:
+        print(f"dropped at {t_received:.2f} s: {result.kind}")
 print(decode_bsm(log[-1][1]))
 
 for t in (2.0, 3.0, 4.0):
     for car in tracker.vehicles(t):
         print(
             f"{t:.1f} s: {car.id} at {car.x:.1f} m east, {car.y:.1f} m north, {car.v_x:.1f} m/s, "
-            f"heard {car.age:.1f} s ago, known to {2.0 * car.sigma_along:.1f} m along, {sorted(car.events)}"
+            f"age {car.age:.1f} s, along-track 2 sigma {2.0 * car.sigma_along:.1f} m, {sorted(car.events)}"
         )

@@ -1,4 +1,4 @@
-"""Steering gains for a car of your own: design over speed, margins, and a picture of the choice."""
+"""Steering gains for a car of your own: design over speed, margins, and a figure of the region."""
 
 import argparse
 import math

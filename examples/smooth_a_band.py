@@ -1,4 +1,4 @@
-"""Smooth a band: the same way around a parked car with a bounded rate of curvature (extra qp)."""
+"""Smooth a band: the same maneuver around a parked car with a bounded curvature rate (extra qp)."""
 
 import numpy as np
 
@@ -14,14 +14,14 @@ band = relax_band(route, [parked], vehicle=VehicleParams.bmw_320i(), stiffness=t
 
 
 def describe(name, band):
-    """Print what a passenger would feel."""
+    """Print lateral acceleration, jerk and clearance of a band."""
     path = band.path()
     a_y = SPEED**2 * path.curvature(path.breaks)
     jerk = SPEED * np.abs(np.diff(a_y) / np.diff(path.breaks)).max()
-    print(f"{name:22} a_y {np.abs(a_y).max():.1f} m/s^2, jerk {jerk:4.1f} m/s^3,", end=" ")
+    print(f"{name:22} a_y {np.abs(a_y).max():.1f} m/s², jerk {jerk:4.1f} m/s³,", end=" ")
     print(f"clearance {band.clearance:.2f} m, {band.status.name}: {band.message}")
 
 
 describe("relaxed", band)
-for rate in (1e-3, 4e-4, 2e-4):  # the last one cannot be kept within this window
-    describe(f"rate up to {rate:g} 1/m^2", smooth_band(band, curvature_rate_limit=rate))
+for rate in (1e-3, 4e-4, 2e-4):  # the last one is infeasible in this window
+    describe(f"rate up to {rate:g} 1/m²", smooth_band(band, curvature_rate_limit=rate))

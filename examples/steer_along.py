@@ -1,4 +1,4 @@
-"""A closed loop of your own: a car on tires that can slide, steered along an S-bend."""
+"""A closed loop of your own: a car with a tire model, steered along an S-curve."""
 
 import numpy as np
 
@@ -19,5 +19,5 @@ for speed in (10.0, 20.0, 25.0):
         plant.step(controller.steer(state, path), a_x=speed - state.v_x, dt=0.02)
         errors.append(abs(d))
         a_y.append(abs(plant.a_y))
-    settled = errors[len(errors) // 4 :]
-    print(f"{speed:4.0f} m/s: error {max(settled):.3f} m once settled, peak a_y {max(a_y):.1f} m/s^2")
+    steady = errors[len(errors) // 4 :]
+    print(f"{speed:4.0f} m/s: error {max(steady):.3f} m in steady state, peak a_y {max(a_y):.1f} m/s²")

@@ -60,5 +60,5 @@ def test_braking_without_runs_raises() -> None:
         plot_braking([])
 
 
-def test_braking_without_other_vehicles_is_drawn(alone: Log) -> None:
+def test_braking_without_other_vehicles_has_three_axes(alone: Log) -> None:
     assert len(plot_braking([alone]).axes) == 3

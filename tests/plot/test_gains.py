@@ -34,7 +34,7 @@ def test_region_without_admissible_gains() -> None:
     assert "selected" not in {line.get_label() for line in axis.lines}
 
 
-def test_margins_are_drawn_over_speed() -> None:
+def test_margins_are_shown_over_speed() -> None:
     margins = [stability_margins(CAR, GAINS, v) for v in GAINS.speeds]
     gain, phase, delay, disk = plot_margins(margins).axes
     assert all("[" in axis.get_ylabel() for axis in (gain, phase, delay, disk))

@@ -29,5 +29,5 @@ def test_layout_distances_are_to_scale() -> None:
     np.testing.assert_allclose(np.diff(bodies)[-2:], np.diff(wanted), atol=1e-6)
 
 
-def test_layout_without_other_vehicles_is_drawn(alone: Log) -> None:
+def test_layout_without_other_vehicles_has_one_axis(alone: Log) -> None:
     assert len(plot_layout(alone.scenario).axes) == 1

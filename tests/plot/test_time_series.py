@@ -19,5 +19,5 @@ def test_time_series_are_those_of_the_log(run: Run) -> None:
     assert all("[" in axis.get_ylabel() for axis in (speed, steer, lateral, gap))
 
 
-def test_time_series_without_other_vehicles_is_drawn(alone: Log) -> None:
+def test_time_series_without_other_vehicles_has_four_axes(alone: Log) -> None:
     assert len(plot_time_series(alone).axes) == 4

@@ -46,7 +46,7 @@ def test_strip_shows_near_vehicles_at_their_positions(waiting: Log) -> None:
     assert {f"ego@{number}" for number in (1, 2, 3)} <= polygons(overview).keys()
 
 
-def test_ego_is_drawn_at_its_body_not_center_of_gravity(waiting: Log) -> None:
+def test_ego_is_shown_at_its_body_not_center_of_gravity(waiting: Log) -> None:
     ahead = replace(waiting.scenario.vehicle, box_offset=1.0)
     log = replace(waiting, scenario=replace(waiting.scenario, vehicle=ahead))
     strip = plot_traffic(log, times=[2.0]).axes[1]

@@ -14,7 +14,7 @@ from cca_core.report import (
     write_report,
 )
 from cca_core.sim import Log
-from tests.support.browser import SIZES, faults, find_browser, look
+from tests.support.browser import SIZES, faults, find_browser, inspect_page
 from tests.support.paper_runs import Run
 
 pytestmark = pytest.mark.requires("matplotlib")
@@ -155,7 +155,7 @@ def test_report_without_other_vehicles(alone: Log, tmp_path: Path) -> None:
 @pytest.mark.skipif(BROWSER is None, reason="needs Chromium or Chrome")
 @pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}px")
 def test_page_works_in_a_browser_without_network(file: Path, size: tuple[int, int]) -> None:
-    found = look(BROWSER, file, size, still=size == SIZES[0])
+    found = inspect_page(BROWSER, file, size, still=size == SIZES[0])
     assert faults(found) == []
     assert found["top"][0] < 50.0
     assert "what V2V changed" in found["text"]

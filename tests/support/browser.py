@@ -1,8 +1,8 @@
-"""Look at a report in a real headless browser, with no network.
+"""Open a report in a headless browser, without network.
 
 `python tests/support/browser.py out/report.html [folder]` opens it at two widths, light and then dark with
-reduced motion, prints what was found, and writes screenshots of the first screen and of the whole page to the
-folder. It speaks the DevTools protocol to Chromium through a pipe, with the standard library alone.
+reduced motion, prints the faults, and writes screenshots of the first screen and of the whole page to the
+folder. It drives Chromium by the DevTools protocol through a pipe, with the standard library alone.
 """
 
 import base64
@@ -18,14 +18,14 @@ from typing import Any
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 SIZES = ((400, 800), (1400, 900))
-_WRONG = (
+ERRORS = (
     "Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled", "Network.loadingFailed",
 )  # fmt: skip
-_WAIT = 60.0  # for an answer [s]
+TIMEOUT = 60.0  # of an answer [s]
 
-_PROBE = """
+PROBE = """
 (async () => {
-  const places = () => [...document.querySelectorAll(".cca-run svg")].map((svg) =>
+  const transforms = () => [...document.querySelectorAll(".cca-run svg")].map((svg) =>
     [...svg.querySelectorAll(".world, .car")].map((part) => part.getAttribute("transform")).join());
   const seek = (range, t) => { range.value = t; range.dispatchEvent(new Event("input", {bubbles: true})); };
   const roots = [...document.querySelectorAll(".cca")];
@@ -48,9 +48,9 @@ _PROBE = """
   for (const root of roots) {
     const range = root.querySelector("input");
     seek(range, 0);
-    const before = places();
+    const before = transforms();
     seek(range, Number(range.max));
-    const after = places();
+    const after = transforms();
     const own = [...root.querySelectorAll(".cca-run svg")].map((svg) =>
       [...document.querySelectorAll(".cca-run svg")].indexOf(svg));
     moved.push(own.every((i) => before[i] !== after[i]));
@@ -58,11 +58,11 @@ _PROBE = """
   }
   let plays = null;
   if (roots.length) {
-    const button = roots[0].querySelector("button"), before = places()[0];
+    const button = roots[0].querySelector("button"), before = transforms()[0];
     roots[0].scrollIntoView();
     button.click();
     await new Promise((done) => setTimeout(done, 700));
-    plays = places()[0] !== before && button.textContent === "Pause";
+    plays = transforms()[0] !== before && button.textContent === "Pause";
     button.click();
     window.scrollTo(0, 0);
   }
@@ -98,7 +98,7 @@ class Browser:
         )  # fmt: skip
         os.close(theirs_in)
         os.close(theirs_out)
-        self._buffer, self._count, self.told = b"", 0, list[dict[str, Any]]()
+        self._buffer, self._count, self.messages = b"", 0, list[dict[str, Any]]()
         self._session: str | None = None
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
@@ -108,13 +108,13 @@ class Browser:
 
     def __exit__(self, *_: object) -> None:
         self._process.terminate()
-        self._process.wait(_WAIT)
+        self._process.wait(TIMEOUT)
         os.close(self._in)
         os.close(self._out)
         self._folder.cleanup()
 
     def call(self, method: str, **parameters: Any) -> dict[str, Any]:
-        """Send a command and return its result; what the page tells meanwhile is kept in `told`."""
+        """Send a command and return its result; messages of the page in between go to `messages`."""
         self._count += 1
         message: dict[str, Any] = {"id": self._count, "method": method, "params": parameters}
         if self._session is not None:
@@ -127,16 +127,16 @@ class Browser:
                     raise RuntimeError(f"{method}: {answer['error']}")
                 result: dict[str, Any] = answer["result"]
                 return result
-            self.told.append(answer)
+            self.messages.append(answer)
 
     def wait_for(self, method: str) -> None:
-        """Wait until the page tells something."""
-        while not any(message.get("method") == method for message in self.told):
-            self.told.append(self._next())
+        """Wait for a message of the page."""
+        while not any(message.get("method") == method for message in self.messages):
+            self.messages.append(self._next())
 
     def _next(self) -> dict[str, Any]:
         while b"\0" not in self._buffer:
-            if not select([self._in], [], [], _WAIT)[0]:
+            if not select([self._in], [], [], TIMEOUT)[0]:
                 raise TimeoutError("the browser does not answer")
             data = os.read(self._in, 1 << 20)
             if not data:
@@ -152,7 +152,7 @@ def find_browser() -> str | None:
     return next(filter(None, map(shutil.which, BROWSERS)), None)
 
 
-def look(
+def inspect_page(
     program: str,
     page: Path,
     size: tuple[int, int],
@@ -161,7 +161,7 @@ def look(
     dark: bool = False,
     still: bool = False,
 ) -> dict[str, Any]:
-    """Open a page offline in a window of a size; return what was found, with a list of errors."""
+    """Open a page offline in a window of a size; return its state and its errors."""
     width, height = size
     with Browser(program) as browser:
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -180,7 +180,7 @@ def look(
         browser.call("Emulation.setEmulatedMedia", features=features)
         browser.call("Page.navigate", url=page.resolve().as_uri())
         browser.wait_for("Page.loadEventFired")
-        answer = browser.call("Runtime.evaluate", expression=_PROBE, awaitPromise=True, returnByValue=True)
+        answer = browser.call("Runtime.evaluate", expression=PROBE, awaitPromise=True, returnByValue=True)
         found: dict[str, Any] = answer["result"].get("value", {"probe": answer})
         if pictures is not None:
             name = f"{page.stem}_{width}{'_dark' if dark else ''}"
@@ -189,12 +189,12 @@ def look(
             clip = {"x": 0, "y": 0, "width": width, "height": tall, "scale": 1}
             _picture(browser, pictures / f"{name}_page.png", clip=clip, captureBeyondViewport=True)
         found["still"] = still
-        found["errors"] = [message for message in browser.told if message.get("method") in _WRONG]
+        found["errors"] = [message for message in browser.messages if message.get("method") in ERRORS]
     return found
 
 
 def faults(found: dict[str, Any]) -> list[str]:
-    """Name what is wrong in what `look` found."""
+    """Faults in the result of `inspect_page`."""
     checks = {
         "wider than the window": found["page"] > found["width"] or found["wide"],
         "errors": found["errors"],
@@ -226,12 +226,12 @@ def main() -> int:
     bad = False
     for width, height in SIZES:
         for dark in (False, True):
-            found = look(program, page, (width, height), pictures, dark=dark, still=dark)
+            found = inspect_page(program, page, (width, height), pictures, dark=dark, still=dark)
             wrong = faults(found)
             bad |= bool(wrong)
-            told = f"FAILED: {', '.join(wrong)} {found}" if wrong else "ok"
+            result = f"FAILED: {', '.join(wrong)} {found}" if wrong else "ok"
             count = f"{found['images']} images, {len(found['moved'])} animations"
-            sys.stdout.write(f"{width}x{height}{' dark' if dark else ''}: {count}, {told}\n")
+            sys.stdout.write(f"{width}x{height}{' dark' if dark else ''}: {count}, {result}\n")
     return int(bad)
 
 
