@@ -17,7 +17,9 @@ print(f"largest distance of a waypoint from the path: {np.abs(d).max():.2f} m")
 for s in np.linspace(0.0, path.length, 6):
     x, y = path.position(s)
     radius = 1.0 / path.curvature(s)
-    turn = f"{abs(radius):6.0f} m {'left' if radius > 0.0 else 'right'}" if abs(radius) < 2000.0 else "straight"
+    turn = (
+        f"{abs(radius):6.0f} m {'left' if radius > 0.0 else 'right'}" if abs(radius) < 2000.0 else "straight"
+    )
     print(f"at {s:6.0f} m: east {x:6.0f} m, north {y:5.0f} m, heading {path.heading(s):5.2f} rad, {turn}")
 
 lat, lon = frame.to_geodetic(path.to_cartesian(1000.0, 3.5))

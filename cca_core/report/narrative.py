@@ -115,10 +115,10 @@ def describe_run(log: Log) -> str:
     ends = [begin for begin, _, _ in log.decisions[1:]] + [float(log.t[-1])]
     for i, ((begin, name, reason), end) in enumerate(zip(log.decisions, ends, strict=True)):
         is_last = i + 1 == len(log.decisions)
-        head, _, detail = reason.partition(";")
-        head = head.partition(":")[0]
+        head, _, detail = reason.partition(": ")  # the action, then its causes
+        head = head.partition(" (")[0]  # the numbers are those of its first cycle
         if Action(name) in (Action.FOLLOW, Action.BRAKE):
-            parts.append(_describe_wait(log, begin, end, head, detail.strip() if is_last else None))
+            parts.append(_describe_wait(log, begin, end, head, detail if is_last else None))
         elif Action(name).is_evading:
             parts.append(f"{head} ({begin:.1f} s)")
         elif is_last and i > 0:
