@@ -3,6 +3,7 @@
 from cca_core.decide.action import Action, Candidate, Decision, LeadVehicle, choose_action
 from cca_core.decide.crossing import Conflict, CrossingSettings, find_conflict
 from cca_core.decide.danger_zone import danger_zone, danger_zone_end
+from cca_core.decide.rejection import Rejection, RejectionKind
 from cca_core.decide.rss import (
     RSS_EGO,
     RSS_OTHER,
@@ -21,6 +22,8 @@ __all__ = [
     "CrossingSettings",
     "Decision",
     "LeadVehicle",
+    "Rejection",
+    "RejectionKind",
     "RssSettings",
     "choose_action",
     "danger_zone",

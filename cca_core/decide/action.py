@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from cca_core.decide.rejection import Rejection
+
 _BRAKE_RELEASE_FRACTION = 0.7  # of the brake threshold: below it braking ends, so that it does not chatter
 
 
@@ -63,8 +65,8 @@ class Candidate:
     ----------
     side : {"left", "right"}
         Side on which the lead vehicle is passed.
-    rejection : str
-        Why the maneuver is not feasible; empty if it is.
+    rejection : Rejection, optional
+        Why the maneuver is not feasible; None if it is.
     available_distance : float
         Distance until the ego must be alongside the lead vehicle [m].
     required_distance : float
@@ -78,7 +80,7 @@ class Candidate:
     """
 
     side: str
-    rejection: str = ""
+    rejection: Rejection | None = None
     available_distance: float = math.inf
     required_distance: float = 0.0
     t_maneuver: float = 0.0
@@ -160,7 +162,7 @@ def choose_action(
         return Decision(action=Action.KEEP, reason="keeping lane: no blocking vehicle")
     limit = brake_threshold * (_BRAKE_RELEASE_FRACTION if previous is Action.BRAKE else 1.0)
     hard, waited = lead.required_deceleration > limit, previous in (Action.FOLLOW, Action.BRAKE)
-    feasible = sorted((c for c in candidates if not c.rejection), key=lambda c: c.cost)
+    feasible = sorted((c for c in candidates if c.rejection is None), key=lambda c: c.cost)
     stops = lead.comfort_stop_deceleration <= comfort_deceleration
     if feasible and not stops:
         best = feasible[0]
@@ -214,4 +216,7 @@ def _why_not_passing(lead: LeadVehicle, candidates: Sequence[Candidate]) -> str:
     """Rejections of all candidates."""
     if lead.kind == "crossing":
         return "it crosses the route"
-    return "; ".join(f"{c.side}: {c.rejection}" for c in candidates) or "no maneuver was planned"
+    return (
+        "; ".join(str(c.rejection) for c in candidates if c.rejection is not None)
+        or "no maneuver was planned"
+    )

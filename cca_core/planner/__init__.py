@@ -3,5 +3,25 @@
 from cca_core.planner.command import Command
 from cca_core.planner.planner import Planner
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.tuning import (
+    AbortSettings,
+    ActuationSettings,
+    DecisionSettings,
+    LastResortSettings,
+    LeadSettings,
+    ReplanSettings,
+    YieldSettings,
+)
 
-__all__ = ["Command", "EvasionSettings", "Planner"]
+__all__ = [
+    "AbortSettings",
+    "ActuationSettings",
+    "Command",
+    "DecisionSettings",
+    "EvasionSettings",
+    "LastResortSettings",
+    "LeadSettings",
+    "Planner",
+    "ReplanSettings",
+    "YieldSettings",
+]  # fmt: skip

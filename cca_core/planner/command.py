@@ -1,4 +1,4 @@
-"""What one cycle of the planner asks of the car."""
+"""Command of one cycle."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ __all__ = ["Command"]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Command:
-    """What the car is to do now, and why.
+    """Steering and acceleration of a cycle, with their reason.
 
     Parameters
     ----------
@@ -23,14 +23,14 @@ class Command:
     decision : Decision
         The action with its reason.
     band : Band or None
-        The bent route while evading, from the ego on.
+        The band of an ongoing maneuver, from the ego on.
     reference : Path
         The path that is steered along.
     status : Status
-        `Status.OK`; `FALLBACK` for a swerve that is driven otherwise than in comfort, or given up; or
-        `INVALID_INPUT`. To follow and to brake, however hard, is `OK`: `decision` says what is done.
+        `Status.OK`; `DEGRADED` if the maneuver exceeds the comfort limits or is aborted; `INVALID_INPUT` if
+        time or state cannot be used. Following and braking are `OK`, even at full deceleration.
     dropped : tuple of (str, str)
-        Remote vehicles that could not be used, each with the reason.
+        Id and reason of remote vehicles that cannot be used.
     """
 
     delta: float

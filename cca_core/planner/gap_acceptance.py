@@ -1,113 +1,105 @@
-"""Whether the lane beside is free: danger zones of all that is known, and of what may not be known."""
+"""Gap acceptance: danger zones of the known vehicles in the adjacent lane, and of an assumed one."""
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.decide import danger_zone
+from cca_core.band import Side
+from cca_core.decide import Rejection, RejectionKind, danger_zone
+from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.path import Lane, Road
-from cca_core.planner.frenet import HORIZON, FrenetEgo, FrenetVehicle
+from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.window import HORIZON
 
 __all__ = ["check_adjacent_lane"]
 
-_LANE_ENTRY_TOLERANCE = 0.2  # a body this far over the line is not yet on the lane [m]
+
+class _Body(NamedTuple):
+    """A body in the lane: rear and front relative to the ego [m], speed [m/s], age [s], its vehicle if known."""
+
+    rear: float
+    front: float
+    v_s: float
+    age: float
+    vehicle_id: str | None
 
 
 def check_adjacent_lane(
     ego: FrenetEgo,
     road: Road,
     lane: Lane | None,
+    side: Side,
     others: Sequence[FrenetVehicle],
-    times: Array,
-    *,
-    x_safety: float,
+    settings: EvasionSettings,
     awareness_range: float,
-    stale_after: float,
-    braking: float,
-    acceleration: float,
-) -> tuple[tuple[float, float] | None, str]:
-    """Ask whether the lane beside is free while the ego's body is on it.
-
-    Parameters
-    ----------
-    ego : Ego
-        The ego and how it intends to drive.
-    road : Road
-        Route, lanes and speed limit.
-    lane : Lane or None
-        The lane to be entered, None if there is none.
-    others : sequence of Neighbor
-        All vehicles but the one that is passed.
-    times : ndarray, shape (n,)
-        Times from now during which the body is on the lane [s].
-    x_safety, awareness_range, stale_after : float
-        Distance kept [m], distance up to which all vehicles are known [m], and age from which on a
-        vehicle's messages are no longer believed [s].
-    braking, acceleration : float
-        Largest deceleration and acceleration of others that are provided for [m/s^2].
-
-    Returns
-    -------
-    zone : tuple of float or None
-        Rear and front end of the danger zone that comes nearest to the ego's body [m], relative to the ego.
-    obstruction : str
-        Why the lane is not free, in words; empty if it is.
-    """
+    times: Array,
+) -> tuple[tuple[float, float] | None, Rejection | None]:
+    """Return the closest danger zone while the ego's body is in the lane, and why the gap is rejected."""
     if lane is None:
-        return None, "there is no lane"
+        return None, Rejection(kind=RejectionKind.NO_LANE, side=side)
     if awareness_range == 0.0:
-        return None, "the lane is not known to be free"
+        return None, Rejection(kind=RejectionKind.UNAWARE, side=side, value=0.0)
+    in_lane = [o for o in others if _overlaps_lane(o, lane, settings.lane_entry_tolerance)]
+    for o in in_lane:
+        if o.remote.age > settings.stale_after:
+            return None, Rejection(
+                kind=RejectionKind.STALE, side=side, vehicle_id=o.id, value=o.remote.age,
+                limit=settings.stale_after,
+            )  # fmt: skip
     grid = np.arange(0.0, HORIZON, 2.0)
-    driven = np.interp(times, ego.arrival_times(ego.s + grid), grid)
+    traveled = np.interp(times, ego.arrival_times(ego.s_cg + grid), grid)
     half = 0.5 * ego.vehicle.length
-    worst: tuple[tuple[float, float] | None, str] = (None, "")
-    least = math.inf
-    stale = [o.remote.id for o in others if _overlaps_lane(o, lane) and o.remote.age > stale_after]
-    if stale:
-        return None, f"nothing is heard of {stale[0]} any more"
-    for name, rear, front, v_s, age, known in _vehicles_in_lane(lane, ego, road, others, awareness_range):
+    closest: tuple[tuple[float, float] | None, Rejection | None] = None, None
+    min_gap = math.inf
+    for body in _bodies_in_lane(lane, ego, road, in_lane, awareness_range):
+        known = body.vehicle_id is not None  # the assumed vehicle keeps the speed limit
         zone = danger_zone(
-            rear, front, v_s, times=times, ego_travel=driven, x_safety=x_safety, age=age,
-            braking=braking * known, acceleration=acceleration * known,
+            body.rear, body.front, body.v_s, times=times, ego_travel=traveled, x_safety=settings.x_safety,
+            age=body.age, braking=settings.assumed_braking * known,
+            acceleration=settings.assumed_acceleration * known,
         )  # fmt: skip
         gap = max(float(zone[0]) - half, -half - float(zone[1]))
-        if gap < least:
-            least, blocked = gap, f"{name} is in the way" if gap <= 0.0 else ""
-            worst = (float(zone[0]), float(zone[1])), blocked
-    return worst
+        if gap < min_gap:
+            min_gap = gap
+            rejection = None if gap > 0.0 else _reject_gap(body, side, half, awareness_range)
+            closest = (float(zone[0]), float(zone[1])), rejection
+    return closest
 
 
-def _overlaps_lane(other: FrenetVehicle, lane: Lane) -> bool:
+def _reject_gap(body: _Body, side: Side, half_length: float, awareness_range: float) -> Rejection:
+    """Rejection of a gap because of a body in the lane."""
+    if body.vehicle_id is None:
+        return Rejection(
+            kind=RejectionKind.BEYOND_AWARENESS, side=side, value=abs(body.v_s), limit=awareness_range
+        )
+    ahead, behind = body.rear - half_length, -body.front - half_length
+    distance = ahead if ahead > 0.0 else min(-behind, 0.0)
+    return Rejection(
+        kind=RejectionKind.LANE_BLOCKED, side=side, vehicle_id=body.vehicle_id, distance=distance,
+        value=abs(body.v_s),
+    )  # fmt: skip
+
+
+def _overlaps_lane(other: FrenetVehicle, lane: Lane, tolerance: float) -> bool:
     return (
-        other.d + other.half_width > lane.right + _LANE_ENTRY_TOLERANCE
-        and other.d - other.half_width < lane.left - _LANE_ENTRY_TOLERANCE
+        other.d + other.half_width > lane.right + tolerance
+        and other.d - other.half_width < lane.left - tolerance
     )
 
 
-def _vehicles_in_lane(
-    lane: Lane, ego: FrenetEgo, road: Road, others: Sequence[FrenetVehicle], awareness_range: float
-) -> list[tuple[str, float, float, float, float, bool]]:
-    """Name, rear and front relative to the ego, speed, age and whether it is known, of all on a lane."""
-    center = ego.s + ego.vehicle.box_offset
+def _bodies_in_lane(
+    lane: Lane, ego: FrenetEgo, road: Road, vehicles: Sequence[FrenetVehicle], awareness_range: float
+) -> list[_Body]:
+    """Known vehicles in a lane, and the one assumed at the end of the awareness range."""
     found = [
-        (
-            o.remote.id,
-            o.s - o.half_length - center,
-            o.s + o.half_length - center,
-            o.v_s,
-            o.remote.age,
-            True,
-        )
-        for o in others
-        if _overlaps_lane(o, lane)
+        _Body(o.s - o.half_length - ego.s, o.s + o.half_length - ego.s, o.v_s, o.remote.age, o.id)
+        for o in vehicles
     ]
     if math.isfinite(awareness_range):
-        edge, v = (
-            (awareness_range, -road.speed_limit)
-            if lane.direction < 0
-            else (-awareness_range, road.speed_limit)
-        )
-        found.append(("a vehicle out of range", edge, edge, v, 0.0, False))
+        oncoming = lane.direction < 0
+        s, v = (awareness_range, -road.speed_limit) if oncoming else (-awareness_range, road.speed_limit)
+        found.append(_Body(s, s, v, 0.0, None))
     return found

@@ -1,22 +1,19 @@
-"""Ways around what stands in the way: where to swerve, the band to drive, whether the lane beside is free.
-
-Where to swerve, what is kept of a swerve under way and whether the lane beside is free are one decision about
-one band, so this module is a little longer than others.
-"""
+"""Evasive maneuvers: the band around blocking vehicles, with gap acceptance of the adjacent lane."""
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from cca_core._checks import Array, Mask
 from cca_core.band import Band, Side, relax_band
-from cca_core.band.problem import offset_curve
-from cca_core.decide import Candidate
+from cca_core.band.problem import MAX_DISPLACEMENT, offset_curve
+from cca_core.decide import Candidate, Rejection, RejectionKind
 from cca_core.errors import Status
+from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.geometry import Boxes
 from cca_core.path import Lane, Path, Road, splice_path
 from cca_core.planner.committed import (
@@ -25,76 +22,52 @@ from cca_core.planner.committed import (
     relax_clearance,
     resample_displacement,
 )
-from cca_core.planner.frenet import HORIZON, FrenetEgo, FrenetVehicle
 from cca_core.planner.gap_acceptance import check_adjacent_lane
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.window import Window, assumed_interval, plan_window
 from cca_core.predict import occupancy_boxes
 from cca_core.vehicle import GRAVITY
 
-__all__ = ["MANEUVER_GRIP_FRACTION", "EvasionSettings", "Maneuver", "plan_maneuver", "predicted_occupancy"]
+__all__ = ["Maneuver", "plan_maneuver", "predicted_occupancy"]
 
-MANEUVER_GRIP_FRACTION = 0.8
-"""Share of the tires' grip that a swerve may use when it cannot be given up any more."""
-
-_BEHIND = 2.0  # a window starts this far behind the car [m]
-_WINDOW_HYSTERESIS = 2.0  # an end that would move on by less stays: it is an effect of rounding [m]
-_CURVATURE_TOLERANCE = 1.002  # as a multiple of how it is bent already, what can hardly change may be bent
-_EDGE_TOLERANCE = 0.05  # by which an edge is farther for what can hardly change [m]
-_NODES = 140  # in a window, at most; never closer than 1 m
-_MANEUVERING = 5.0  # slower than this the steering limits curvature, not the tires [m/s]
-_QUINTIC = 5.7735  # peak of the second derivative of the quintic step
-_GAP_CHECK_SAMPLES = 24  # at which the lane beside is looked at
-_AHEAD = np.arange(-_BEHIND, HORIZON, 1.0)  # distances at which the ego is looked at beside others [m]
+_MAX_NODES = 140  # of a band; they are never closer than 1 m
+_STEERING_LIMITED_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
+_GAP_SAMPLES = 24  # times at which a gap is checked
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Maneuver:
-    """A swerve that could be driven.
-
-    Parameters
-    ----------
-    side : {"left", "right"}
-        Side of the route to which it swerves.
-    start, end : float
-        Window on the route [m], at both ends of which the swerve lies on the route.
-    band : Band
-        The bent route from the ego on; of a new swerve from `start` on.
-    displacement : ndarray, shape (n,)
-        Lateral coordinate at equal steps from `start` to `end` [m], left positive: what has been driven, then
-        the band.
-    reference : Path
-        What the steering follows: the same, then the route.
-    candidate : Candidate
-        The same for the choice of action.
-    """
+    """An evasive maneuver: its window on the route, its band from the ego on, and what is steered along."""
 
     side: Side
-    start: float
+    start: float  # stations at which it leaves and rejoins the route [m]
     end: float
     band: Band
-    displacement: Array
+    displacement: Array  # lateral offsets at equal steps from start to end [m]: driven, then the band
     reference: Path
     candidate: Candidate
 
     @property
     def stations(self) -> Array:
-        """Path coordinates at which `displacement` is told [m]."""
+        """Stations of `displacement` [m]."""
         return np.linspace(self.start, self.end, len(self.displacement))
 
     def offset_at(self, s: float) -> float:
-        """Lateral coordinate of the swerve.
-
-        Parameters
-        ----------
-        s : float
-            Path coordinate [m].
-
-        Returns
-        -------
-        d : float
-            Displacement there [m], left positive; 0 outside the window.
-        """
+        """Return the lateral offset at a station [m], 0 outside the window."""
         return float(np.interp(s, self.stations, self.displacement))
+
+
+class _Stretch(NamedTuple):
+    """The part of a maneuver that is planned now."""
+
+    stations: Array  # of the whole maneuver [m]
+    driven: Array | None  # displacement so far at these stations [m]; None for a new maneuver
+    k: int  # first node that is planned
+    t: Array  # arrival times from there on [s]
+
+    @property
+    def s(self) -> Array:
+        return self.stations[self.k :]
 
 
 def plan_maneuver(
@@ -105,251 +78,173 @@ def plan_maneuver(
     side: Side,
     settings: EvasionSettings,
     current: Maneuver | None = None,
-    at_once: bool = False,
+    *,
+    start_now: bool = False,
+    cancellable: bool = False,
     awareness_range: float = math.inf,
 ) -> Maneuver | Candidate:
-    """Plan a swerve around what blocks the route.
-
-    Parameters
-    ----------
-    ego : Ego
-        The ego on its route.
-    road : Road
-        Route, lanes and edges.
-    blocking : sequence of Neighbor
-        Vehicles in the way, nearest first; at least one.
-    others : sequence of Neighbor
-        All other vehicles.
-    side : {"left", "right"}
-        Side to pass on.
-    settings : EvasionSettings
-        Clearance, comfort and caution.
-    current : Evasion, optional
-        The maneuver that is being driven: its window is kept, only its end may move on, and what has been
-        driven of it stays.
-    at_once : bool
-        Whether the swerve begins now even if there would be time to drive on; of an ongoing one, whether it
-        could still be given up, so that the lane beside must still be free.
-    awareness_range : float
-        Distance up to which all vehicles are known now [m], where that is less than the settings say.
-
-    Returns
-    -------
-    evasion : Evasion or Candidate
-        The swerve; a bare candidate with its obstruction where no band could be drawn.
-    """
-    soon = ego.arrival_times(ego.s + _AHEAD)
-    leads, contact = zip(
-        *(_alongside_interval(ego, b, settings, soon, b is blocking[0]) for b in blocking), strict=True
-    )
-    first, last = contact[0]
-    if current is None and not first < last < HORIZON:
-        return Candidate(
-            side=side,
-            rejection=f"{blocking[0].remote.id} would not be passed in {HORIZON:.0f} m",
-        )
-    beside = road.lane_at(road.ego_lane.left + 0.1 if side == "left" else road.ego_lane.right - 0.1)
-    half_width = 0.5 * ego.vehicle.width
-    offset = blocking[0].half_width + half_width + settings.clearance
-    offset += blocking[0].d if side == "left" else -blocking[0].d
-    room_aside = (road.ego_lane.left if side == "left" else -road.ego_lane.right) - half_width
-    if beside is None and offset > room_aside:
-        return Candidate(side=side, rejection="there is no lane")
-    bend = np.abs(road.path.curvature(np.linspace(ego.s, ego.s + min(last, HORIZON), 20))).max()
-    spare = settings.lateral_acceleration - max(ego.v_x, ego.v_target) ** 2 * float(bend)
-    duration = math.sqrt(_QUINTIC * max(offset, 0.5) / max(spare, 0.5 * settings.lateral_acceleration))
-    v_out, v_back = _speed_after(ego, first), _speed_after(ego, last)
-    needed = v_out * (duration + settings.preparation_time)
-    delay = 0.0 if at_once else max(first - needed, 0.0)
-    start, end = ego.s - _BEHIND + delay, ego.s + last + v_back * duration
-    if not at_once:
-        start += v_out * settings.preparation_time
-    if current is not None:
-        start, end = current.start, current.end
-    for begins, ends in contact:  # no room to return before the next one: stay out
-        until = ego.s + ends + v_back * duration
-        if (
-            begins < ends < HORIZON
-            and ego.s + begins - v_back * duration < end
-            and until > end + _WINDOW_HYSTERESIS
-        ):
-            end = until
-    if end > road.path.end:
-        return Candidate(side=side, rejection="the route ends before the pass does")
-    free = partial(
-        check_adjacent_lane, ego, road, beside, [*others, *blocking[1:]], x_safety=settings.x_safety,
-        awareness_range=min(settings.awareness_range, awareness_range), stale_after=settings.stale_after,
-        braking=settings.assumed_braking, acceleration=settings.assumed_acceleration,
+    """Plan a maneuver around blocking vehicles, nearest first, or replan the current one."""
+    lane = road.lane_at(road.ego_lane.left + 0.1 if side == "left" else road.ego_lane.right - 0.1)
+    kept = None if current is None else (current.start, current.end)
+    window = plan_window(ego, road, lane, blocking, side, settings, kept, start_now=start_now)
+    if isinstance(window, Rejection):
+        return Candidate(side=side, rejection=window)
+    check_gap = partial(
+        check_adjacent_lane, ego, road, lane, side, [*others, *blocking[1:]], settings,
+        min(settings.awareness_range, awareness_range),
     )  # fmt: skip
-    if at_once and current is None and offset > room_aside:  # no band is needed to see who is there now
-        zone, obstruction = free(np.linspace(0.0, float(np.interp(last, _AHEAD, soon)), _GAP_CHECK_SAMPLES))
-        if obstruction:
+    if start_now and current is None and window.leaves_lane:  # rejects most gaps before a band is relaxed
+        zone, rejection = check_gap(np.linspace(0.0, window.t_last, _GAP_SAMPLES))
+        if rejection is not None:
             return Candidate(
-                side=side,
-                rejection=obstruction,
-                available_distance=first,
-                required_distance=needed,
-                danger_zone=zone,
-            )
-    beside_or_ahead = [
-        o for o in others if not o.is_following_ego(ego, road.ego_lane.right, road.ego_lane.left)
-    ]
-    n = 1 + min(_NODES, max(20, math.ceil(end - start)))
-    whole = np.linspace(start, end, n)
-    # what has been driven stays as it is, and the band goes on from there
-    was = None
-    if current is not None and ego.s >= start:
-        was = resample_displacement(whole, current.stations, current.displacement)
-    k = 0 if was is None else first_replannable_node(whole, ego.s)
-    s, t = whole[k:], ego.arrival_times(whole[k:])
-    right = road.ego_lane.right if side == "left" or beside is None else beside.right
-    left = road.ego_lane.left if side == "right" or beside is None else beside.left
-    squared = np.maximum(_max_speeds(ego, s), _MANEUVERING) ** 2
-    curvature_limit, room = settings.lateral_acceleration_limit / squared, np.zeros(len(s))
-    if was is not None:
-        m = min(committed_nodes(t), len(s) - 1)
-        h, three = whole[1] - whole[0], np.stack([was[k + i : k + i + m] for i in (-1, 0, 1)])
-        bent = _CURVATURE_TOLERANCE * np.abs(offset_curve(road.path.curvature(s[:m]), three, h)[1])
-        most = MANEUVER_GRIP_FRACTION * ego.vehicle.mu * GRAVITY / squared[:m]
-        curvature_limit[:m] = np.maximum(curvature_limit[:m], np.minimum(bent, most))
-        room[: m + math.ceil(ego.vehicle.length / h)] = _EDGE_TOLERANCE  # nodes that the body reaches
-    draw = partial(
-        relax_band, road.path.position(s), side=side, vehicle=ego.vehicle, clearance=settings.clearance,
-        corridor=(right - room, left + room), curvature_limit=curvature_limit,
-        start=0.0 if was is None else was[k - 1 : k + 2],
-    )  # fmt: skip
-    bounds = predicted_occupancy(road.path, s, [*blocking, *beside_or_ahead], t, settings)
-    if was is not None:
-        bounds = relax_clearance(
-            bounds, ego.swept_boxes(road.path, s[:m], was[k : k + m]), t, settings.clearance
-        )
-    each = zip(bounds.x, bounds.y, bounds.psi, bounds.length, bounds.width, strict=True)
-    boxes = [Boxes(*fields) for fields in each]
-    band = draw(boxes, lead_distance=[*leads, *(0.0 for _ in beside_or_ahead)])
-    found = band.status is Status.OK
-    ways = [_leaves_lane(band.displacement, road.ego_lane, half_width)] if found else []
-    if found and beside_or_ahead and current is None:
-        # who is known less well pushes the band back sooner, which must not make the lane free
-        alone = draw(boxes[: len(blocking)], lead_distance=leads)
-        ways.append(_leaves_lane(alone.displacement, road.ego_lane, half_width))
-    outside = np.any(ways, axis=0) if found else _between(s - ego.s, first, last)
-    leaves = bool(outside.any())
-    until = float(t[np.flatnonzero(outside)[-1]]) + ego.vehicle.length / max(v_back, 1.0) if leaves else 0.0
-    zone, obstruction = None, ""
-    if leaves and (current is None or at_once):
-        # a waiting ego goes only when the lane is free now, a driving one must find it free on entering it
-        begins = 0.0 if at_once and current is None else max(float(t[np.argmax(outside)]), 0.0)
-        zone, obstruction = free(np.linspace(begins, until, _GAP_CHECK_SAMPLES))
-    if not found:
-        obstruction = obstruction or _named(band.message, [*blocking, *beside_or_ahead], s - ego.s)
+                side=side, rejection=rejection, available_distance=window.first,
+                required_distance=window.required, danger_zone=zone,
+            )  # fmt: skip
+    relevant = [o for o in others if not ego.is_followed_by(o, road.ego_lane.right, road.ego_lane.left)]
+    stretch = _plan_stretch(ego, window, current)
+    problem = _band_problem(ego, road, side, lane, stretch, settings)
+    obstacles = _occupancies(ego, road.path, stretch, [*blocking, *relevant], settings)
+    band = problem(obstacles, lead_distance=[*window.lead_distances, *(0.0 for _ in relevant)])
+    outside = _outside_lane(ego, road.ego_lane, band) if band.status is Status.OK else None
+    if outside is not None and relevant and current is None:
+        # an uncertain vehicle pushes the band back sooner, which must not make the gap acceptable
+        alone = problem(obstacles[: len(blocking)], lead_distance=window.lead_distances)
+        outside = outside | _outside_lane(ego, road.ego_lane, alone)
+    elif outside is None:
+        ahead = stretch.s - ego.s_cg
+        outside = (ahead >= window.first) & (ahead <= window.last)
+    until = 0.0
+    zone, rejection = None, None
+    if outside.any():
+        until = float(stretch.t[np.flatnonzero(outside)[-1]])
+        until += ego.vehicle.length / max(window.v_return, 1.0)
+        if current is None or cancellable:
+            # after waiting the gap must be open now, otherwise once the ego enters the lane
+            begin = 0.0
+            if not (start_now and current is None):
+                begin = max(float(stretch.t[np.argmax(outside)]), 0.0)
+            zone, rejection = check_gap(np.linspace(begin, until, _GAP_SAMPLES))
+    if band.status is not Status.OK and rejection is None:
+        rejection = _reject_band(band, side, [*blocking, *relevant], stretch.s - ego.s_cg)
     candidate = Candidate(
-        side=side, rejection=obstruction, available_distance=first, required_distance=needed,
+        side=side, rejection=rejection, available_distance=window.first, required_distance=window.required,
         t_maneuver=until, danger_zone=zone, cost=float(np.abs(band.displacement).max()),
     )  # fmt: skip
-    displacement, nodes = band.displacement, band.nodes
-    if was is not None:
-        displacement = np.append(was[:k], displacement)
-        nodes = np.vstack((road.path.to_cartesian(whole[:k], was[:k]), nodes))
-    return Maneuver(
-        side=side, start=start, end=end, band=band, displacement=displacement, candidate=candidate,
-        reference=splice_path(road.path, whole, nodes),
-    )  # fmt: skip
-
-
-def _assumed_interval(
-    other: FrenetVehicle, t: Array, settings: EvasionSettings, passed: bool
-) -> tuple[Array, Array]:
-    """Stretch of the route that another vehicle may cover, within the bounds that are provided for."""
-    acceleration = settings.assumed_acceleration_passed if passed else settings.assumed_acceleration
-    return other.occupied_interval(t, braking=settings.assumed_braking, acceleration=acceleration)
+    return _assemble(road.path, side, window, stretch, band, candidate)
 
 
 def predicted_occupancy(
-    path: Path,
-    s: Array,
-    others: Sequence[FrenetVehicle],
-    t: Array,
-    settings: EvasionSettings,
+    path: Path, s: Array, others: Sequence[FrenetVehicle], t: Array, settings: EvasionSettings
 ) -> Boxes:
-    """Bounds of other vehicles at the times at which the ego is at places on the route.
-
-    Parameters
-    ----------
-    path : Path
-        The route.
-    s : ndarray, shape (n,)
-        Places of the ego [m].
-    others : sequence of Neighbor
-        The vehicles, first the one that is passed first.
-    t : ndarray, shape (n,)
-        Times from now at which the ego is there [s].
-    settings : EvasionSettings
-        What others are held capable of.
-
-    Returns
-    -------
-    boxes : Boxes
-        For each vehicle one box for each place, shape (m, n).
-    """
-    rear, front = np.array([_assumed_interval(o, t, settings, o is others[0]) for o in others]).transpose(
-        1, 0, 2
-    )
+    """Return a box for each vehicle, first the overtaken one, and each station of the ego, shape (m, n)."""
+    intervals = [assumed_interval(o, t, settings, o is others[0]) for o in others]
+    rear, front = np.array(intervals).transpose(1, 0, 2)
     d, half_width = np.array([(o.d, o.half_width) for o in others]).T[:, :, None]
     return occupancy_boxes(path, s, rear, front, d, half_width)
 
 
-def _alongside_interval(
-    ego: FrenetEgo, other: FrenetVehicle, settings: EvasionSettings, t: Array, passed: bool
-) -> tuple[float, tuple[float, float]]:
-    """Find where the ego, which is `_AHEAD` at times t, must be beside the other.
-
-    How far behind it already, at the speed that the ego has by then, and the first and last distance ahead;
-    infinite if nowhere.
-    """
-    x = _AHEAD
-    rear, front = _assumed_interval(other, t, settings, passed)
-    middle = ego.s + x + ego.vehicle.box_offset
-    reach = 0.5 * ego.vehicle.length + settings.clearance
-    not_past, ahead = front >= middle - reach, rear - middle - reach
-
-    def stretch(lead: float) -> tuple[float, float]:
-        abeam = np.flatnonzero(not_past & (ahead <= lead))
-        if not len(abeam):
-            return math.inf, math.inf
-        last = float(x[abeam[-1]])
-        return float(x[abeam[0]]), last if abeam[-1] < len(x) - 1 else math.inf
-
-    lead = settings.min_ttc * max(_speed_after(ego, stretch(0.0)[0]) - other.v_s, 0.0)
-    return lead, stretch(lead)
+def _plan_stretch(ego: FrenetEgo, window: Window, current: Maneuver | None) -> _Stretch:
+    """Nodes of the window; what has been driven stays, and the band continues from there."""
+    n = 1 + min(_MAX_NODES, max(20, math.ceil(window.end - window.start)))
+    stations = np.linspace(window.start, window.end, n)
+    driven, k = None, 0
+    if current is not None and ego.s_cg >= window.start:
+        driven = resample_displacement(stations, current.stations, current.displacement)
+        k = first_replannable_node(stations, ego.s_cg)
+    return _Stretch(stations, driven, k, ego.arrival_times(stations[k:]))
 
 
-def _speed_after(ego: FrenetEgo, distance: float) -> float:
-    ahead = min(max(distance, 0.0), HORIZON)
-    reached = math.sqrt(ego.v_x**2 + 2.0 * ego.speed.a_max * ahead)
-    return max(min(reached, max(ego.v_target, ego.v_x)), 1.0)
+def _committed(stretch: _Stretch, settings: EvasionSettings) -> int:
+    return min(committed_nodes(stretch.t, settings.replan), len(stretch.t) - 1)
+
+
+def _band_problem(
+    ego: FrenetEgo, road: Road, side: Side, lane: Lane | None, stretch: _Stretch, settings: EvasionSettings
+) -> partial[Band]:
+    """`relax_band` with the corridor and the curvature limit; the committed part may stay as it is."""
+    s, driven, k = stretch.s, stretch.driven, stretch.k
+    right = road.ego_lane.right if side == "left" or lane is None else lane.right
+    left = road.ego_lane.left if side == "right" or lane is None else lane.left
+    squared_speed = np.maximum(_max_speeds(ego, s), _STEERING_LIMITED_SPEED) ** 2
+    curvature_limit = settings.lateral_acceleration_limit / squared_speed
+    tolerance = np.zeros(len(s))
+    if driven is not None:
+        m, replan = _committed(stretch, settings), settings.replan
+        h, three = stretch.stations[1] - stretch.stations[0], [driven[k + i : k + i + m] for i in (-1, 0, 1)]
+        curvature = np.abs(offset_curve(road.path.curvature(s[:m]), np.stack(three), h)[1])
+        grip = settings.last_resort.grip_fraction * ego.vehicle.mu * GRAVITY / squared_speed[:m]
+        allowed = np.minimum((1.0 + replan.curvature_tolerance) * curvature, grip)
+        curvature_limit[:m] = np.maximum(curvature_limit[:m], allowed)
+        tolerance[: m + math.ceil(ego.vehicle.length / h)] = replan.edge_tolerance  # which the body reaches
+    return partial(
+        relax_band, road.path.position(s), side=side, vehicle=ego.vehicle, clearance=settings.clearance,
+        corridor=(right - tolerance, left + tolerance), curvature_limit=curvature_limit,
+        start=0.0 if driven is None else driven[k - 1 : k + 2],
+    )  # fmt: skip
+
+
+def _occupancies(
+    ego: FrenetEgo, path: Path, stretch: _Stretch, others: Sequence[FrenetVehicle], settings: EvasionSettings
+) -> list[Boxes]:
+    """Predicted occupancy of each vehicle, relaxed where the committed part is too close already."""
+    occupancy = predicted_occupancy(path, stretch.s, others, stretch.t, settings)
+    if stretch.driven is not None:
+        m, k = _committed(stretch, settings), stretch.k
+        body = ego.swept_boxes(path, stretch.s[:m], stretch.driven[k : k + m])
+        occupancy = relax_clearance(occupancy, body, stretch.t, settings.clearance, settings.replan)
+    columns = occupancy.x, occupancy.y, occupancy.psi, occupancy.length, occupancy.width
+    return [Boxes(*row) for row in zip(*columns, strict=True)]
+
+
+def _assemble(
+    path: Path, side: Side, window: Window, stretch: _Stretch, band: Band, candidate: Candidate
+) -> Maneuver:
+    """Join what has been driven, the band and the route."""
+    displacement, nodes = band.displacement, band.nodes
+    if stretch.driven is not None:
+        driven = stretch.driven[: stretch.k]
+        displacement = np.append(driven, displacement)
+        nodes = np.vstack((path.to_cartesian(stretch.stations[: stretch.k], driven), nodes))
+    return Maneuver(
+        side=side, start=window.start, end=window.end, band=band, displacement=displacement,
+        candidate=candidate, reference=splice_path(path, stretch.stations, nodes),
+    )  # fmt: skip
+
+
+def _reject_band(band: Band, side: Side, vehicles: Sequence[FrenetVehicle], ahead: Array) -> Rejection:
+    """Rejection of a band that is not OK, from the constraint that decides."""
+    kinds, constraint = RejectionKind, band.active_constraint
+    if band.status is not Status.INFEASIBLE:
+        return Rejection(kind=kinds.NOT_CONVERGED, side=side)
+    if constraint == "curvature":
+        limit = float(np.min(band.problem.curvature_limit))
+        return Rejection(kind=kinds.CURVATURE, side=side, value=band.curvature, limit=limit)
+    if constraint.endswith("edge"):
+        return Rejection(kind=kinds.ROAD_EDGE, side=side, value=max(-band.edge_clearance, 0.0))
+    vehicle_id = vehicles[int(constraint.removeprefix("obstacle "))].id if constraint else ""
+    lower, upper = band.problem.corridor.bounds(band.passes_left[:, None])
+    overlap = (lower - upper)[0]
+    if (overlap > 0.0).any():
+        distance = float(ahead[int(np.argmax(overlap))])
+        return Rejection(kind=kinds.NO_SPACE, side=side, vehicle_id=vehicle_id, distance=distance)
+    offset = float(np.abs(band.displacement).max())
+    if offset > MAX_DISPLACEMENT:
+        return Rejection(kind=kinds.LATERAL_OFFSET, side=side, value=offset, limit=MAX_DISPLACEMENT)
+    return Rejection(
+        kind=kinds.CLEARANCE, side=side, vehicle_id=vehicle_id, value=band.clearance,
+        limit=band.problem.clearance,
+    )  # fmt: skip
 
 
 def _max_speeds(ego: FrenetEgo, s: Array) -> Array:
-    """Highest speed that the ego may have at places on the route."""
-    ahead = np.maximum(s - ego.s, 0.0)
-    speeds: Array = np.maximum(
-        np.minimum(np.sqrt(ego.v_x**2 + 2.0 * ego.speed.a_max * ahead), ego.v_target), ego.v_x
-    )
+    """Highest speed of the ego at stations [m/s]."""
+    reached = np.sqrt(ego.v_x**2 + 2.0 * ego.speed.a_max * np.maximum(s - ego.s_cg, 0.0))
+    speeds: Array = np.maximum(np.minimum(reached, ego.v_target), ego.v_x)
     return speeds
 
 
-def _named(message: str, others: Sequence[FrenetVehicle], ahead: Array) -> str:
-    """Message of a band, with the vehicles' names and the distance ahead of the ego instead of its counts."""
-    message = re.sub(r"obstacle (\d+)", lambda found: others[int(found[1])].remote.id, message)
-    return re.sub(r"at node (\d+)", lambda found: f"{ahead[int(found[1])]:.0f} m ahead", message)
-
-
-def _between(x: Array, first: float, last: float) -> Mask:
-    between: Mask = (x >= first) & (x <= last)
-    return between
-
-
-def _leaves_lane(u: Array, own: Lane, half_width: float) -> Mask:
-    """Where the ego's body is not wholly inside its own lane."""
-    outside: Mask = (u + half_width > own.left) | (u - half_width < own.right)
+def _outside_lane(ego: FrenetEgo, lane: Lane, band: Band) -> Mask:
+    """Where the ego's body is not wholly inside a lane."""
+    u, half_width = band.displacement, 0.5 * ego.vehicle.width
+    outside: Mask = (u + half_width > lane.left) | (u - half_width < lane.right)
     return outside

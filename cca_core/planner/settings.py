@@ -1,44 +1,71 @@
-"""How the ego passes others: comfort, distances and what others are held capable of."""
+"""Settings of evasive maneuvers, with the groups of the other subjects; defaults are assumed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from cca_core._checks import check_real
+from cca_core.planner.tuning import (
+    AbortSettings,
+    ActuationSettings,
+    DecisionSettings,
+    LastResortSettings,
+    LeadSettings,
+    ReplanSettings,
+    YieldSettings,
+    check_fields,
+)
 from cca_core.vehicle import STALE_AGE
+
+__all__ = ["EvasionSettings"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EvasionSettings:
-    """How the ego passes others.
+    """How the ego passes other vehicles, and what it assumes of them.
 
     Parameters
     ----------
     lateral_acceleration : float
-        Peak lateral acceleration that a swerve aims at [m/s^2]: the knob from smooth (2) to fast (3.5). A
-        swerve by w takes sqrt(5.77 w / a) seconds.
+        Peak lateral acceleration at which a maneuver aims [m/s^2]: from smooth (2) to fast (3.5). A lateral
+        offset of w takes sqrt(5.77 w / a) seconds.
     lateral_acceleration_limit : float
-        Lateral acceleration above which a swerve is not driven [m/s^2].
+        Lateral acceleration above which a maneuver is rejected [m/s^2].
     clearance : float
-        Distance kept between boxes [m].
+        Clearance between boxes [m].
     min_ttc : float
-        Time to contact with a vehicle in front at which the ego is fully beside its path [s].
+        Time to collision with the vehicle ahead at which the ego is out of its path [s].
     preparation_time : float
-        Time before a swerve becomes due [s].
+        Time before a maneuver becomes due [s].
     x_safety : float
-        Distance kept to vehicles on the lane beside [m], eq 11.
+        Distance to vehicles in the adjacent lane [m], eq 11.
     awareness_range : float
-        Distance up to which all vehicles are known by their messages [m]. Beyond it a vehicle at the speed
-        limit is assumed on the lane beside; 0 makes that lane never free, infinity trusts silence.
+        Distance within which every vehicle is known by its messages [m]. Beyond it a vehicle at the speed
+        limit is assumed in the adjacent lane. With 0 the lane is never clear; infinity trusts silence.
     stale_after : float
-        Age from which on a vehicle's messages are no longer believed and its lane is not free [s].
+        Age above which a vehicle is stale and blocks its lane [s].
     min_speed_advantage : float
-        Least speed advantage over a vehicle to be passed [m/s].
+        Speed advantage over the overtaken vehicle [m/s], at least.
+    lane_entry_tolerance : float
+        Distance beyond a lane boundary up to which a body is not yet in the lane [m].
     assumed_braking : float
-        Largest deceleration of others that is provided for [m/s^2].
+        Assumed maximum deceleration of other vehicles [m/s^2].
     assumed_acceleration : float
-        Largest acceleration of others that is provided for [m/s^2]; with 0 here and for `braking` everybody
-        is taken to go on as now, which is the paper's view.
+        Assumed maximum acceleration of other vehicles [m/s^2]. With this and `assumed_braking` at 0, every
+        vehicle keeps its current motion (the paper's assumption).
     assumed_acceleration_passed : float
-        The same for the vehicle that is passed [m/s^2].
+        The same of the overtaken vehicle [m/s^2].
+    decision : DecisionSettings
+        When the planner decides.
+    lead : LeadSettings
+        What is the lead vehicle.
+    crossing : YieldSettings
+        When the ego yields.
+    last_resort : LastResortSettings
+        Maneuvers beyond comfort.
+    replan : ReplanSettings
+        Ongoing maneuvers.
+    abort : AbortSettings
+        Return before the maneuver is complete.
+    actuation : ActuationSettings
+        Use of the tires.
 
     Raises
     ------
@@ -55,16 +82,18 @@ class EvasionSettings:
     awareness_range: float = 300.0
     stale_after: float = STALE_AGE
     min_speed_advantage: float = 2.0
+    lane_entry_tolerance: float = 0.2
     assumed_braking: float = 8.0
     assumed_acceleration: float = 3.0
     assumed_acceleration_passed: float = 0.0
+    decision: DecisionSettings = field(default_factory=DecisionSettings)
+    lead: LeadSettings = field(default_factory=LeadSettings)
+    crossing: YieldSettings = field(default_factory=YieldSettings)
+    last_resort: LastResortSettings = field(default_factory=LastResortSettings)
+    replan: ReplanSettings = field(default_factory=ReplanSettings)
+    abort: AbortSettings = field(default_factory=AbortSettings)
+    actuation: ActuationSettings = field(default_factory=ActuationSettings)
 
     def __post_init__(self) -> None:
-        check_real("lateral_acceleration", self.lateral_acceleration, gt=0.0)
-        check_real("lateral_acceleration_limit", self.lateral_acceleration_limit, gt=0.0)
-        for name in (
-            "clearance", "min_ttc", "preparation_time", "x_safety", "stale_after", "min_speed_advantage",
-            "assumed_braking", "assumed_acceleration", "assumed_acceleration_passed",
-        ):  # fmt: skip
-            check_real(name, getattr(self, name), ge=0.0)
-        check_real("awareness_range", self.awareness_range, ge=0.0, allow_inf=True)
+        positive = ("lateral_acceleration", "lateral_acceleration_limit")
+        check_fields(self, positive=positive, infinite="awareness_range")

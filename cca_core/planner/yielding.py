@@ -1,4 +1,4 @@
-"""Yielding to crossing vehicles: the conflict that the ego must wait for, and where it stops."""
+"""Yielding to crossing vehicles: the conflict that decides, and the stop point as a virtual lead."""
 
 import math
 from collections.abc import Sequence
@@ -8,121 +8,108 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.decide import Conflict, LeadVehicle, find_conflict
-from cca_core.follow import SpeedSettings, friction_limited
+from cca_core.follow import friction_limited
+from cca_core.frenet import CROSSING_SINE, FrenetEgo, FrenetVehicle
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import Path, Road
-from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
 from cca_core.planner.lead import make_lead
+from cca_core.planner.tuning import LeadSettings, YieldSettings
 from cca_core.predict import predict_ctra
 
 __all__ = ["find_yield_conflict", "virtual_lead"]
 
-_HOLD = 1.0  # further time that must lie between bodies until the ego goes on that waits already [s]
-_CROSSING_RANGE = 150.0  # within which crossing vehicles are looked at [m]
-_CROSSING = 0.35  # sine of the angle to the route above which a vehicle may cross it
-_LOOK, _STATIONS = 8.0, 100  # [s], [-]
-_STEP = 0.05  # at which bodies that could meet are looked at [s]
-_SUFFICIENT_GAP = 0.5  # distance between them that is enough [m]
-_LEAST_BRAKES = 1.0  # counted on where cornering takes all of the grip [m/s^2]
-_BRAKE_DELAY = 0.3  # until the brakes act [s]
+_STATIONS = 100  # of the ego, at which conflicts are searched
+_TIME_STEP = 0.05  # at which predicted bodies are compared [s]
+_BEHIND = -20.0  # a vehicle whose station is farther behind the ego does not cross ahead of it [m]
 
 
-def virtual_lead(conflict: Conflict, s: float, v_x: float, speed: SpeedSettings) -> LeadVehicle:
-    """Stand in for a conflict: something that stands where the ego must stop.
-
-    Parameters
-    ----------
-    conflict : Conflict
-        The conflict to wait for.
-    s, v_x : float
-        Path coordinate [m] and speed [m/s] of the ego.
-    speed : SpeedSettings
-        Gaps and limits.
-
-    Returns
-    -------
-    leader : Leader
-        At the edge of the conflict area.
-    """
-    gap = conflict.s_enter - s + 0.5 * speed.standstill_gap  # of which a real one may be used up in need
-    return make_lead(conflict.vehicle_id, gap, 0.0, 0.0, v_x, speed, "crossing")
+def virtual_lead(conflict: Conflict, ego: FrenetEgo, settings: LeadSettings) -> LeadVehicle:
+    """Return a stationary lead vehicle at the stop point of a conflict."""
+    # half of the standstill gap may be used up in need, as behind a vehicle
+    gap = conflict.s_enter - ego.s_cg + 0.5 * ego.speed.standstill_gap
+    return make_lead(conflict.vehicle_id, gap, 0.0, 0.0, ego, settings, "crossing")
 
 
 def find_yield_conflict(
-    ego: FrenetEgo, road: Road, others: Sequence[FrenetVehicle], last: Conflict | None = None
+    ego: FrenetEgo,
+    road: Road,
+    others: Sequence[FrenetVehicle],
+    settings: YieldSettings,
+    last: Conflict | None = None,
 ) -> Conflict | None:
-    """Find the nearest place at which the ego must wait for a crossing vehicle.
-
-    Parameters
-    ----------
-    ego : Ego
-        The ego and how it intends to drive.
-    road : Road
-        Its route; where a stop line lies before the conflict, the ego waits there.
-    others : sequence of Neighbor
-        Vehicles around.
-    last : Conflict, optional
-        What the ego waits for already; it goes on only when there is a little more time than it needs.
-
-    Returns
-    -------
-    conflict : Conflict or None
-        None if nobody has to be waited for. Where it is too late to stay out of the area in which somebody
-        may be, the ego brakes all the same if that keeps it 0.5 m clear of where that one is expected, or
-        farther than going on does, or if going on is expected to end in a contact; else it clears the area.
-    """
-    stations = np.linspace(ego.s, ego.s + max(_LOOK * max(ego.v_x, ego.v_target), 30.0), _STATIONS)
+    """Return the nearest conflict before which the ego must stop, at its stop line if there is one."""
+    s_ego, horizon = ego.s_cg, settings.horizon
+    stations = np.linspace(s_ego, s_ego + max(horizon * max(ego.v_x, ego.v_target), 30.0), _STATIONS)
     times = ego.arrival_times(stations)
-    waits = []
+    conflicts = []
     for n in others:
-        if (
-            abs(math.sin(n.angle)) < _CROSSING
-            or abs(n.d) > _CROSSING_RANGE
-            or not -20.0 < n.s - ego.s < _CROSSING_RANGE
-        ):
-            continue
-        conflict = find_conflict(road.path, ego.s, stations, times, ego.vehicle, n.remote, horizon=_LOOK)
-        if conflict is None:
-            continue
-        brakes = last is not None and last.vehicle_id == conflict.vehicle_id
-        if brakes:
-            conflict = replace(conflict, min_pet=conflict.min_pet + _HOLD)
-        if conflict.is_clear:
-            continue
-        needed, places = _full_braking_profile(ego, road.path, times, 0.0 if brakes else _BRAKE_DELAY)
-        if needed > conflict.distance:  # too late to stay out of where it may be: think of where it will be
-            goes_on = _predicted_min_gap(ego, road.path, stations, n, times)
-            stops = _predicted_min_gap(ego, road.path, places, n, times)
-            if goes_on > 0.0 and (ego.s + needed > conflict.s_exit or stops < min(goes_on, _SUFFICIENT_GAP)):
-                continue
-            conflict = replace(conflict, s_enter=max(conflict.s_enter, ego.s))
-        waits.append(conflict)
-    if not waits:
+        near = abs(n.d) <= settings.range and _BEHIND < n.s - s_ego < settings.range
+        if near and not abs(math.sin(n.angle)) < CROSSING_SINE:
+            found = find_conflict(road.path, s_ego, stations, times, ego.vehicle, n.remote, horizon=horizon)
+            if found is not None:
+                yielding = last is not None and last.vehicle_id == found.vehicle_id
+                conflicts.append(
+                    _conflict_to_yield(ego, road.path, n, found, stations, times, settings, yielding)
+                )
+    remaining = [c for c in conflicts if c is not None]
+    if not remaining:
         return None
-    first = min(waits, key=lambda c: c.s_enter)
-    before = first.s_enter - float(stations[1] - stations[0])  # it begins somewhere after that one
-    if before > ego.s:
+    first = min(remaining, key=lambda c: c.s_enter)
+    before = first.s_enter - float(stations[1] - stations[0])  # the area begins after this station
+    if before > s_ego:
         first = replace(first, s_enter=before)
-    front = ego.vehicle.front
-    lines = [line - front for line in road.stop_lines if ego.s < line - front < first.s_enter]
-    at = max(lines, default=first.s_enter)
-    return replace(first, s_enter=at, distance=at - ego.s)
+    stops = [line - ego.vehicle.front for line in road.stop_lines]
+    stop = max((s for s in stops if s_ego < s < first.s_enter), default=first.s_enter)
+    return replace(first, s_enter=stop, distance=stop - s_ego)
 
 
-def _full_braking_profile(ego: FrenetEgo, path: Path, t: Array, delay: float) -> tuple[float, Array]:
-    """Distance in which the ego stops if it brakes fully [m], and its places at times [m]."""
-    lateral = ego.v_x * ego.v_x * float(path.curvature(ego.s))
-    brakes = max(-friction_limited(-ego.speed.b_max, lateral, ego.vehicle.mu), _LEAST_BRAKES)
-    braking = np.clip(t - delay, 0.0, ego.v_x / brakes)
-    x = ego.v_x * (np.minimum(t, delay) + braking) - 0.5 * brakes * braking * braking
-    return ego.v_x * delay + ego.v_x**2 / (2.0 * brakes), ego.s + x
+def _conflict_to_yield(
+    ego: FrenetEgo,
+    path: Path,
+    other: FrenetVehicle,
+    conflict: Conflict,
+    stations: Array,
+    times: Array,
+    settings: YieldSettings,
+    yielding: bool,
+) -> Conflict | None:
+    """Conflict that the ego must yield to, None if it is clear or if the ego should leave the area."""
+    if yielding:
+        conflict = replace(conflict, min_pet=conflict.min_pet + settings.hold_pet)
+    if conflict.is_clear:
+        return None
+    delay = 0.0 if yielding else settings.brake_delay
+    stop_distance, stop_stations = _full_braking_profile(ego, path, times, delay, settings)
+    if stop_distance <= conflict.distance:
+        return conflict
+    # too late to stop before the worst-case area: compare the predicted gaps of continuing and braking
+    continuing = _predicted_min_gap(ego, path, stations, other, times, settings.horizon)
+    braking = _predicted_min_gap(ego, path, stop_stations, other, times, settings.horizon)
+    if continuing > 0.0 and (
+        ego.s_cg + stop_distance > conflict.s_exit or braking < min(continuing, settings.sufficient_gap)
+    ):
+        return None
+    return replace(conflict, s_enter=max(conflict.s_enter, ego.s_cg))
 
 
-def _predicted_min_gap(ego: FrenetEgo, path: Path, s: Array, other: FrenetVehicle, t: Array) -> float:
-    """Least distance between the bodies [m] if the ego is at places at times and the other goes on."""
-    moments = np.arange(0.0, _LOOK, _STEP)
+def _full_braking_profile(
+    ego: FrenetEgo, path: Path, t: Array, delay: float, settings: YieldSettings
+) -> tuple[float, Array]:
+    """Return the distance of full braking to standstill [m] and the stations at times [m]."""
+    lateral = ego.v_x * ego.v_x * float(path.curvature(ego.s_cg))
+    b = max(-friction_limited(-ego.speed.b_max, lateral, ego.vehicle.mu), settings.min_braking)
+    braking = np.clip(t - delay, 0.0, ego.v_x / b)
+    x = ego.v_x * (np.minimum(t, delay) + braking) - 0.5 * b * braking * braking
+    return ego.v_x * delay + ego.v_x**2 / (2.0 * b), ego.s_cg + x
+
+
+def _predicted_min_gap(
+    ego: FrenetEgo, path: Path, s: Array, other: FrenetVehicle, t: Array, horizon: float
+) -> float:
+    """Least predicted gap between bodies [m] if the ego is at stations at times."""
+    moments = np.arange(0.0, horizon, _TIME_STEP)
     center, tangent, _ = path.derivatives(np.interp(moments, t, s))
     psi = np.arctan2(tangent[:, 1], tangent[:, 0])
     body = ego.vehicle.body_at(center[:, 0], center[:, 1], psi)
-    met = boxes(*predict_ctra(other.remote, moments), other.remote.length, other.remote.width)
-    return float(box_gap(body, met).min())
+    predicted = boxes(*predict_ctra(other.remote, moments), other.remote.length, other.remote.width)
+    return float(box_gap(body, predicted).min())

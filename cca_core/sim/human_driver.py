@@ -14,9 +14,9 @@ from cca_core.follow import (
     profile_acceleration,
     squared_speed_limit,
 )
+from cca_core.frenet import FrenetVehicle, to_frenet
 from cca_core.path import Road
 from cca_core.planner.command import Command
-from cca_core.planner.frenet import FrenetVehicle, to_frenet
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["CURVE_ACCELERATION", "Driver"]

@@ -5,9 +5,9 @@ import pytest
 
 from cca_core import Lane, Road, Status
 from cca_core.follow import SpeedSettings
+from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.path import Path, interpolate_path
 from cca_core.planner.abort import delay_return, plan_abort, plan_early_return, return_deceleration
-from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
 from cca_core.planner.maneuver import Maneuver, plan_maneuver
 from cca_core.planner.settings import EvasionSettings
 from tests.planner.test_planner import CAR, START, car, straight

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cca_core import RemoteVehicle
+from cca_core.frenet import FrenetVehicle, to_frenet
 from cca_core.path import fit_path
-from cca_core.planner.frenet import FrenetVehicle, to_frenet
 
 S = np.linspace(0.0, 3.0, 60)
 PATH = fit_path(np.column_stack((150.0 * np.sin(S), 150.0 * (1.0 - np.cos(S)))), tolerance=0.05)

@@ -8,7 +8,7 @@ import pytest
 
 from cca_core import Lane, Road
 from cca_core.follow import SpeedSettings
-from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
+from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.planner.maneuver import Maneuver, plan_maneuver
 from cca_core.planner.settings import EvasionSettings
 from tests.planner.test_planner import CAR, START, car, straight

@@ -4,7 +4,7 @@ import pytest
 
 from cca_core import Status
 from cca_core.follow import SpeedSettings
-from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
+from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.planner.maneuver import Maneuver
 from cca_core.planner.replan import ReplanResult, maneuver_levels, plan_candidates, replan
 from tests.planner.test_abort import ROAD, SETTINGS, at, maneuver

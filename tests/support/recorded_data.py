@@ -33,9 +33,9 @@ from cca_core.follow import (
     shipped_gains,
     single_track,
 )  # fmt: skip
+from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.geometry import boxes
 from cca_core.path import Waypoints, clean_route
-from cca_core.planner.frenet import FrenetEgo, FrenetVehicle
 from cca_core.planner.maneuver import Maneuver
 from cca_core.planner.replan import ReplanResult
 from cca_core.planner.settings import EvasionSettings

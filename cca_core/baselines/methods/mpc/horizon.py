@@ -9,8 +9,8 @@ import numpy as np
 from cca_core._checks import Array, check_real
 from cca_core.baselines.problems.problem import Problem
 from cca_core.errors import InputError
+from cca_core.frenet import FrenetVehicle, to_frenet
 from cca_core.path import Road
-from cca_core.planner.frenet import FrenetVehicle, to_frenet
 from cca_core.predict import predict_distance
 from cca_core.vehicle import VehicleParams
 

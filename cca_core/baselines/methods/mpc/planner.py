@@ -14,9 +14,10 @@ from cca_core.baselines.methods.mpc.trajectory import Trajectory
 from cca_core.decide import Action, Decision
 from cca_core.errors import InputError, Status
 from cca_core.follow import SpeedSettings, cruise_acceleration, follow_acceleration, jerk_limited
+from cca_core.frenet import FrenetVehicle, to_frenet
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.command import Command
-from cca_core.planner.frenet import FrenetVehicle, invalid_input_reason, to_frenet
+from cca_core.planner.inputs import invalid_input_reason
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["MpcPlanner"]

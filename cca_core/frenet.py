@@ -1,0 +1,331 @@
+"""The ego and remote vehicles in Frenet coordinates of the route."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.follow import SpeedSettings, arrival_times
+from cca_core.geometry import Boxes
+from cca_core.path import Path
+from cca_core.predict import predict_distance, reachable_interval
+from cca_core.vehicle import STALE_AGE, RemoteVehicle, VehicleParams
+
+__all__ = ["CROSSING_SINE", "FrenetEgo", "FrenetVehicle", "to_frenet"]
+
+CROSSING_SINE = 0.35
+"""Sine of the angle to the route above which a vehicle may cross it [-]; 20 degrees."""
+
+_STALE_BRAKING = 8.0  # assumed deceleration of a stale vehicle, as in its uncertainty bound [m/s^2]
+_SCALAR_LIMIT = 25  # vehicles up to which foot points are found faster one by one than in a batch
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrenetVehicle:
+    """A remote vehicle in Frenet coordinates, at the center of its body.
+
+    Parameters
+    ----------
+    remote : RemoteVehicle
+        The vehicle as reported.
+    s, d : float
+        Station and lateral offset of the center of its body [m], d left positive.
+    v_s : float
+        Speed along the route [m/s], negative against it.
+    half_length, half_width : float
+        Half extent along and across the route [m], with two standard deviations of the position.
+    angle : float
+        Heading relative to the route [rad], counter-clockwise.
+    """
+
+    remote: RemoteVehicle
+    s: float
+    d: float
+    v_s: float
+    half_length: float
+    half_width: float
+    angle: float
+
+    @classmethod
+    def from_remote(cls, remote: RemoteVehicle, s: float, d: float, angle: float, kappa: float) -> Self:
+        """Make the record from a foot point.
+
+        Parameters
+        ----------
+        remote : RemoteVehicle
+            The vehicle.
+        s, d : float
+            Station and lateral offset of the center of its body [m].
+        angle : float
+            Heading relative to the route [rad], counter-clockwise.
+        kappa : float
+            Curvature of the route at the foot point [1/m].
+
+        Returns
+        -------
+        vehicle : FrenetVehicle
+            The vehicle in Frenet coordinates.
+        """
+        cos, sin = math.cos(angle), math.sin(angle)
+        along = 0.5 * remote.length + 2.0 * remote.sigma_along
+        across = 0.5 * remote.width + 2.0 * remote.sigma_across
+        return cls(
+            remote=remote, s=s, d=d, v_s=remote.v_x * cos / max(1.0 - d * kappa, 0.1),
+            half_length=along * abs(cos) + across * abs(sin), half_width=along * abs(sin) + across * abs(cos),
+            angle=angle,
+        )  # fmt: skip
+
+    @property
+    def id(self) -> str:
+        """Id of the vehicle."""
+        return self.remote.id
+
+    @property
+    def front(self) -> float:
+        """Largest station that its body may cover now [m]."""
+        return self.s + self.half_length
+
+    @property
+    def rear(self) -> float:
+        """Smallest station that its body may cover now [m]."""
+        return self.s - self.half_length
+
+    @property
+    def body_front(self) -> float:
+        """Station of its front end without the uncertainty bound [m]."""
+        return self.front - 2.0 * self.remote.sigma_along
+
+    @property
+    def body_half_width(self) -> float:
+        """Half extent across the route without the uncertainty bound [m]."""
+        return self.half_width - 2.0 * self.remote.sigma_across
+
+    @property
+    def v_lower(self) -> float:
+        """Lower bound of the speed along the route [m/s].
+
+        The uncertainty bound of a stale vehicle grows as if it braked with 8 m/s^2 from 1 s of age on. An
+        oncoming vehicle keeps its speed.
+        """
+        stale_time = self.remote.age - STALE_AGE
+        if stale_time <= 0.0 or self.v_s <= 0.0:
+            return self.v_s
+        return max(self.v_s - _STALE_BRAKING * stale_time, 0.0)
+
+    @property
+    def is_stale(self) -> bool:
+        """Whether the age exceeds 1 s."""
+        return self.remote.age > STALE_AGE
+
+    def nominal(self) -> "FrenetVehicle":
+        """Return the vehicle at its nominal position, without age and uncertainty bound.
+
+        Returns
+        -------
+        vehicle : FrenetVehicle
+            The same vehicle with the extent of its body.
+        """
+        cos, sin = abs(math.cos(self.angle)), abs(math.sin(self.angle))
+        length, width = 0.5 * self.remote.length, 0.5 * self.remote.width
+        return replace(
+            self, remote=replace(self.remote, age=0.0, sigma_along=0.0, sigma_across=0.0),
+            half_length=length * cos + width * sin, half_width=length * sin + width * cos,
+        )  # fmt: skip
+
+    def occupied_interval(self, t: Array, *, braking: float, acceleration: float) -> tuple[Array, Array]:
+        """Return the stations that its body may cover.
+
+        Parameters
+        ----------
+        t : ndarray, shape (n,)
+            Times from now [s].
+        braking, acceleration : float
+            Assumed maximum deceleration and acceleration [m/s^2]; with both 0 it keeps its motion.
+
+        Returns
+        -------
+        rear, front : ndarray, shape (n,)
+            Smallest and largest station of its body [m].
+        """
+        a_x = self.remote.a_x
+        if braking == acceleration == 0.0:
+            low = high = math.copysign(1.0, self.v_s) * predict_distance(abs(self.v_s), a_x, t)
+        else:
+            low, high = reachable_interval(
+                self.v_s, t, braking=max(braking, -a_x), acceleration=max(acceleration, a_x),
+                age=self.remote.age,
+            )  # fmt: skip
+        return self.s + low - self.half_length, self.s + high + self.half_length
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FrenetEgo:
+    """The ego in Frenet coordinates, at the center of its body, and the speed that it intends.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        The ego's parameters.
+    s, d : float
+        Station and lateral offset of the center of its body [m], d left positive.
+    v_x, v_target : float
+        Speed along the route now and target speed [m/s].
+    speed : SpeedSettings, optional
+        Limits of its acceleration.
+    """
+
+    vehicle: VehicleParams
+    s: float
+    v_x: float
+    v_target: float
+    d: float = 0.0
+    speed: SpeedSettings = field(default_factory=SpeedSettings)
+
+    @property
+    def s_cg(self) -> float:
+        """Station of the center of gravity, to which paths and bands refer [m]."""
+        return self.s - self.vehicle.box_offset
+
+    @property
+    def front(self) -> float:
+        """Station of the front end of its body [m]."""
+        return self.s + 0.5 * self.vehicle.length
+
+    @property
+    def rear(self) -> float:
+        """Station of the rear end of its body [m]."""
+        return self.s - 0.5 * self.vehicle.length
+
+    def is_followed_by(self, vehicle: FrenetVehicle, right: float, left: float) -> bool:
+        """Return whether a vehicle is behind the ego in a lane, so that it must keep the gap.
+
+        Parameters
+        ----------
+        vehicle : FrenetVehicle
+            The vehicle.
+        right, left : float
+            Lateral offsets of the lane's boundaries [m].
+
+        Returns
+        -------
+        followed : bool
+            Whether it is a following vehicle.
+        """
+        return vehicle.front < self.rear and right < vehicle.d < left and vehicle.v_s >= 0.0
+
+    def swept_boxes(self, path: Path, s: Array, d: Array) -> Boxes:
+        """Return boxes of its body along a displaced route.
+
+        Parameters
+        ----------
+        path : Path
+            The route.
+        s, d : ndarray, shape (n,)
+            Stations and lateral offsets of the center of gravity [m]; at least 2.
+
+        Returns
+        -------
+        body : Boxes
+            One box for each station.
+        """
+        x, y = path.to_cartesian(s, d).T
+        return self.vehicle.body_at(x, y, np.arctan2(np.gradient(y), np.gradient(x)))
+
+    def arrival_times(self, s: Array) -> Array:
+        """Return the times at which its center of gravity reaches stations.
+
+        Parameters
+        ----------
+        s : ndarray, shape (n,)
+            Stations [m].
+
+        Returns
+        -------
+        t : ndarray, shape (n,)
+            Times from now [s].
+        """
+        return arrival_times(self.v_x, self.v_target, s - self.s_cg, self.speed)
+
+
+def to_frenet(
+    remotes: Iterable[RemoteVehicle],
+    path: Path,
+    last_s: dict[str, float],
+    lateral_range: tuple[float, float] = (-15.0, 15.0),
+) -> tuple[list[FrenetVehicle], tuple[tuple[str, str], ...]]:
+    """Convert remote vehicles to Frenet coordinates.
+
+    Parameters
+    ----------
+    remotes : iterable of RemoteVehicle
+        The vehicles; of two with one id the one with the smaller age counts.
+    path : Path
+        The route.
+    last_s : dict
+        Station of each vehicle in the last cycle by id [m], the initial guess; updated here.
+    lateral_range : tuple of float
+        Lateral offsets of the right and left end of the relevant area [m]. A vehicle beyond, with its
+        uncertainty bound, is left out unless it may cross the route.
+
+    Returns
+    -------
+    vehicles : list of FrenetVehicle
+        The valid and relevant ones.
+    dropped : tuple of (str, str)
+        Id and reason of the invalid ones.
+    """
+    valid, dropped = valid_vehicles(remotes)
+    feet = _foot_points(valid, path, last_s)
+    last_s.clear()
+    last_s.update(zip(valid, (foot[0] for foot in feet), strict=True))
+    vehicles = []
+    for remote, (s, d, heading, kappa) in zip(valid.values(), feet, strict=True):
+        angle = remote.psi - heading
+        if not lateral_range[0] <= d <= lateral_range[1]:
+            sine = abs(math.sin(angle))
+            reach = (0.5 * remote.length + 2.0 * remote.sigma_along) * sine
+            reach += 0.5 * remote.width + 2.0 * remote.sigma_across
+            if sine < CROSSING_SINE and not lateral_range[0] - reach <= d <= lateral_range[1] + reach:
+                continue
+        vehicles.append(FrenetVehicle.from_remote(remote, s, d, angle, kappa))
+    return vehicles, dropped
+
+
+def valid_vehicles(
+    remotes: Iterable[RemoteVehicle],
+) -> tuple[dict[str, RemoteVehicle], tuple[tuple[str, str], ...]]:
+    """Return the valid vehicles by id, of two the one with the smaller age, and why others are dropped."""
+    valid: dict[str, RemoteVehicle] = {}
+    dropped = []
+    records: Iterable[object] = remotes if hasattr(remotes, "__iter__") else (remotes,)
+    for remote in records:
+        if not isinstance(remote, RemoteVehicle):
+            dropped.append((str(remote)[:20], "not a RemoteVehicle"))
+            continue
+        reason = remote.invalid_reason
+        if reason is not None:
+            dropped.append((str(remote.id), reason))
+        elif remote.id not in valid or remote.age < valid[remote.id].age:
+            valid[remote.id] = remote
+    return valid, tuple(dropped)
+
+
+def _foot_points(
+    remotes: dict[str, RemoteVehicle], path: Path, last_s: dict[str, float]
+) -> list[tuple[float, float, float, float]]:
+    """Station, lateral offset, heading and curvature of the route at the foot point of each vehicle."""
+    new = [(remote.x, remote.y) for name, remote in remotes.items() if name not in last_s]
+    first_guess = iter(path.project(new)[0].tolist() if new else ())
+    guesses = [last_s[name] if name in last_s else next(first_guess) for name in remotes]
+    if len(guesses) <= _SCALAR_LIMIT:
+        pairs = zip(remotes.values(), guesses, strict=True)
+        return [path.foot_point(remote.x, remote.y, guess) for remote, guess in pairs]
+    s, d = path.project([(remote.x, remote.y) for remote in remotes.values()], guesses)
+    _, first, second = path.derivatives(s)
+    heading = np.arctan2(first[:, 1], first[:, 0])
+    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    kappa = cross / np.hypot(first[:, 0], first[:, 1]) ** 3
+    return list(zip(s.tolist(), d.tolist(), heading.tolist(), kappa.tolist(), strict=True))

@@ -1,0 +1,332 @@
+"""Groups of settings: decision, lead vehicle, yielding, last resort, replanning, abort, actuation."""
+
+from dataclasses import MISSING, dataclass, fields
+from typing import Any
+
+from cca_core._checks import check_real
+from cca_core.errors import InputError
+
+__all__ = [
+    "AbortSettings",
+    "ActuationSettings",
+    "DecisionSettings",
+    "LastResortSettings",
+    "LeadSettings",
+    "ReplanSettings",
+    "YieldSettings",
+    "check_fields",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DecisionSettings:
+    """When the planner decides, and what it prefers.
+
+    Parameters
+    ----------
+    period : float
+        Time between two decisions about the same vehicles and events [s], the period of messages.
+    follow_threshold : float
+        Deceleration asked for by the lead vehicle above which the ego follows or evades [m/s^2].
+    comfort_deceleration : float
+        Deceleration up to which a comfort stop is preferred to a maneuver [m/s^2].
+    max_route_distance : float
+        Lateral offset above which the ego is off its route and makes a safe stop [m].
+    relevance_margin : float
+        Distance beyond the road edges and the clearance within which vehicles are relevant [m].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    period: float = 0.1
+    follow_threshold: float = 0.5
+    comfort_deceleration: float = 2.0
+    max_route_distance: float = 15.0
+    relevance_margin: float = 1.5
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ActuationSettings:
+    """How the commanded acceleration uses the tires.
+
+    Parameters
+    ----------
+    grip_fraction : float
+        Fraction of the grip for acceleration in normal driving [-].
+    emergency_grip_fraction : float
+        The same in an emergency [-]; more only if less cannot avoid the collision.
+    hard_braking_fraction : float
+        Fraction of `SpeedSettings.b_max` above which braking is an emergency [-], as above twice the
+        comfortable deceleration.
+    curve_acceleration : float
+        Lateral acceleration that limits the speed in curves [m/s^2].
+    safe_stop_deceleration : float
+        Deceleration of a safe stop, and the least of the action BRAKE [m/s^2].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    grip_fraction: float = 0.9
+    emergency_grip_fraction: float = 0.98
+    hard_braking_fraction: float = 0.7
+    curve_acceleration: float = 2.5
+    safe_stop_deceleration: float = 4.0
+
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            positive=(
+                "grip_fraction",
+                "emergency_grip_fraction",
+                "curve_acceleration",
+            ),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LeadSettings:
+    """Which vehicle is the lead vehicle, and what it demands.
+
+    Parameters
+    ----------
+    blocking_gap : float
+        Lateral gap to the route below which a vehicle blocks it [m].
+    standstill_speed : float
+        Speed below which a vehicle is stationary [m/s]; reported speeds err by 0.2 m/s.
+    creep_stop_time : float
+        Time in which a creeping ego stops [s].
+    lane_entry_horizon : float
+        Time for which a stale oncoming vehicle is assumed to keep its heading across the route [s].
+    downstream_braking : float
+        Deceleration above which a downstream vehicle can be the lead vehicle [m/s^2].
+    brake_now_deceleration : float
+        Required deceleration above which the ego brakes for a braking downstream vehicle at once [m/s^2].
+    follow_speed_difference : float
+        Speed difference below which a vehicle before the downstream one is followed, not passed [m/s].
+    fall_back_speed : float
+        Speed difference with which the ego falls back from an uncertain lead vehicle [m/s].
+    stop_horizon, stop_delay : float
+        Time ahead at which a comfort stop is decided, and the delay of the brakes [s].
+    stop_margin : float
+        Distance kept in reserve for a comfort stop [m].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    blocking_gap: float = 0.3
+    standstill_speed: float = 1.0
+    creep_stop_time: float = 0.5
+    lane_entry_horizon: float = 2.0
+    downstream_braking: float = 2.0
+    brake_now_deceleration: float = 1.0
+    follow_speed_difference: float = 2.0
+    fall_back_speed: float = 2.0
+    stop_horizon: float = 5.0
+    stop_delay: float = 0.3
+    stop_margin: float = 5.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, positive=("creep_stop_time",))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class YieldSettings:
+    """When the ego yields to crossing vehicles.
+
+    Parameters
+    ----------
+    horizon : float
+        Time within which conflicts are predicted [s].
+    range : float
+        Distance within which crossing vehicles are considered [m].
+    hold_pet : float
+        Post-encroachment time required in addition by an ego that yields already [s].
+    sufficient_gap : float
+        Predicted gap that braking must keep if the ego can no longer stop before the conflict area [m].
+    brake_delay : float
+        Time until the brakes act [s].
+    min_braking : float
+        Deceleration that remains where cornering takes all of the grip [m/s^2].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    horizon: float = 8.0
+    range: float = 150.0
+    hold_pet: float = 1.0
+    sufficient_gap: float = 0.5
+    brake_delay: float = 0.3
+    min_braking: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            positive=(
+                "horizon",
+                "min_braking",
+            ),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LastResortSettings:
+    """How a maneuver is driven if comfort is not feasible.
+
+    Parameters
+    ----------
+    grip_fraction : float
+        Fraction of the grip that limits the lateral acceleration [-].
+    clearance : float
+        Clearance of the narrowest maneuver [m].
+    min_ttc : float
+        Time to collision of the latest maneuver [s].
+    lateral_acceleration : float
+        Peak lateral acceleration of the sharpest maneuver [m/s^2], at most half the grip.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    grip_fraction: float = 0.8
+    clearance: float = 0.3
+    min_ttc: float = 0.1
+    lateral_acceleration: float = 3.5
+
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            positive=(
+                "grip_fraction",
+                "lateral_acceleration",
+            ),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplanSettings:
+    """How an ongoing maneuver is replanned or canceled.
+
+    Parameters
+    ----------
+    committed_time : float
+        Time in which the reference can no longer change [s].
+    recovery_time : float
+        Time after that in which a missing clearance is regained [s].
+    min_clearance : float
+        Clearance below which a missing clearance is not relaxed [m].
+    clearance_tolerance, edge_tolerance : float
+        Relaxation beyond the missing clearance, and of road edges, in the committed part [m]: bounds
+        between nodes are looser than at nodes.
+    curvature_tolerance : float
+        Fraction by which the committed part may exceed its curvature [-].
+    window_hysteresis : float
+        Distance by which the end must move to be moved [m]; less is rounding of messages.
+    abort_clearance : float
+        Clearance of the unchanged maneuver below which the ego returns [m].
+    cancel_brake_fraction : float
+        Fraction of the brakes up to which following is feasible instead [-].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    committed_time: float = 0.5
+    recovery_time: float = 2.0
+    min_clearance: float = 0.3
+    clearance_tolerance: float = 0.05
+    edge_tolerance: float = 0.05
+    curvature_tolerance: float = 0.002
+    window_hysteresis: float = 2.0
+    abort_clearance: float = 0.1
+    cancel_brake_fraction: float = 0.3
+
+    def __post_init__(self) -> None:
+        check_fields(self, positive=("recovery_time",))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AbortSettings:
+    """How the ego returns before the maneuver is complete.
+
+    Parameters
+    ----------
+    deceleration : float
+        Deceleration with which the ego falls back, and following vehicles slow down [m/s^2].
+    brake_delay : float
+        Time until it acts [s]: half the time in which brakes build up, and their lag.
+    reaction_time : float
+        Reaction time of drivers of following vehicles [s].
+    standstill_gap : float
+        Gap to the vehicles ahead and behind after the return [m].
+    time_gap : float
+        Time gap to the next lead vehicle after an early return [s].
+    lateral_gap : float
+        Lateral gap to a vehicle that is passed during an early return [m].
+    lateral_acceleration : float
+        Lateral acceleration of the return [m/s^2].
+    min_length : float
+        Least length of a return [m].
+    max_overshoot_ratio : float
+        Largest length of a return, as a multiple of the distance in which its slope leads back [-].
+    settling_time : float
+        Time in which a return that is too early is stopped [s].
+    max_hold_time : float
+        Latest begin of an early return [s].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    deceleration: float = 5.0
+    brake_delay: float = 0.3
+    reaction_time: float = 1.0
+    standstill_gap: float = 2.0
+    time_gap: float = 2.0
+    lateral_gap: float = 0.2
+    lateral_acceleration: float = 4.0
+    min_length: float = 15.0
+    max_overshoot_ratio: float = 2.5
+    settling_time: float = 0.6
+    max_hold_time: float = 3.0
+
+    def __post_init__(self) -> None:
+        check_fields(
+            self,
+            positive=(
+                "deceleration",
+                "lateral_acceleration",
+                "min_length",
+            ),
+        )
+
+
+def check_fields(settings: Any, *, positive: tuple[str, ...] = (), infinite: str = "") -> None:
+    """Check that numbers are finite and not negative, and that groups have the right type."""
+    for f in fields(settings):
+        value = getattr(settings, f.name)
+        if f.default_factory is MISSING:
+            lower = {"gt": 0.0} if f.name in positive else {"ge": 0.0}
+            check_real(f.name, value, **lower, allow_inf=f.name == infinite)
+        elif not isinstance(value, group := type(f.default_factory())):
+            raise InputError(f"{f.name} must be {group.__name__}, was {type(value).__name__}")
