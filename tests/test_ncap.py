@@ -1,8 +1,7 @@
-"""Euro NCAP car-to-car rear tests: standing, moving and braking targets on a road of one lane.
+"""Euro NCAP car-to-car rear tests: stationary, moving and braking targets on a road of one lane.
 
-Speeds and decelerations of the Car-to-Car protocol, CCRs, CCRm and CCRb; the target is 4.02 m x 1.71 m
-and known by its messages from 100 m on. What a cell reports is the speed difference at the impact, 0 without
-one.
+Speeds and decelerations of the Car-to-Car protocol, CCRs, CCRm and CCRb. The target is 4.02 m x 1.71 m
+and known by its messages within 100 m. A cell reports the speed difference at the impact, 0 without one.
 """
 
 import os
@@ -11,10 +10,10 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from cca_core import Planner
-from tests.planner.test_planner import CAR, Drive, Mover, straight
+from tests.support.planner_drives import CAR, ClosedLoop, ScriptedVehicle, straight
 
 STEP = 5 if os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full" else 10
-KNOWN = 100.0  # [m]
+AWARENESS_RANGE = 100.0  # [m]
 TABLE: dict[str, float] = {}
 
 
@@ -26,14 +25,14 @@ def impact(kmh: float, target: float, gap: float, a: Callable[[float], float] = 
     """Speed difference at the impact [km/h], 0 if there is none."""
     v, v_target = kmh / 3.6, target / 3.6
     between = 0.5 * (CAR.length + 4.02)
-    mover = Mover("T", gap + between, 0.0, v_target, a=a, length=4.02, width=1.71)
+    target_vehicle = ScriptedVehicle("T", gap + between, 0.0, v_target, a=a, length=4.02, width=1.71)
     seconds = 16.0
-    run = Drive(
-        Planner(CAR, straight(1500.0), cruise_speed=v), [mover], seconds, v=v,
-        done=lambda s: s.v_x < max(v_target if mover.a is steady else 0.0, 0.05) + 0.05,
+    run = ClosedLoop(
+        Planner(CAR, straight(1500.0), cruise_speed=v), [target_vehicle], seconds, v=v,
+        done=lambda s: s.v_x < max(v_target if target_vehicle.a is steady else 0.0, 0.05) + 0.05,
     )  # fmt: skip
-    assert run.v[-1] <= max(v_target, 0.5) + 1.0 or run.hit
-    return 3.6 * (run.v[-1] - mover.v) if run.hit else 0.0
+    assert run.v[-1] <= max(v_target, 0.5) + 1.0 or run.collided_with
+    return 3.6 * (run.v[-1] - target_vehicle.v) if run.collided_with else 0.0
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -44,20 +43,20 @@ def table() -> Iterator[None]:
 
 
 @pytest.mark.parametrize("kmh", range(10, 81, STEP))
-def test_standing_target(kmh: int) -> None:
-    TABLE[f"CCRs {kmh}"] = impact(kmh, 0.0, min(KNOWN, 6.0 * kmh / 3.6))
+def test_stationary_target_is_avoided(kmh: int) -> None:
+    TABLE[f"CCRs {kmh}"] = impact(kmh, 0.0, min(AWARENESS_RANGE, 6.0 * kmh / 3.6))
     assert TABLE[f"CCRs {kmh}"] == 0.0
 
 
 @pytest.mark.parametrize("kmh", range(30, 81, STEP))
-def test_slower_target(kmh: int) -> None:
-    TABLE[f"CCRm {kmh}/20"] = impact(kmh, 20.0, min(KNOWN, 6.0 * (kmh - 20.0) / 3.6))
+def test_slower_target_is_avoided(kmh: int) -> None:
+    TABLE[f"CCRm {kmh}/20"] = impact(kmh, 20.0, min(AWARENESS_RANGE, 6.0 * (kmh - 20.0) / 3.6))
     assert TABLE[f"CCRm {kmh}/20"] == 0.0
 
 
 @pytest.mark.parametrize("braking", [2.0, 6.0])
 @pytest.mark.parametrize("gap", [12.0, 40.0])
-def test_braking_target(gap: float, braking: float) -> None:
+def test_braking_target_is_avoided(gap: float, braking: float) -> None:
     """Full deceleration is reached within a second, down to standstill."""
 
     def a(t: float) -> float:

@@ -132,7 +132,7 @@ def make_controller(scenario: Scenario) -> EgoController:
     return make_driver(scenario) if scenario.ego_type == "driver" else make_planner(scenario)
 
 
-def make_planner(scenario: Scenario, *, _leader_only: bool = False) -> Planner:
+def make_planner(scenario: Scenario) -> Planner:
     """Make the planner that a scenario asks for.
 
     Parameters
@@ -149,7 +149,7 @@ def make_planner(scenario: Scenario, *, _leader_only: bool = False) -> Planner:
     evasion = scenario.evasion if scenario.v2v else replace(scenario.evasion, awareness_range=0.0)
     return Planner(
         scenario.vehicle, scenario.road, cruise_speed=scenario.cruise_speed, evasion=evasion,
-        speed=scenario.speed, _leader_only=_leader_only,
+        speed=scenario.speed,
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""What of a swerve can no longer change."""
+"""Committed part of a maneuver and its clearance relaxation."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,9 @@ from cca_core.planner.committed import (
     relax_clearance,
     resample_displacement,
 )
+from cca_core.planner.tuning import ReplanSettings
 
+SETTINGS = ReplanSettings()
 N = 101
 S = np.linspace(0.0, 100.0, N)
 T = S / 20.0
@@ -22,42 +24,42 @@ def ego(d: float, m: int) -> Boxes:
     return boxes(S[:m], np.full(m, d), np.zeros(m), np.full(m, 4.5), np.full(m, 1.8))
 
 
-def beside(d: float) -> Boxes:
-    """One as fast as the ego."""
+def alongside(d: float) -> Boxes:
+    """A vehicle as fast as the ego."""
     return boxes(S, np.full(N, d), np.zeros(N), np.full(N, 4.5), np.full(N, 1.8))
 
 
 @given(d=st.floats(2.15, 6.0))
 def test_relaxation_equals_missing_clearance_and_decays(d: float) -> None:
-    m = committed_nodes(T)
-    box = relax_clearance(beside(d), ego(0.0, m), T, 1.0)
+    m = committed_nodes(T, SETTINGS)
+    box = relax_clearance(alongside(d), ego(0.0, m), T, 1.0, SETTINGS)
     gap = box_gap(ego(0.0, N), box)
     assert gap[:m].min() >= 1.0
-    late = T > 2.5
-    np.testing.assert_array_equal(box.width[late], 1.8)
+    regained = T > 2.5
+    np.testing.assert_array_equal(box.width[regained], 1.8)
     assert (np.diff(box.width) >= -1e-12).all()
     if d - 1.8 >= 1.05:
-        assert box.width is beside(d).width or (box.width == 1.8).all()
+        assert box.width is alongside(d).width or (box.width == 1.8).all()
 
 
 def test_relaxation_never_below_minimum_clearance() -> None:
-    box = relax_clearance(beside(1.3), ego(0.0, 4), T, 1.0)
+    box = relax_clearance(alongside(1.3), ego(0.0, 4), T, 1.0, SETTINGS)
     assert box.width[0] == pytest.approx(1.8 - 2.0 * 0.75)
     assert box_gap(ego(0.0, N), box)[:4].min() < 1.0
-    narrow = relax_clearance(beside(1.3), ego(0.0, 4), T, 0.3)
+    narrow = relax_clearance(alongside(1.3), ego(0.0, 4), T, 0.3, SETTINGS)
     assert box_gap(ego(0.0, N), narrow)[:4].min() >= 0.3
     assert narrow.width[-1] == box.width[-1] == 1.8
 
 
 def test_relaxed_boxes_have_nonnegative_size() -> None:
     thin = boxes(S, np.full(N, 1.0), np.zeros(N), np.full(N, 0.4), np.full(N, 0.2))
-    box = relax_clearance(thin, ego(0.0, 4), T, 0.3)
+    box = relax_clearance(thin, ego(0.0, 4), T, 0.3, SETTINGS)
     assert box.width.min() == box.length.min() == 0.0
 
 
 def test_relaxation_lasts_over_committed_nodes_at_low_speed() -> None:
     slow = S / 2.0
-    box = relax_clearance(beside(2.4), ego(0.0, 3), slow, 1.0)
+    box = relax_clearance(alongside(2.4), ego(0.0, 3), slow, 1.0, SETTINGS)
     assert box_gap(ego(0.0, N), box)[:3].min() >= 1.0
 
 
@@ -67,8 +69,8 @@ def test_replanning_starts_at_first_node_ahead(here: float, k: int) -> None:
 
 
 def test_committed_nodes_span_half_second_and_at_least_three() -> None:
-    assert committed_nodes(T) == 10
-    assert committed_nodes(10.0 * S) == 3
+    assert committed_nodes(T, SETTINGS) == 10
+    assert committed_nodes(10.0 * S, SETTINGS) == 3
 
 
 def test_resampling_at_same_stations_is_identity() -> None:
@@ -77,14 +79,14 @@ def test_resampling_at_same_stations_is_identity() -> None:
 
 
 def test_resampling_preserves_curve() -> None:
-    def swerve(s: np.ndarray) -> np.ndarray:
-        share = np.clip(s / 100.0, 0.0, 1.0)
-        return 64.0 * 3.5 * share**3 * (1.0 - share) ** 3
+    def bump(s: np.ndarray) -> np.ndarray:
+        x = np.clip(s / 100.0, 0.0, 1.0)
+        return 64.0 * 3.5 * x**3 * (1.0 - x) ** 3
 
     longer = np.linspace(0.0, 117.0, 120)
-    told = resample_displacement(longer, S, swerve(S))
-    np.testing.assert_allclose(told, swerve(longer), atol=1e-4)
-    assert (told[longer > 100.0] == 0.0).all()
+    resampled = resample_displacement(longer, S, bump(S))
+    np.testing.assert_allclose(resampled, bump(longer), atol=1e-4)
+    assert (resampled[longer > 100.0] == 0.0).all()
     h = longer[1]
-    bend = np.diff(told, 2) / h**2
-    assert np.abs(bend - np.diff(swerve(longer), 2) / h**2).max() < 2e-4
+    second_derivative = np.diff(resampled, 2) / h**2
+    assert np.abs(second_derivative - np.diff(bump(longer), 2) / h**2).max() < 2e-4

@@ -1,4 +1,4 @@
-"""Passing a slow car against oncoming traffic, in closed loop: a pass, a wait or a retreat, no contact."""
+"""Overtaking against oncoming traffic in closed loop: the ego passes, waits or aborts without collision."""
 
 import os
 from dataclasses import replace
@@ -10,7 +10,16 @@ from hypothesis import strategies as st
 
 from cca_core import Action, Lane, Planner, RemoteVehicle, Road, VehicleState
 from cca_core.planner.settings import EvasionSettings
-from tests.planner.test_planner import ALL_KNOWN, CAR, START, Drive, Mover, car, state, straight
+from tests.support.planner_drives import (
+    ALL_KNOWN,
+    CAR,
+    START,
+    ClosedLoop,
+    ScriptedVehicle,
+    car,
+    ego_state,
+    straight,
+)
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
 ROAD = Road(straight(2000.0), (Lane(d=0.0), Lane(d=3.5, direction=-1)))
@@ -28,38 +37,41 @@ class Pass:
         seconds: float = 40.0,
     ) -> None:  # fmt: skip
         self.planner = Planner(CAR, ROAD, cruise_speed=20.0, evasion=ALL_KNOWN)
-        self.began, self.room = False, 0.0  # room: between the others when the pass begins [m]
-        self.slow = Mover("R", ahead, 0.0, SLOW, a=lambda t: passed * self.has_begun())
-        self.other = Mover("O", gap, 3.5, v, psi=np.pi, a=lambda t: oncoming * self.has_begun())
-        self.run = Drive(self.planner, [self.slow, self.other], seconds, done=self.is_expired)
+        self.began, self.gap_at_start = (
+            False,
+            0.0,
+        )  # gap_at_start: between the others when the pass begins [m]
+        self.slow = ScriptedVehicle("R", ahead, 0.0, SLOW, a=lambda t: passed * self.has_begun())
+        self.other = ScriptedVehicle("O", gap, 3.5, v, psi=np.pi, a=lambda t: oncoming * self.has_begun())
+        self.run = ClosedLoop(self.planner, [self.slow, self.other], seconds, done=self.is_expired)
         self.ahead = self.run.x[-1] > self.slow.x + 4.5
         self.inside = abs(self.run.y[-1]) + 0.5 * CAR.width < 1.75
 
     def has_begun(self) -> bool:
-        if not self.began and self.planner._maneuver is not None:
-            self.began, self.room = True, self.other.x - self.slow.x
+        if not self.began and self.planner.maneuver is not None:
+            self.began, self.gap_at_start = True, self.other.x - self.slow.x
         return self.began
 
     def is_expired(self, ego: VehicleState) -> bool:
-        out = self.planner._maneuver is not None
+        out = self.planner.maneuver is not None
         return not out and abs(ego.y) < 0.2 and (ego.x > self.slow.x + 12.0 or self.slow.v > 22.0)
 
 
 @pytest.mark.parametrize("v", SPEEDS)
 @pytest.mark.parametrize("gap", GAPS)
-def test_gap_to_an_oncoming_car(gap: float, v: float) -> None:
-    """Now or after the oncoming car has gone by; 40 s are enough for both."""
+def test_slow_car_is_passed_before_or_after_oncoming_car(gap: float, v: float) -> None:
+    """Before or after the oncoming car; 40 s are enough for both."""
     attempt = Pass(gap, v)
     waited = attempt.run.actions[0] == "FOLLOW" or "FOLLOW" in attempt.run.actions
     TALLY["waited" if waited else "at once"] = TALLY.get("waited" if waited else "at once", 0) + 1
-    assert attempt.run.hit is None
+    assert attempt.run.collided_with is None
     assert attempt.ahead
     assert attempt.inside
     assert attempt.run.gaps["R"] > 0.5
     assert attempt.run.gaps["O"] > 0.5
 
 
-def test_both_immediate_and_delayed_passes_occur() -> None:
+def test_immediate_and_delayed_passes_both_occur() -> None:
     if sum(TALLY.values()) < len(GAPS) * len(SPEEDS):
         pytest.skip("sums up all cases of the test above it, which were not all selected to run")
     print(TALLY)  # noqa: T201  # with -s
@@ -72,46 +84,44 @@ def test_both_immediate_and_delayed_passes_occur() -> None:
     if FULL
     else [(320.0, 10.0), (470.0, 10.0), (450.0, 30.0), (470.0, 30.0)],
 )
-def test_oncoming_car_accelerates_when_the_pass_has_begun(gap: float, v: float) -> None:
-    """Nearer than 235 m and 7 s of its way, it may have gone by before the pass begins."""
+def test_accelerating_oncoming_car_is_not_hit(gap: float, v: float) -> None:
+    """A car closer than 235 m and 7 s may have gone by before the maneuver starts."""
     attempt = Pass(gap, v, oncoming=3.0)
-    assert attempt.room > 0.0 or gap < 235.0 + 7.0 * v
-    assert attempt.run.hit is None
+    assert attempt.gap_at_start > 0.0 or gap < 235.0 + 7.0 * v
+    assert attempt.run.collided_with is None
     assert attempt.inside
     assert attempt.run.gaps["O"] > 0.5
 
 
 @pytest.mark.parametrize("a_x", np.arange(0.5, 3.1, 0.1).tolist() if FULL else (1.0, 1.5, 2.0))
 @pytest.mark.parametrize(("gap", "v"), [(320.0, 10.0), (470.0, 30.0)])
-def test_passed_car_accelerates_when_the_pass_has_begun(gap: float, v: float, a_x: float) -> None:
+def test_accelerating_overtaken_car_is_not_hit(gap: float, v: float, a_x: float) -> None:
     attempt = Pass(gap, v, passed=a_x, seconds=20.0)
     assert attempt.began
-    assert attempt.run.hit is None
+    assert attempt.run.collided_with is None
     assert attempt.inside
     assert attempt.ahead or attempt.run.commands[-1].decision.action is not Action.EVADE_LEFT
     assert attempt.run.gaps["R"] > 0.5
     assert attempt.run.gaps["O"] > 0.5
 
 
-def is_free(
+def gap_is_accepted(
     other: RemoteVehicle, *, braking: float = 8.0, acceleration: float = 3.0, sign: float = 1.0
 ) -> bool:
-    """Whether the lane beside is taken to be free by the first decision behind a slow car."""
+    """Whether the first decision behind a slow car accepts the gap in the adjacent lane."""
     lanes = (Lane(d=0.0), Lane(d=3.5 * sign, direction=-1 if other.psi > 1.0 else 1))
     caution = EvasionSettings(
         awareness_range=np.inf, assumed_braking=braking, assumed_acceleration=acceleration
     )
     planner = Planner(CAR, Road(ROAD.path, lanes), cruise_speed=20.0, evasion=caution)
     there = replace(other, x=START + other.x, y=sign * other.y, psi=sign * other.psi)
-    decision = planner.step(0.0, state(), [car(START + 60.0, 0.0, SLOW), there]).decision
+    decision = planner.step(0.0, ego_state(), [car(START + 60.0, 0.0, SLOW), there]).decision
     wrong = Action.EVADE_RIGHT if sign > 0.0 else Action.EVADE_LEFT
     assert decision.action is not wrong
-    free = "is free" in decision.reason
-    assert free or not decision.action.is_evading
-    return free
+    return decision.action not in (Action.FOLLOW, Action.BRAKE)
 
 
-beside = st.builds(
+in_adjacent_lane = st.builds(
     lambda x, v, back, age, along, across: RemoteVehicle(
         id="O", x=x + (220.0 if back else 0.0), y=3.5, psi=np.pi if back else 0.0, v_x=v, age=age,
         sigma_along=along, sigma_across=across,
@@ -121,37 +131,39 @@ beside = st.builds(
 )  # fmt: skip
 
 
-class TestMonotone:
-    """What is known less well, or may do more, is never more free."""
+class TestGapAcceptance:
+    """More uncertainty or larger assumptions never accept a rejected gap."""
 
-    @given(beside, st.floats(0.0, 1.0), st.floats(0.0, 5.0), st.floats(0.0, 0.2))
-    def test_age_and_uncertainty(
+    @given(in_adjacent_lane, st.floats(0.0, 1.0), st.floats(0.0, 5.0), st.floats(0.0, 0.2))
+    def test_more_uncertainty_never_accepts_more(
         self, other: RemoteVehicle, older: float, along: float, across: float
     ) -> None:
         worse = replace(
             other, age=other.age + older, sigma_along=other.sigma_along + along,
             sigma_across=other.sigma_across + across,
         )  # fmt: skip
-        assert is_free(other) or not is_free(worse)
+        assert gap_is_accepted(other) or not gap_is_accepted(worse)
 
-    @given(beside, st.floats(0.1, 8.0), st.floats(0.1, 3.0), st.floats(0.0, 4.0), st.floats(0.0, 3.0))
-    def test_what_it_may_do(
+    @given(
+        in_adjacent_lane, st.floats(0.1, 8.0), st.floats(0.1, 3.0), st.floats(0.0, 4.0), st.floats(0.0, 3.0)
+    )
+    def test_larger_assumptions_never_accept_more(
         self, other: RemoteVehicle, braking: float, acceleration: float, more_b: float, more_a: float
     ) -> None:
-        less = is_free(other, braking=braking, acceleration=acceleration)
-        more = is_free(other, braking=braking + more_b, acceleration=acceleration + more_a)
+        less = gap_is_accepted(other, braking=braking, acceleration=acceleration)
+        more = gap_is_accepted(other, braking=braking + more_b, acceleration=acceleration + more_a)
         assert less or not more
 
-    @given(beside, st.floats(1.001, 10.0))
-    def test_too_old_is_not_free(self, other: RemoteVehicle, age: float) -> None:
-        assert not is_free(replace(other, age=age))
+    @given(in_adjacent_lane, st.floats(1.001, 10.0))
+    def test_stale_vehicle_is_rejected(self, other: RemoteVehicle, age: float) -> None:
+        assert not gap_is_accepted(replace(other, age=age))
 
-    @given(beside)
-    def test_mirrored(self, other: RemoteVehicle) -> None:
-        assert is_free(other) == is_free(other, sign=-1.0)
+    @given(in_adjacent_lane)
+    def test_gap_acceptance_is_mirror_symmetric(self, other: RemoteVehicle) -> None:
+        assert gap_is_accepted(other) == gap_is_accepted(other, sign=-1.0)
 
-    def test_both_answers_are_among_them(self) -> None:
+    def test_accepted_and_rejected_gaps_both_occur(self) -> None:
         far = RemoteVehicle(id="O", x=600.0, y=3.5, psi=np.pi, v_x=20.0)
-        assert is_free(far)
-        assert is_free(replace(far, x=-150.0, psi=0.0, v_x=10.0))
-        assert not is_free(replace(far, x=200.0))
+        assert gap_is_accepted(far)
+        assert gap_is_accepted(replace(far, x=-150.0, psi=0.0, v_x=10.0))
+        assert not gap_is_accepted(replace(far, x=200.0))

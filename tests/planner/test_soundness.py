@@ -1,4 +1,4 @@
-"""Whenever the choice is EVADE, nothing that others do within the declared bounds leads to a collision."""
+"""Soundness of EVADE: no motion of other vehicles within the assumptions leads to a collision."""
 
 import os
 
@@ -8,34 +8,35 @@ import pytest
 from tests.support.random_situations import decide, free_at_worst, min_gap, roads, situation
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
-BLOCKS, EACH = (48, 2500) if FULL else (2, 250)
+BLOCKS, PER_BLOCK = (48, 2500) if FULL else (2, 250)
 ROADS = roads()
-TALLY = {"situations": 0, "evade": 0, "hit": 0, "free": 0, "refused": 0}
 
 
-@pytest.mark.parametrize("block", range(BLOCKS))
-def test_evade_is_never_followed_by_a_collision(block: int) -> None:
-    """The band is driven at its speed profile to its end, without giving up, among the true vehicles."""
-    hits = []
-    for i in range(EACH):
+def check(block: int, count: int) -> None:
+    """Drive maneuvers without replanning among the true vehicles; count decisions and false rejections."""
+    collisions, evaded, clear, rejected = [], 0, 0, 0
+    for i in range(count):
         case = situation(np.random.default_rng([block, i]), ROADS[i % len(ROADS)])
         planner = decide(case, case.others)
-        TALLY["situations"] += 1
-        if planner._maneuver is not None:
-            TALLY["evade"] += 1
-            gap = min_gap(case, planner, planner._maneuver)
+        if planner.maneuver is not None:
+            evaded += 1
+            gap = min_gap(case, planner, planner.maneuver)
             if gap <= 0.0:
-                hits.append((i, gap, planner._decision.reason))
-        alone = decide(case, case.others[:1])  # what it would do without the others
-        if alone._maneuver is not None and free_at_worst(case, alone, alone._maneuver):
-            TALLY["free"] += 1
-            TALLY["refused"] += planner._maneuver is None
-    TALLY["hit"] += len(hits)
-    assert not hits
+                collisions.append((i, gap, repr(planner)))
+        alone = decide(case, case.others[:1])  # without the other vehicles
+        if alone.maneuver is not None and free_at_worst(case, alone, alone.maneuver):
+            clear += 1
+            rejected += planner.maneuver is None
+    assert collisions == []
+    assert evaded >= 0.08 * count
+    assert rejected <= 0.15 * clear
 
 
-def test_evade_share_and_false_rejection_rate() -> None:
-    if TALLY["situations"] < BLOCKS * EACH:
-        pytest.skip("sums up all cases of the test above it, which were not all selected to run")
-    assert TALLY["evade"] >= 0.08 * TALLY["situations"], TALLY
-    assert TALLY["refused"] <= 0.15 * TALLY["free"], TALLY
+def test_evade_is_collision_free_and_not_rejected_falsely() -> None:
+    check(0, 60)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(BLOCKS))
+def test_evade_is_collision_free_in_many_situations(block: int) -> None:
+    check(block, PER_BLOCK)

@@ -8,6 +8,7 @@ import pytest
 
 from cca_core.path import Path, fit_path
 from cca_core.sim import Log, make_planner, overtaking, simulate
+from tests.support.lead_only import LeadOnly
 
 START = 20.0
 
@@ -26,7 +27,7 @@ def _road(name: str) -> Path:
 @cache
 def _run(case: str, road: str, seed: int, v2v: bool, leader_only: bool) -> Log:
     scenario = overtaking(case, _road(road), start=START, v2v=v2v)
-    planner = make_planner(scenario, _leader_only=True) if leader_only else None
+    planner = LeadOnly(make_planner(scenario)) if leader_only else None
     return simulate(scenario, seed=seed, planner=planner)
 
 

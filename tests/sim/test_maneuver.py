@@ -11,6 +11,7 @@ import pytest
 from cca_core.errors import InputError
 from cca_core.path import Path
 from cca_core.sim import OVERTAKING_CASES, Log, make_planner, overtaking, simulate
+from tests.support.lead_only import LeadOnly
 
 Run = Callable[..., Log]
 ROADS = ("straight", "curved")
@@ -223,7 +224,7 @@ def test_contrast_does_not_hang_on_the_exact_start_of_the_other_car(
     scenario = overtaking(case, road("straight"))
     users = tuple(replace(u, s=u.s + shift) if u.id == "A" else u for u in scenario.road_users)
     scenario = replace(scenario, road_users=users)
-    hit = simulate(scenario, planner=make_planner(scenario, _leader_only=True)).summary()
+    hit = simulate(scenario, planner=LeadOnly(make_planner(scenario))).summary()
     assert hit["collided_with"] == "A"
 
 

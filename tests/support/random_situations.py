@@ -1,6 +1,5 @@
-"""Random traffic situations with what others truly do, and the simulation of a swerve among them."""
+"""Random traffic situations with true motions, and the maneuver driven among them."""
 
-import copy
 import math
 from dataclasses import dataclass, replace
 
@@ -8,10 +7,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleParams, VehicleState
-from cca_core.follow import arrival_times
+from cca_core.follow import arrival_times, squared_speed_limit
 from cca_core.geometry import Boxes, box_gap
 from cca_core.path import fit_path
-from cca_core.planner.maneuver import EvasionSettings, Maneuver
+from cca_core.planner import EvasionSettings
+from cca_core.planner.maneuver import Maneuver
 from cca_core.predict import reachable_interval
 
 CAR = replace(VehicleParams.bmw_320i(), length=4.5, width=1.8)
@@ -26,13 +26,13 @@ class Other:
     """A vehicle as it is and as it is reported."""
 
     remote: RemoteVehicle
-    s: float  # true place when the message was sent [m]
+    s: float  # true station when the message was sent [m]
     d: float
     v: float  # along the route [m/s]
     changes: np.ndarray  # accelerations of each half second since then [m/s^2]
 
-    def places(self, t: np.ndarray) -> np.ndarray:
-        """True path coordinate at times from now; it never reverses."""
+    def stations(self, t: np.ndarray) -> np.ndarray:
+        """True stations at times from now [m]; it never reverses."""
         speeds, driven = [abs(self.v)], [0.0]
         for a in self.changes.tolist():
             v = speeds[-1]
@@ -55,11 +55,11 @@ class Situation:
     road: Road
     v_x: float
     cruise: float
-    others: tuple[Other, ...]  # the first is the leader
+    others: tuple[Other, ...]  # the first is the lead vehicle
 
 
 def roads() -> list[Road]:
-    """Straight and curved, with a lane beside in either direction."""
+    """Straight and curved, with an adjacent lane in either direction."""
     made = []
     for radius in (math.inf, 500.0, -800.0):
         s = np.arange(0.0, 2401.0, 10.0)
@@ -74,39 +74,39 @@ def roads() -> list[Road]:
 
 
 def situation(rng: np.random.Generator, road: Road) -> Situation:
-    """Draw a situation: a leader to be passed and up to six others on both lanes."""
+    """Sample a situation: a lead vehicle to be passed and up to six others in both lanes."""
     v_x = rng.uniform(0.0, 40.0)
     behind = rng.uniform(0.4, 1.0) * v_x
     gap = rng.uniform(1.5, 3.8) * max(v_x, 4.0) + 5.0
-    drawn = [_other(rng, road, "leader", START + gap, 0.0, v_x - behind, 0.0)]
+    sampled = [_other(rng, road, "lead", START + gap, 0.0, v_x - behind, 0.0)]
     for i in range(int(rng.integers(0, 7))):
         if rng.random() < 0.75:
             lane = road.lanes[1]
             s = START + rng.uniform(-250.0, 700.0)
-            drawn.append(_other(rng, road, f"b{i}", s, LANE, lane.direction * rng.uniform(0.0, 40.0), 3.0))
+            sampled.append(_other(rng, road, f"b{i}", s, LANE, lane.direction * rng.uniform(0.0, 40.0), 3.0))
         else:
-            s = drawn[0].s + rng.uniform(10.0, 300.0)
-            drawn.append(_other(rng, road, f"o{i}", s, 0.0, rng.uniform(0.0, 40.0), 3.0))
-    return Situation(road=road, v_x=v_x, cruise=rng.uniform(v_x, 40.0), others=tuple(drawn))
+            s = sampled[0].s + rng.uniform(10.0, 300.0)
+            sampled.append(_other(rng, road, f"o{i}", s, 0.0, rng.uniform(0.0, 40.0), 3.0))
+    return Situation(road=road, v_x=v_x, cruise=rng.uniform(v_x, 40.0), others=tuple(sampled))
 
 
 def _other(
-    rng: np.random.Generator, road: Road, name: str, s: float, lane: float, v: float, most: float
+    rng: np.random.Generator, road: Road, name: str, s: float, lane: float, v: float, a_max: float
 ) -> Other:
     age, along, across = rng.uniform(0.0, 1.0), rng.uniform(0.0, 0.75), rng.uniform(0.0, 0.15)
     d = lane + rng.uniform(-0.5, 0.5)
     style = rng.random()
-    changes = rng.uniform(-8.0, most, 120)
+    changes = rng.uniform(-8.0, a_max, 120)
     if style < 0.3:
         changes[:] = -8.0
     elif style < 0.6:
-        changes[:] = most
+        changes[:] = a_max
     elif style < 0.7:
         changes[:] = 0.0
-    said_s = s + v * age + rng.uniform(-2.0, 2.0) * along
-    said_d = d + rng.uniform(-2.0, 2.0) * across
-    x, y = road.path.to_cartesian(said_s, said_d)
-    psi = float(road.path.heading(said_s)) + (math.pi if v < 0.0 else 0.0)
+    reported_s = s + v * age + rng.uniform(-2.0, 2.0) * along
+    reported_d = d + rng.uniform(-2.0, 2.0) * across
+    x, y = road.path.to_cartesian(reported_s, reported_d)
+    psi = float(road.path.heading(reported_s)) + (math.pi if v < 0.0 else 0.0)
     long = rng.random() < 0.2
     remote = RemoteVehicle(
         id=name, x=float(x), y=float(y), psi=psi, v_x=abs(v), age=age, sigma_along=along, sigma_across=across,
@@ -115,20 +115,9 @@ def _other(
     return Other(remote=remote, s=s, d=d, v=v, changes=changes)
 
 
-_PLANNERS: dict[int, Planner] = {}
-
-
 def decide(case: Situation, others: tuple[Other, ...]) -> Planner:
     """Return a planner after its first cycle in the situation."""
-    if id(case.road) not in _PLANNERS:
-        _PLANNERS[id(case.road)] = Planner(CAR, case.road, cruise_speed=40.0, evasion=SETTINGS)
-    planner = copy.copy(_PLANNERS[id(case.road)])
-    planner._last_s = {}
-    planner.cruise_speed = case.cruise
-    planner._speed_profile = (
-        planner._speed_profile[0],
-        np.minimum(planner._speed_profile[1], case.cruise**2),
-    )
+    planner = Planner(CAR, case.road, cruise_speed=case.cruise, evasion=SETTINGS)
     x, y = case.road.path.position(START).tolist()
     state = VehicleState(x=x, y=y, psi=float(case.road.path.heading(START)), v_x=case.v_x)
     planner.step(0.0, state, [o.remote for o in others])
@@ -136,16 +125,18 @@ def decide(case: Situation, others: tuple[Other, ...]) -> Planner:
 
 
 def drive(case: Situation, planner: Planner, maneuver: Maneuver) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times, route coordinates and poses (n, 3) of the ego that drives a band as it was planned."""
+    """Times, stations and poses (n, 3) of the ego that drives a band as it was planned."""
     path = case.road.path
     s = np.arange(START, maneuver.end + 1.0, 0.05)
-    v_target = math.sqrt(float(np.interp(START, *planner._speed_profile)))
+    limit = min(case.cruise, case.road.speed_limit)
+    curve_acceleration = SETTINGS.actuation.curve_acceleration
+    profile = squared_speed_limit(path, limit, curve_acceleration, planner.speed)
+    v_target = math.sqrt(float(np.interp(START, *profile)))
     t = arrival_times(case.v_x, v_target, s - START, planner.speed)
     grid = np.arange(0.0, t[-1], STEP)
     at = np.interp(grid, t, s)
     n = len(maneuver.band.nodes)
-    nodes = np.linspace(maneuver.start, maneuver.end, n)
-    curve = CubicSpline(nodes, maneuver.band.nodes)
+    curve = CubicSpline(np.linspace(maneuver.start, maneuver.end, n), maneuver.band.nodes)
     inside = (at >= maneuver.start) & (at <= maneuver.end)
     position, tangent, _ = path.derivatives(at)
     position[inside], tangent[inside] = curve(at[inside]), curve(at[inside], 1)
@@ -154,26 +145,26 @@ def drive(case: Situation, planner: Planner, maneuver: Maneuver) -> tuple[np.nda
 
 
 def min_gap(case: Situation, planner: Planner, maneuver: Maneuver) -> float:
-    """Least gap to any other while the band is driven, whatever the others truly do [m]."""
+    """Smallest gap to the true vehicles while the band is driven [m]."""
     t, _, pose = drive(case, planner, maneuver)
     psi = pose[:, 2]
     ego = Boxes(
         pose[:, 0] + CAR.box_offset * np.cos(psi), pose[:, 1] + CAR.box_offset * np.sin(psi), psi,
         np.array(CAR.length), np.array(CAR.width),
     )  # fmt: skip
-    least = math.inf
+    gap = math.inf
     for o in case.others:
-        s = o.places(t)
+        s = o.stations(t)
         xy = case.road.path.to_cartesian(s, np.full(len(s), o.d))
-        theirs = Boxes(
+        body = Boxes(
             xy[:, 0], xy[:, 1], case.road.path.heading(s), np.array(o.remote.length), np.array(o.remote.width)
         )
-        least = min(least, float(box_gap(ego, theirs).min()))
-    return least
+        gap = min(gap, float(box_gap(ego, body).min()))
+    return gap
 
 
 def free_at_worst(case: Situation, planner: Planner, maneuver: Maneuver) -> bool:
-    """Whether no other but the leader can reach the ego's body at any instant of a swerve."""
+    """Whether no vehicle but the lead can reach the ego's body during a maneuver."""
     t, at, _ = drive(case, planner, maneuver)
     u = np.interp(at, np.linspace(maneuver.start, maneuver.end, len(maneuver.band.nodes)),
                   maneuver.band.displacement, left=0.0, right=0.0)  # fmt: skip
@@ -181,9 +172,9 @@ def free_at_worst(case: Situation, planner: Planner, maneuver: Maneuver) -> bool
     for o in case.others[1:]:
         r = o.remote
         s, d = (float(x) for x in case.road.path.project((r.x, r.y)))
-        beside = np.abs(u - d) < 0.5 * (CAR.width + r.width) + 2.0 * r.sigma_across
+        overlap = np.abs(u - d) < 0.5 * (CAR.width + r.width) + 2.0 * r.sigma_across
         low, high = reachable_interval(o.v, t, braking=8.0, acceleration=3.0, age=r.age)
         half = 0.5 * r.length + 2.0 * r.sigma_along
-        if ((s + low - half < front) & (s + high + half > rear) & beside).any():
+        if ((s + low - half < front) & (s + high + half > rear) & overlap).any():
             return False
     return True

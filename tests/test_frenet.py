@@ -1,4 +1,4 @@
-"""The scene: vehicles in path coordinates, one by one and many at once."""
+"""Frenet coordinates of vehicles, one by one and in a batch."""
 
 import math
 from dataclasses import replace
@@ -16,10 +16,10 @@ PATH = fit_path(np.column_stack((150.0 * np.sin(S), 150.0 * (1.0 - np.cos(S)))),
 
 
 def remotes(n: int, d: float = 12.0, seed: int = 1) -> list[RemoteVehicle]:
-    """Vehicles beside the route, at most `d` from it, heading anywhere."""
+    """Vehicles with lateral offsets up to `d` and any heading."""
     rng = np.random.default_rng(seed)
-    s, beside = rng.uniform(-20.0, PATH.length + 20.0, n), rng.uniform(-d, d, n)
-    xy, psi = PATH.to_cartesian(s, beside), rng.uniform(-math.pi, math.pi, n)
+    s, d_vehicle = rng.uniform(-20.0, PATH.length + 20.0, n), rng.uniform(-d, d, n)
+    xy, psi = PATH.to_cartesian(s, d_vehicle), rng.uniform(-math.pi, math.pi, n)
     return [
         RemoteVehicle(id=str(i), x=float(x), y=float(y), psi=float(p), v_x=10.0, sigma_along=1.0)
         for i, ((x, y), p) in enumerate(zip(xy, psi, strict=True))
@@ -28,32 +28,32 @@ def remotes(n: int, d: float = 12.0, seed: int = 1) -> list[RemoteVehicle]:
 
 @pytest.mark.parametrize("warm", [False, True])
 def test_batch_projection_equals_scalar(warm: bool) -> None:
-    many, places = remotes(80), {}
+    many, last_s = remotes(80), {}
     if warm:
-        to_frenet(many, PATH, places)
+        to_frenet(many, PATH, last_s)
         many = [replace(r, x=r.x + 0.3, y=r.y - 0.2) for r in many]
-    before = dict(places)
-    together, _ = to_frenet(many, PATH, places)
-    assert len(together) == len(places) == 80
-    for remote, neighbor in zip(many, together, strict=True):
-        own = {remote.id: before[remote.id]} if warm else {}
-        (alone,), _ = to_frenet([remote], PATH, own)
+    before = dict(last_s)
+    together, _ = to_frenet(many, PATH, last_s)
+    assert len(together) == len(last_s) == 80
+    for remote, vehicle in zip(many, together, strict=True):
+        guess = {remote.id: before[remote.id]} if warm else {}
+        (alone,), _ = to_frenet([remote], PATH, guess)
         for name in ("s", "d", "v_s", "half_length", "half_width", "angle"):
-            assert getattr(neighbor, name) == pytest.approx(getattr(alone, name), abs=1e-6)
-        assert own[remote.id] == pytest.approx(places[remote.id], abs=1e-6)
+            assert getattr(vehicle, name) == pytest.approx(getattr(alone, name), abs=1e-6)
+        assert guess[remote.id] == pytest.approx(last_s[remote.id], abs=1e-6)
 
 
 def test_single_vehicle_is_accepted() -> None:
     (at,) = PATH.to_cartesian([100.0], [0.0])
     van = RemoteVehicle(id="van", x=float(at[0]), y=float(at[1]), psi=float(PATH.heading(100.0)), v_x=10.0)
-    (neighbor,), dropped = to_frenet(van, PATH, {})  # type: ignore[arg-type]
-    assert (neighbor.remote, dropped) == (van, ())
+    (vehicle,), dropped = to_frenet(van, PATH, {})  # type: ignore[arg-type]
+    assert (vehicle.remote, dropped) == (van, ())
     assert to_frenet(7, PATH, {}) == ([], (("7", "not a RemoteVehicle"),))  # type: ignore[arg-type]
     assert to_frenet(None, PATH, {}) == ([], (("None", "not a RemoteVehicle"),))  # type: ignore[arg-type]
 
 
 def test_laterally_distant_vehicles_are_ignored() -> None:
-    """Who crosses, or reaches near by size, angle or bounds, is not."""
+    """Vehicles that cross, or reach near by size, angle or uncertainty bound, are kept."""
     at, psi = PATH.to_cartesian(100.0, 20.0), float(PATH.heading(100.0))
     far = RemoteVehicle(id="far", x=float(at[0]), y=float(at[1]), psi=psi, v_x=10.0)
     for kept, changes in (
@@ -61,20 +61,20 @@ def test_laterally_distant_vehicles_are_ignored() -> None:
         (True, {"sigma_across": 2.2}), (False, {"sigma_along": 5.0}),
         (True, {"sigma_along": 9.0, "psi": psi + 0.3}),
     ):  # fmt: skip
-        neighbors, dropped = to_frenet([replace(far, **changes)], PATH, {})
-        assert (len(neighbors), dropped) == (int(kept), ())
-        reach = 0.0 if not kept else neighbors[0].d - neighbors[0].half_width
-        assert reach < 15.0 or abs(math.sin(neighbors[0].angle)) > 0.35
+        vehicles, dropped = to_frenet([replace(far, **changes)], PATH, {})
+        assert (len(vehicles), dropped) == (int(kept), ())
+        reach = 0.0 if not kept else vehicles[0].d - vehicles[0].half_width
+        assert reach < 15.0 or abs(math.sin(vehicles[0].angle)) > 0.35
     assert len(to_frenet([far], PATH, {}, lateral_range=(-30.0, 30.0))[0]) == 1
 
 
 @pytest.mark.parametrize(
-    ("v_s", "age", "least"), [(20.0, 0.9, 20.0), (20.0, 2.0, 12.0), (20.0, 9.0, 0.0), (-20.0, 5.0, -20.0)]
+    ("v_s", "age", "v_lower"), [(20.0, 0.9, 20.0), (20.0, 2.0, 12.0), (20.0, 9.0, 0.0), (-20.0, 5.0, -20.0)]
 )
-def test_lower_speed_bound_of_stale_vehicle(v_s: float, age: float, least: float) -> None:
+def test_lower_speed_bound_of_stale_vehicle(v_s: float, age: float, v_lower: float) -> None:
     remote = RemoteVehicle(id="a", x=0.0, y=0.0, psi=0.0, v_x=abs(v_s), age=age)
-    neighbor = FrenetVehicle.from_remote(remote, 0.0, 0.0, 0.0 if v_s > 0.0 else math.pi, 0.0)
-    assert neighbor.v_lower == pytest.approx(least)
+    vehicle = FrenetVehicle.from_remote(remote, 0.0, 0.0, 0.0 if v_s > 0.0 else math.pi, 0.0)
+    assert vehicle.v_lower == pytest.approx(v_lower)
 
 
 @pytest.mark.parametrize("value", [3, np.float64(3.0), np.float32(3.0), 1e308, -1e308])
@@ -87,17 +87,17 @@ def test_numeric_types_are_validated_alike(value: Any) -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, np.float64("nan"), None, "3", 3j])
 def test_non_numeric_field_is_reported(value: Any) -> None:
-    defect = RemoteVehicle(id="a", x=0.0, y=0.0, psi=0.0, v_x=10.0, age=value).invalid_reason
-    assert defect is not None
-    assert defect.startswith("age is not a finite number")
+    reason = RemoteVehicle(id="a", x=0.0, y=0.0, psi=0.0, v_x=10.0, age=value).invalid_reason
+    assert reason is not None
+    assert "age" in reason
 
 
 def test_nominal_has_no_uncertainty_and_reported_speed() -> None:
-    told = RemoteVehicle(
+    reported = RemoteVehicle(
         id="A", x=80.0, y=0.0, psi=0.3, v_x=14.0, age=5.0, sigma_along=30.0, sigma_across=5.0
     )
-    known = replace(told, age=0.0, sigma_along=0.0, sigma_across=0.0)
-    vague, sure = (FrenetVehicle.from_remote(remote, 80.0, 0.0, 0.3, 0.0) for remote in (told, known))
+    known = replace(reported, age=0.0, sigma_along=0.0, sigma_across=0.0)
+    vague, sure = (FrenetVehicle.from_remote(remote, 80.0, 0.0, 0.3, 0.0) for remote in (reported, known))
     assert vague.nominal() == sure
     assert sure.nominal() == sure
     assert vague.v_lower == 0.0
