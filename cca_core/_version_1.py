@@ -6,15 +6,11 @@ CLASSES = {
     "BrakeStatus": "Brakes",
     "CleanedRoute": "CleanRoute",
     "FixedTimeGap": "PinnedGap",
-    "FrenetEgo": "Ego",
-    "FrenetVehicle": "Neighbour",
     "LateralShiftAction": "Swerves",
     "LeadVehicle": "Leader",
-    "Maneuver": "Evasion",
     "ParameterRanges": "Variation",
     "PositionalAccuracy": "Accuracy",
     "ReactToLeadAction": "Follows",
-    "ReplanResult": "Renewal",
     "UpdateResult": "Outcome",
 }
 """Class today to its name in version 1."""
@@ -34,13 +30,6 @@ FIELDS = {
         "ends": "end_moments",
         "free": "free_displacement",
         "before": "previous_displacement",
-    },
-    "Candidate": {
-        "obstruction": "rejection",
-        "lead_in": "available_distance",
-        "needed": "required_distance",
-        "duration": "t_maneuver",
-        "zone": "danger_zone",
     },
     "ChannelSettings": {
         "loss": "loss_probability",
@@ -107,11 +96,6 @@ FIELDS = {
         "noise_time": "noise_time_constant",
         "frozen": "freeze_probability",
         "frozen_length": "mean_freeze_length",
-    },
-    "Sighting": {
-        "beside": "lateral_offset",
-        "turns_across": "crosses_ego_turn",
-        "hidden_by": "occluded_by",
     },
     "TrackerSettings": {
         "most_senders": "max_tracks",

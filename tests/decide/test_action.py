@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cca_core.decide import Action, Candidate, LeadVehicle, choose_action
+from cca_core.decide import Action, Candidate, LeadVehicle, Rejection, RejectionKind, choose_action
 
 K, F, L, R, B = Action.KEEP, Action.FOLLOW, Action.EVADE_LEFT, Action.EVADE_RIGHT, Action.BRAKE
 
@@ -22,7 +22,9 @@ def candidate(side: str = "left", **kwargs: Any) -> Candidate:
     )
 
 
-BLOCKED = Candidate(side="left", rejection="A is in the way", danger_zone=(-50.0, 10.0))
+NO_LANE = Rejection(kind=RejectionKind.NO_LANE, side="right")
+OCCUPIED = Rejection(kind=RejectionKind.LANE_BLOCKED, side="left", vehicle_id="A", distance=-12.0, value=25.0)
+BLOCKED = Candidate(side="left", rejection=OCCUPIED, danger_zone=(-50.0, 10.0))
 DUE, EARLY = candidate(), candidate(available_distance=80.0)
 CALM, SLOWING, HARD = make_lead(0.1, -0.1), make_lead(1.0, -1.0), make_lead(5.0, -5.0)
 
@@ -79,17 +81,17 @@ def test_cheaper_side_is_chosen(left: float, right: float, expected: Action, swa
 
 
 def test_rejected_side_is_not_chosen_at_any_cost() -> None:
-    blocked = Candidate(side="left", rejection="there is no lane", cost=-100.0)
+    blocked = Candidate(side="left", rejection=OCCUPIED, cost=-100.0)
     assert choose_action(SLOWING, [blocked, candidate("right", cost=9.0)]).action is R
 
 
 def test_reason_names_lead_and_every_rejection() -> None:
-    two = [BLOCKED, Candidate(side="right", rejection="there is no lane")]
+    two = [BLOCKED, Candidate(side="right", rejection=NO_LANE)]
     for ahead in (CALM, SLOWING, HARD):
         reason = choose_action(ahead, two).reason
         assert "R1" in reason
-        assert "left: A is in the way" in reason
-        assert "right: there is no lane" in reason
+        assert "left lane blocked by A (12 m behind, 25.0 m/s)" in reason
+        assert "no right lane" in reason
 
 
 def test_reason_without_candidates_mentions_missing_maneuver() -> None:
@@ -139,7 +141,7 @@ def test_following_does_not_chatter_around_threshold() -> None:
     ),
     st.lists(
         st.builds(
-            Candidate, side=st.sampled_from(["left", "right"]), rejection=st.sampled_from(["", "no lane"]),
+            Candidate, side=st.sampled_from(["left", "right"]), rejection=st.sampled_from([None, NO_LANE]),
             available_distance=st.floats(0.0, 200.0), required_distance=st.floats(0.0, 100.0), cost=st.floats(0.0, 5.0),
         ),
         max_size=3,
@@ -150,7 +152,7 @@ def test_random_cases_evade_only_to_feasible_side(
     ahead: LeadVehicle | None, candidates: list[Candidate], previous: Action
 ) -> None:
     decision = choose_action(ahead, candidates, previous=previous)
-    usable = {c.side for c in candidates if not c.rejection}
+    usable = {c.side for c in candidates if c.rejection is None}
     assert decision.reason
     if decision.action is L:
         assert "left" in usable

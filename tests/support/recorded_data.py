@@ -24,7 +24,15 @@ from cca_core import (
     relax_band,
 )  # fmt: skip
 from cca_core.band import BandStiffness
-from cca_core.decide import RSS_EGO, Candidate, Conflict, CrossingSettings, LeadVehicle
+from cca_core.decide import (
+    RSS_EGO,
+    Candidate,
+    Conflict,
+    CrossingSettings,
+    LeadVehicle,
+    Rejection,
+    RejectionKind,
+)
 from cca_core.follow import (
     Margins,
     SpeedSettings,
@@ -36,9 +44,18 @@ from cca_core.follow import (
 from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.geometry import boxes
 from cca_core.path import Waypoints, clean_route
+from cca_core.planner import (
+    AbortSettings,
+    ActuationSettings,
+    DecisionSettings,
+    EvasionSettings,
+    LastResortSettings,
+    LeadSettings,
+    ReplanSettings,
+    YieldSettings,
+)
 from cca_core.planner.maneuver import Maneuver
-from cca_core.planner.replan import ReplanResult
-from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.replan import Outcome, ReplanResult
 from cca_core.v2x import (
     BrakeStatus,
     Bsm,
@@ -98,6 +115,7 @@ def examples() -> dict[str, Any]:
         danger_zone=(-10.0, 60.0),
     )
     leader = LeadVehicle(id="a", gap=30.0, v_x=10.0, required_deceleration=2.0, follow_acceleration=-1.0)
+    rejection = Rejection(kind=RejectionKind.CLEARANCE, side="left", vehicle_id="a", value=0.6, limit=1.0)
     values = [
         ROUTE, ROAD, ROAD.lanes[1], LocalFrame(41.3, -105.6),
         clean_route(ROUTE.sample(10.0)), clean_route(ROUTE.sample(10.0)).report,
@@ -117,7 +135,9 @@ def examples() -> dict[str, Any]:
             conflict=conflict,
         ),
         EvasionSettings(awareness_range=math.inf),
-        ReplanResult(maneuver=None, reason="swerve given up"),
+        ReplanResult(maneuver=None, outcome=Outcome.CANCELED, rejection=rejection), rejection,
+        AbortSettings(), ActuationSettings(), DecisionSettings(), LastResortSettings(), LeadSettings(),
+        ReplanSettings(), YieldSettings(),
         Maneuver(
             side="left", start=1.0, end=99.0, band=relax_band(ROUTE.sample(5.0), vehicle=CAR),
             displacement=np.zeros(20), reference=ROUTE, candidate=candidate,
