@@ -1,4 +1,4 @@
-"""Build the distributions, look into them and use them in clean environments. Called by `make package`.
+"""Build the distributions, check their contents and use them in clean environments. Called by `make package`.
 
 `python tests/packaging.py all` also installs every extra (1.5 GB) and runs an example of them.
 """
@@ -17,16 +17,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-VERSION = re.search(r'^__version__ = "(.+)"$', (ROOT / "cca_core" / "__init__.py").read_text(), re.MULTILINE)[
-    1
-]  # type: ignore[index]
+SOURCE = (ROOT / "cca_core" / "__init__.py").read_text(encoding="utf-8")
+(VERSION,) = re.findall(r'^__version__ = "(.+)"$', SOURCE, re.MULTILINE)
 NAME = f"cca_planner-{VERSION}"
 TOOLS = ("pytest", "hypothesis", "shapely", "pymap3d", "asn1tools")
-# all other tests do with the wheel and TOOLS, or are skipped; these read the sources or need every extra
-LEFT_OUT = (
-    "tests/test_docs.py", "tests/test_docstrings.py", "tests/test_examples.py", "tests/test_packaging.py",
-)  # fmt: skip
-# many bands are one band to the bit only with the BLAS of SciPy 1.13 and newer, before to 1e-12 m
+# these read the sources or need every extra; all other tests run with the wheel and TOOLS, or are skipped
+EXCLUDED = [f"tests/test_{name}.py" for name in ("docs", "docstrings", "examples", "packaging", "vocabulary")]
+# a batch of bands equals single bands bitwise only with the BLAS of SciPy 1.13 and newer, before to 1e-12 m
 NOT_OLDEST = "tests/band/test_batch.py::test_obstacles_and_edges_broadcast"
 IMPORT = "from time import perf_counter as now; t = now(); import cca_core; print(now() - t)"
 EXTRA = """
@@ -70,8 +67,8 @@ def main() -> None:
         builder = environment(folder / "builder", "build")
         run(builder, "-m", "build", "--outdir", folder, ROOT)
         wheel, sdist = folder / f"{NAME}-py3-none-any.whl", folder / f"{NAME}.tar.gz"
-        look_into_wheel(wheel)
-        source = look_into_sdist(sdist, folder)
+        check_wheel(wheel)
+        source = check_sdist(sdist, folder)
         use_core(wheel, folder, source)
         check_types(wheel, folder)
         if sys.version_info[:2] == (3, 11):  # newer ones need newer versions of the dependencies
@@ -82,14 +79,16 @@ def main() -> None:
             use_all(wheel, folder, source)
 
 
-def look_into_wheel(wheel: Path) -> None:
-    """Check that it holds the package, its license and nothing else."""
+def check_wheel(wheel: Path) -> None:
+    """Check that the wheel holds the package with its data files, its license and nothing else."""
     with zipfile.ZipFile(wheel) as file:
         names = set(file.namelist())
         metadata = Parser().parsestr(file.read(f"{NAME}.dist-info/METADATA").decode())
     own = {name for name in names if not name.startswith(f"{NAME}.dist-info/")}
     files = {path.relative_to(ROOT).as_posix() for path in (ROOT / "cca_core").rglob("*") if path.is_file()}
     expect(own == {name for name in files if "__pycache__" not in name}, f"wheel differs: {own ^ files}")
+    kinds = {Path(name).suffix for name in own}
+    expect({".html", ".css", ".js"} <= kinds, f"pages of the report are missing, there are {kinds}")
     expect("cca_core/py.typed" in own, "py.typed is missing")
     expect(f"{NAME}.dist-info/licenses/LICENSE" in names, "the license is missing")
     expect(metadata["License-Expression"] == "Apache-2.0", "no license expression")
@@ -98,8 +97,8 @@ def look_into_wheel(wheel: Path) -> None:
     print(f"wheel: {wheel.stat().st_size / 1e3:.0f} kB, {len(own)} files")
 
 
-def look_into_sdist(sdist: Path, folder: Path) -> Path:
-    """Check that it holds what a packager needs; return it unpacked, without the package itself."""
+def check_sdist(sdist: Path, folder: Path) -> Path:
+    """Check that the sdist holds a packager's needs; return it unpacked, without the package itself."""
     with tarfile.open(sdist) as file:
         names = {name.removeprefix(f"{NAME}/") for name in file.getnames()}
         file.extractall(folder, filter="data")
@@ -108,8 +107,8 @@ def look_into_sdist(sdist: Path, folder: Path) -> Path:
         "Makefile", "cca_core/py.typed", "tests/conftest.py", "docs/conf.py", "examples/bend_a_band.py",
     ):  # fmt: skip
         expect(name in names, f"{name} is not in the sdist")
-    strange = {name for name in names if re.search(r"__pycache__|\.pyc$|_build|^out/|\.hypothesis", name)}
-    expect(not strange, f"the sdist holds {strange}")
+    unwanted = {name for name in names if re.search(r"__pycache__|\.pyc$|_build|^out/|\.hypothesis", name)}
+    expect(not unwanted, f"the sdist holds {unwanted}")
     print(f"sdist: {sdist.stat().st_size / 1e3:.0f} kB, {len(names)} files")
     source = folder / NAME
     (source / "cca_core").rename(folder / "not_to_be_imported")
@@ -117,17 +116,17 @@ def look_into_sdist(sdist: Path, folder: Path) -> Path:
 
 
 def use_core(wheel: Path, folder: Path, source: Path) -> None:
-    """Install without extras, run an example, measure."""
+    """Install without extras, run an example, measure time and size."""
     python = environment(folder / "core", wheel)
     listed = run(python, "-m", "pip", "list", "--format=freeze").split()
     names = {line.partition("==")[0].replace("_", "-") for line in listed} - {"pip", "setuptools"}
-    expect(names == {"cca-planner", "numpy", "scipy"}, f"the core brings {names}")
+    expect(names == {"cca-planner", "numpy", "scipy"}, f"the core installs {names}")
     print(run(python, source / "examples" / "bend_a_band.py", cwd=folder).splitlines()[-1])
-    word = run(python, "-c", EXTRA, fails=True)
-    expect("pip install 'cca-planner[qp]'" in word, f"no word about the extra: {word}")
+    output = run(python, "-c", EXTRA, fails=True)
+    expect("pip install 'cca-planner[qp]'" in output, f"the extra is not named: {output}")
     times = [float(run(python, "-c", IMPORT)) for _ in range(7)]
-    numpy = [float(run(python, "-c", IMPORT.replace("cca_core", "numpy"))) for _ in range(7)]
-    print(f"import: {min(times):.3f} s, of which NumPy {min(numpy):.3f} s")
+    numpy_times = [float(run(python, "-c", IMPORT.replace("cca_core", "numpy"))) for _ in range(7)]
+    print(f"import: {min(times):.3f} s, of which NumPy {min(numpy_times):.3f} s")
     expect(min(times) < 0.4, "the import is slow")
     print(f"installed: {size(python, 'cca_core'):.1f} MB, with NumPy and SciPy {size(python):.0f} MB")
 
@@ -141,7 +140,7 @@ def use_all(wheel: Path, folder: Path, source: Path) -> None:
 
 
 def check_types(wheel: Path, folder: Path) -> None:
-    """Let a type checker read a program that uses the library, and one that misuses it."""
+    """Run a type checker on a program that uses the library, and on one that misuses it."""
     python = environment(folder / "types", wheel, "mypy")
     for name, text in (("consumer", CONSUMER), ("misuse", MISUSE)):
         (folder / f"{name}.py").write_text(text, encoding="utf-8")
@@ -157,7 +156,7 @@ def run_tests(name: str, wheel: Path, folder: Path, source: Path, *pinned: str) 
     listed = run(python, "-m", "pip", "list", "--format=freeze").split()
     versions = ", ".join(line for line in listed if line.startswith(("numpy=", "scipy=")))
     begun = time.perf_counter()
-    skipped = [f"--ignore={file}" for file in LEFT_OUT] + [f"--deselect={NOT_OLDEST}"] * bool(pinned)
+    skipped = [f"--ignore={file}" for file in EXCLUDED] + [f"--deselect={NOT_OLDEST}"] * bool(pinned)
     out = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *skipped, "tests", cwd=source)
     print(f"{name} ({versions}): {out.splitlines()[-1]}, {time.perf_counter() - begun:.0f} s with collection")
 
@@ -171,26 +170,26 @@ def environment(folder: Path, *packages: str | Path) -> Path:
 
 
 def size(python: Path, package: str = "") -> float:
-    """Size on disk of a package or of all that is installed but pip [MB]."""
+    """Size on disk of a package, or of everything installed except pip [MB]."""
     site = run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip()
     files = (path for path in Path(site, package).rglob("*") if path.is_file())
-    others = {"pip", "setuptools", "pkg_resources", "_distutils_hack", "__pycache__"}
-    return sum(path.stat().st_size for path in files if not others & set(path.parts)) / 1e6
+    tools = {"pip", "setuptools", "pkg_resources", "_distutils_hack", "__pycache__"}
+    return sum(path.stat().st_size for path in files if not tools & set(path.parts)) / 1e6
 
 
 def run(python: Path, *arguments: str | Path, cwd: Path | None = None, fails: bool = False) -> str:
-    """Output of Python with arguments; it must succeed, or fail."""
+    """Output of Python with arguments; it must succeed, or fail if `fails`."""
     command = [str(python), *map(str, arguments)]
     done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=1800, check=False)
-    said = f"{' '.join(command)}\n{done.stdout[-6000:]}\n{done.stderr[-4000:]}"
-    expect(bool(done.returncode) == fails, said)
-    return said if fails else done.stdout
+    report = f"{' '.join(command)}\n{done.stdout[-6000:]}\n{done.stderr[-4000:]}"
+    expect(bool(done.returncode) == fails, report)
+    return report if fails else done.stdout
 
 
-def expect(fact: bool, otherwise: str) -> None:
-    """Stop with a message unless something is so."""
-    if not fact:
-        sys.exit(f"packaging: {otherwise}")
+def expect(condition: bool, message: str) -> None:
+    """Stop with a message unless a condition holds."""
+    if not condition:
+        sys.exit(f"packaging: {message}")
 
 
 if __name__ == "__main__":

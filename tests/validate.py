@@ -1,9 +1,12 @@
-"""Run every test file with the full number of random cases, then the study; write docs/validation.md.
+"""Run all tests with the full number of random cases, and the studies; write docs/validation.md.
 
-One file for each processor at a time. Resumable: files that passed with this library code are not run again,
-nor are runs of the study that have been driven with it. Called by `make validate`.
+    python tests/validate.py [tests | studies | eebl | ...]
+
+Without a part it runs everything. It resumes where it was stopped: test files that passed with the same
+sources are not run again, nor are runs of a study. Called by `make validate`.
 """
 
+import argparse
 import datetime
 import hashlib
 import json
@@ -25,195 +28,274 @@ from cca_core.sim.scenarios.scenario import EGO_TYPES
 from cca_core.sim.study.parameters import ParameterRanges
 from cca_core.sim.study.sampling import STUDY_SCENARIOS
 from cca_core.sim.study.statistics import StudyTable
+from cca_core.sim.study.store import Store
 from cca_core.sim.study.study import Study, run_study
 
 ROOT = Path(__file__).resolve().parents[1]
+TESTS = ROOT / "tests"
 STATE = ROOT / ".validate"
 PAGE = ROOT / "docs" / "validation.md"
 FIGURE = ROOT / "docs" / "study.png"
-BENCH = ROOT / "tests" / "bench"
-LENDING = "test_planner.py", "test_retreat.py", "test_crossing.py", "test_tracker.py"  # to other test files
-AVOIDABLE = 2000
+AVOIDABLE_RUNS = 2000
 SEED = 29  # definitions and the planner were changed after looking at runs of smaller seeds
-BOUND = 0.002  # on the rate of avoidable collisions with V2V, one-sided at 95 %
+MAX_RATE = 0.002  # of avoidable collisions with V2V, one-sided at 95 %
+STUDY_TIME = 2400.0  # of one processor for each study [s]
+NUMBERS = "v2v_speed", "latency", "loss", "radio_range"  # of a collision, on the page
+HEAD = """\
+# Validation
+
+Every test with the full number of random cases: 1000 for each property instead of 50, and fewer if one case
+is a whole drive or a fit. The name of a property fixes its seed. Written by `make validate`.
+"""
 
 
-def main() -> int:
-    """Run what has not passed yet; return 1 if anything failed."""
-    commit = output("git", "rev-parse", "--short", "HEAD")
-    made = [f":!{page.relative_to(ROOT).as_posix()}" for page in (PAGE, FIGURE)]
-    if output("git", "status", "--porcelain", "--untracked-files=no", "--", ".", *made):
-        commit += " with local changes"
+def main(arguments: list[str] | None = None) -> int:
+    """Run the parts that have not passed yet; return 1 if anything fails."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("part", nargs="*", help=f"tests, studies, or one study: {', '.join(STUDY_SCENARIOS)}")
+    parts = parser.parse_args(arguments).part or ["tests", "studies"]
+    if unknown := set(parts) - {"tests", "studies", *STUDY_SCENARIOS}:
+        parser.error(f"no such part: {', '.join(sorted(unknown))}")
     STATE.mkdir(exist_ok=True)
-    files = sorted(p for p in (ROOT / "tests").rglob("test_*.py") if "bench" not in p.parts)
-    rows: dict[str, dict[str, Any]] = {}
+    suite = Suite()
+    studies = [name for name in STUDY_SCENARIOS if {name, "studies"} & set(parts)]
+    print_plan(suite, "tests" in parts, studies)
+    problems: list[str] = []
     try:
-        failed = run_all(files, rows)
-    finally:  # what has passed is told of an interrupted run, too
-        write(commit, rows, len(files))
-    if failed:
-        print(f"failed: {', '.join(failed)}", file=sys.stderr)
-        return 1
-    tables = [study(name) for name in STUDY_SCENARIOS]
-    write(commit, rows, len(files), told(tables))
-    plot_study(tables, log=True).savefig(FIGURE, dpi=120)
-    failed = [table.scenario for table in tables if table.rate("v2v").upper_bound >= BOUND]
-    if failed:
-        print(f"avoidable collisions with V2V in {', '.join(failed)}", file=sys.stderr)
-    return 1 if failed else 0
+        if "tests" in parts:
+            problems = [f"{name} failed" for name in suite.run()]
+        if not problems:
+            problems = [problem for name in studies for problem in drive_study(name)]
+    finally:  # also after an interruption
+        write_page(suite)
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    return 1 if problems else 0
 
 
-def run_all(files: list[Path], known: dict[str, dict[str, Any]]) -> list[str]:
-    """Run the files that have not passed yet; add those that pass to `known`, return the others' names."""
-    memory, draft = STATE / "passed.json", STATE / "passed.draft"
-    earlier = json.loads(memory.read_text()) if memory.exists() else {}
-    tests = [p for p in (ROOT / "tests").rglob("*.py") if p.parent != BENCH and p != Path(__file__).resolve()]
-    shared = [p for p in tests if p not in files or p.name in LENDING]
-    code = digest(sorted([*(ROOT / "cca_core").rglob("*.py"), *shared]))
-    codes = {file.relative_to(ROOT).as_posix(): f"{code} {digest([file])}" for file in files}
-    known.update({name: row for name, row in earlier.items() if row["code"] == codes.get(name)})
-    failed = []
-    pool = ThreadPoolExecutor(os.cpu_count())
-    running = {pool.submit(run, name): name for name in codes if name not in known}
-    try:
-        for done in tqdm(as_completed(running), total=len(running), unit="file", disable=None):
-            name, result = running[done], done.result()
-            if result["failed"]:
-                failed.append(name)
-                tqdm.write(f"{name} failed")
-            else:
-                known[name] = {**result, "code": codes[name]}
-                draft.write_text(json.dumps(known, indent=1))
-                draft.replace(memory)
-    finally:
-        pool.shutdown(cancel_futures=True)
-    return failed
+def print_plan(suite: "Suite", with_tests: bool, studies: list[str]) -> None:
+    """Print for each part what has passed already and how long the rest takes."""
+    if with_tests:
+        passed = len(suite.files) - len(suite.missing)
+        print(f"tests: {passed} of {len(suite.files)} files have passed; {suite.expected_time()}")
+    for name in studies:
+        done, _ = progress_of(name)
+        rest = STUDY_TIME * (1.0 - done / AVOIDABLE_RUNS) / (os.cpu_count() or 1)
+        print(f"{name}: {done} of {AVOIDABLE_RUNS} avoidable runs; about {rest / 60.0:.0f} min to go")
+
+
+class Suite:
+    """Test files, what they depend on, and results of those that passed with the present sources."""
+
+    def __init__(self) -> None:
+        files = sorted(p for p in TESTS.rglob("test_*.py") if "bench" not in p.parts)
+        shared = digest([*library_files(), *(TESTS / "support").rglob("*.py"), *TESTS.rglob("conftest.py")])
+        self.files = {p.relative_to(ROOT).as_posix(): f"{shared} {digest([p, *inputs(p)])}" for p in files}
+        self.memory = STATE / "passed.json"
+        self.rows = json.loads(self.memory.read_text()) if self.memory.exists() else {}
+        self.seconds = {name: row["seconds"] for name, row in self.rows.items()}
+
+    @property
+    def passed(self) -> dict[str, dict[str, Any]]:
+        """Results of the files that passed with the present sources."""
+        return {name: row for name, row in self.rows.items() if row["code"] == self.files.get(name)}
+
+    @property
+    def missing(self) -> list[str]:
+        """Files that have not passed, the slowest of an earlier run first."""
+        return sorted(self.files.keys() - self.passed.keys(), key=lambda name: -self.seconds.get(name, 0.0))
+
+    def expected_time(self) -> str:
+        """Text: expected time of the missing files, from their last run."""
+        known = [self.seconds[name] for name in self.missing if name in self.seconds]
+        text = f"about {sum(known) / 60.0 / (os.cpu_count() or 1):.0f} min to go"
+        unknown = len(self.missing) - len(known)
+        return f"{text}, and {unknown} files of unknown time" if unknown else text
+
+    def run(self) -> list[str]:
+        """Run the missing files, one on each processor at a time; return those that fail."""
+        failed = []
+        pool = ThreadPoolExecutor(os.cpu_count())
+        running = {pool.submit(run_file, name): name for name in self.missing}
+        try:
+            for done in tqdm(as_completed(running), total=len(running), unit="file", disable=None):
+                name, result = running[done], done.result()
+                if result["failed"]:
+                    failed.append(name)
+                    tqdm.write(f"{name} failed")
+                else:
+                    self.rows[name] = {**result, "code": self.files[name]}
+                    self.save()
+        finally:
+            pool.shutdown(cancel_futures=True)
+        return failed
+
+    def save(self) -> None:
+        """Write the results, whole or not at all."""
+        draft = self.memory.with_suffix(".draft")
+        draft.write_text(json.dumps(self.rows, indent=1))
+        draft.replace(self.memory)
+
+
+def library_files() -> list[Path]:
+    """Sources and data files of the library."""
+    return [p for p in (ROOT / "cca_core").rglob("*") if p.is_file() and "__pycache__" not in p.parts]
+
+
+def inputs(file: Path) -> list[Path]:
+    """What a test file reads besides library, tests/support and conftest files."""
+    if file.parent != TESTS:
+        return [p for p in file.parent.rglob("*.py") if not p.name.startswith("test_")]
+    tracked = git("ls-files", "docs", "examples", "tests/bench", "*.md", "Makefile", "pyproject.toml").split()
+    return [ROOT / name for name in tracked if ROOT / name not in (PAGE, FIGURE)]
 
 
 def digest(files: Iterable[Path]) -> str:
-    """Tell the content of files."""
-    return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()[:12]
+    """Digest of the contents of files."""
+    return hashlib.sha256(b"\0".join(file.read_bytes() for file in sorted(files))).hexdigest()[:12]
 
 
-def run(name: str) -> dict[str, int]:
-    """Run one file with the full profile; count its tests."""
+def run_file(name: str) -> dict[str, int]:
+    """Run one file with all its cases, slow ones as well; count its tests."""
     report = STATE / f"{name.replace('/', '.')}.xml"
     report.unlink(missing_ok=True)
     begun = time.perf_counter()
-    with report.with_suffix(".txt").open("w") as said:
-        done = subprocess.run(
-            [sys.executable, "-m", "pytest", "-q", name, f"--junitxml={report}"], cwd=ROOT, stdout=said,
-            env=os.environ | {"CCA_HYPOTHESIS_PROFILE": "full"}, check=False,
-        )  # fmt: skip
-    if done.returncode not in (0, 1, 5) or not report.exists():  # it did not run to its end
-        return {"tests": 0, "skipped": 0, "failed": 1, "seconds": round(time.perf_counter() - begun)}
+    command = [sys.executable, "-m", "pytest", "-q", "-m", "", name, f"--junitxml={report}"]
+    environment = os.environ | {"CCA_HYPOTHESIS_PROFILE": "full"}
+    with report.with_suffix(".txt").open("w") as out:
+        done = subprocess.run(command, cwd=ROOT, stdout=out, env=environment, check=False)
+    seconds = round(time.perf_counter() - begun)
+    if done.returncode not in (0, 1, 5) or not report.exists():  # it was interrupted
+        return {"tests": 0, "skipped": 0, "failed": 1, "seconds": seconds}
     suite = ElementTree.parse(report).getroot().find("testsuite")
     counts = {key: int(suite.get(key, "0")) for key in ("tests", "failures", "errors", "skipped")}
     return {
         "tests": counts["tests"] - counts["skipped"],
         "skipped": counts["skipped"],
         "failed": counts["failures"] + counts["errors"],
-        "seconds": round(time.perf_counter() - begun),
+        "seconds": seconds,
     }
 
 
-def study(name: str) -> StudyTable:
-    """Drive what is left of the study of one scenario."""
-    plan = Study(parameters=ParameterRanges(scenario=name), seed=SEED, avoidable=AVOIDABLE)
-    name_of_file = f"study_{name}_{hashlib.sha256(plan.fingerprint.encode()).hexdigest()[:12]}.db"
-    with tqdm(total=AVOIDABLE, desc=name, unit="avoidable run", disable=None) as bar:
+def study_of(name: str) -> tuple[Study, Path]:
+    """Study of a scenario, and the file of its runs with the present sources."""
+    study = Study(parameters=ParameterRanges(scenario=name), seed=SEED, avoidable=AVOIDABLE_RUNS)
+    source = hashlib.sha256(study.fingerprint.encode()).hexdigest()[:12]
+    return study, STATE / f"study_{name}_{source}.db"
 
-        def progress(done: int, wanted: int) -> None:
-            bar.update(done - bar.n)
 
-        table = run_study(plan, STATE / name_of_file, progress=progress)
+def progress_of(name: str) -> tuple[int, StudyTable | None]:
+    """Avoidable runs that a study has with the present sources, and its table if it is complete."""
+    study, path = study_of(name)
+    if not path.exists():
+        return 0, None
+    with Store(path, study.fingerprint) as store:
+        return study.table(store.rows)
+
+
+def drive_study(name: str) -> list[str]:
+    """Drive the missing runs of a study; return what is wrong with its result."""
+    study, path = study_of(name)
+    with tqdm(total=AVOIDABLE_RUNS, desc=name, unit="avoidable run", disable=None) as bar:
+        table = run_study(study, path, progress=lambda done, wanted: bar.update(done - bar.n) and None)
     table.write_csv(STATE / f"study_{name}.csv")
-    return table
+    bound = table.rate("v2v").upper_bound
+    return [f"{name}: avoidable collisions with V2V up to {bound:.2%} (limit {MAX_RATE:.2%})"] * (
+        bound >= MAX_RATE
+    )
 
 
-def told(tables: list[StudyTable]) -> list[str]:
-    """Tell what came of the studies, and why each collision with V2V happened."""
+def write_page(suite: Suite) -> None:
+    """Write the page and the figure from all that has passed with the present sources."""
+    studies = {name: progress_of(name) for name in STUDY_SCENARIOS}
+    tables = [table for _, table in studies.values() if table is not None]
+    if tables:
+        plot_study(tables, log=True).savefig(FIGURE, dpi=120)
+    today = datetime.datetime.now(tz=datetime.UTC).date()
+    lines = [HEAD, f"Commit {commit()}, {today}, seed {SEED} of the studies.", "", *test_lines(suite)]
+    lines += ["", "## Studies", "", *study_lines(studies)]
+    lines += collision_lines(tables) if tables else []
+    PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def test_lines(suite: Suite) -> list[str]:
+    """Table of the test files that passed."""
+    rows = sorted(suite.passed.items())
+    total = sum(row["tests"] for _, row in rows)
+    return [
+        f"{len(rows)} of {len(suite.files)} test files passed, {total} tests.",
+        "",
+        "| file | tests | skipped | seconds |",
+        "|---|---|---|---|",
+        *(f"| `{name}` | {row['tests']} | {row['skipped']} | {row['seconds']} |" for name, row in rows),
+    ]
+
+
+def study_lines(studies: dict[str, tuple[int, StudyTable | None]]) -> list[str]:
+    """Table of collision rates."""
     lines = [
+        f"Each study samples runs of a scenario until {AVOIDABLE_RUNS} are avoidable; see [Studies](study.md).",
+        "Collisions among the avoidable runs: number, rate and its 95 % confidence interval, for V2V also the",
+        "one-sided upper bound.",
         "",
-        "## Study",
-        "",
-        f"Drawn by chance, seed {SEED}, until {AVOIDABLE} runs of a scenario were avoidable; how is said in",
-        "[Studies](study.md). Collisions among the avoidable runs, rate and its interval at 95 %; for V2V",
-        "also the one-sided bound.",
-        "",
-        "| scenario | runs | avoidable | with V2V | bound | driver | sensor |",
+        "| scenario | runs | avoidable | with V2V | upper bound | driver | sensor |",
         "|---|---|---|---|---|---|---|",
     ]
-    for table in tables:
-        v2v, driver, sensor = (table.rate(ego) for ego in EGO_TYPES)
-        cells = (
-            f"{r.n_events}: {r.value:.2%} ({r.ci_low:.2%} to {r.ci_high:.2%})" for r in (v2v, driver, sensor)
-        )
-        first, *rest = cells
-        row = (table.scenario, len(table), v2v.n, first, f"{v2v.upper_bound:.2%}", *rest)
-        lines.append(f"| {' | '.join(map(str, row))} |")
-    lines += [
+    for name, (done, table) in studies.items():
+        if table is None:
+            lines.append(f"| {name} | not complete | {done} of {AVOIDABLE_RUNS} | | | | |")
+            continue
+        rates = [table.rate(ego) for ego in EGO_TYPES]
+        first, *rest = (f"{r.n_events}: {r.value:.2%} ({r.ci_low:.2%} to {r.ci_high:.2%})" for r in rates)
+        cells = (name, len(table), rates[0].n, first, f"{rates[0].upper_bound:.2%}", *rest)
+        lines.append(f"| {' | '.join(map(str, cells))} |")
+    return lines
+
+
+def collision_lines(tables: list[StudyTable]) -> list[str]:
+    """Figure of collision rates, and a table of all collisions with V2V."""
+    lines = [
         "",
         "```{figure} study.png",
-        ":alt: Share of runs with a contact over latency and loss",
+        ":alt: Fraction of runs with a collision over latency and loss",
         "",
-        "Share of all runs that end in a contact, avoidable or not, over latency and loss of the messages.",
+        "Fraction of all runs that end in a collision, avoidable or not, over latency and loss of messages.",
         "```",
         "",
-        "Every collision with V2V:",
+        "All collisions with V2V:",
         "",
-        "| scenario | run | with | at [m/s] | latency [s] | loss | radio range [m] | why | last action |",
+        "| scenario | run | with | at [m/s] | latency [s] | loss | range [m] | cause | last decision |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for table in tables:
         for index in np.flatnonzero(table.collided("v2v")).tolist():
             row = table.rows[index]
-            numbers = (f"{row[key]:.2f}" for key in ("v2v_speed", "latency", "loss", "radio_range"))
-            cells = (
-                table.scenario,
-                index,
-                row["v2v_collided_with"],
-                *numbers,
-                why(row),
-                row["v2v_last_decision"],
-            )
+            numbers = (f"{row[key]:.2f}" for key in NUMBERS)
+            other, last = row["v2v_collided_with"], row["v2v_last_decision"]
+            cells = (table.scenario, index, other, *numbers, cause(row), last)
             lines.append(f"| {' | '.join(map(str, cells))} |")
     return lines
 
 
-def why(row: dict[str, Any]) -> str:
-    """Explain a collision with V2V."""
+def cause(row: dict[str, Any]) -> str:
+    """Cause of a collision with V2V."""
     if row["avoiding_action"]:
         return f"**avoidable** ({row['avoiding_action']})"
     if row["t_hazard"] is None:
-        return "never told of the hazard"
-    return f"told at {row['t_hazard']:.2f} s: too late to brake or to swerve"
+        return "no message of the hazard received"
+    return f"first message of the hazard at {row['t_hazard']:.2f} s, too late to brake or to evade"
 
 
-def write(commit: str, rows: dict[str, dict[str, Any]], files: int, more: list[str] | None = None) -> None:
-    """Write the page."""
-    today = datetime.datetime.now(tz=datetime.UTC).date()
-    total = sum(row["tests"] for row in rows.values())
-    lines = [
-        "# Validation",
-        "",
-        "Every test with the full number of random cases: 1000 per property instead of 50 (less where one",
-        "case is a whole drive or a fit), the seed of each fixed by its name. Made by `make validate`, which",
-        "resumes where it was stopped.",
-        "",
-        f"Commit {commit}, {today}: {len(rows)} of {files} test files passed, {total} tests.",
-        "",
-        "| file | tests | skipped | seconds |",
-        "|---|---|---|---|",
-        *(f"| `{n}` | {r['tests']} | {r['skipped']} | {r['seconds']} |" for n, r in sorted(rows.items())),
-        *(more or ["", "What studies have found so far: [Measured](study.md#measured)."]),
-    ]
-    PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+def commit() -> str:
+    """Short hash of the commit, with a note on local changes outside the written page."""
+    written = [f":!{page.relative_to(ROOT).as_posix()}" for page in (PAGE, FIGURE)]
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", *written).strip()
+    return git("rev-parse", "--short", "HEAD").strip() + " with local changes" * bool(changed)
 
 
-def output(*command: str) -> str:
-    """Output of a command in the project's folder."""
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+def git(*arguments: str) -> str:
+    """Output of git in the project's folder."""
+    return subprocess.run(["git", *arguments], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True).stdout
 
 
 if __name__ == "__main__":

@@ -112,7 +112,7 @@ def _():
     return only_input_error(*(lambda n=n, t=t: read_bsm_log(file(n, t)) for n, t in texts.items()))
 
 
-@TABLE.case("files", "store-bad-rows", "Store: rows nested 100 000 deep, no object, no JSON, no text")
+@TABLE.case("files", "study-bad-files", "Store: rows nested 100 000 deep, no object, no JSON, no text")
 def _():
     rows = ["[" * 100_000, "[1]", "1", "{", b"\xff"]
     stores = [spoiled_store(f"store{i}.db", row) for i, row in enumerate(rows)]

@@ -1,0 +1,58 @@
+"""`tests/validate.py`: a file is run and counted, its sources are known, the page shows each result."""
+
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("matplotlib")
+
+from cca_core.sim.study.parameters import ParameterRanges
+from cca_core.sim.study.run import simulate_run
+from cca_core.sim.study.statistics import StudyTable
+from tests import validate
+
+
+def test_passing_file_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(validate, "STATE", tmp_path)
+    result = validate.run_file("tests/test_public_api.py")
+    assert result["failed"] == 0
+    assert result["tests"] > 20
+
+
+def test_missing_file_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(validate, "STATE", tmp_path)
+    assert validate.run_file("tests/test_nothing.py")["failed"] == 1
+
+
+def test_result_counts_until_sources_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(validate, "STATE", tmp_path)
+    suite = validate.Suite()
+    name = "tests/test_geometry.py"
+    row = {"tests": 7, "skipped": 0, "failed": 0, "seconds": 60, "code": suite.files[name]}
+    suite.rows[name] = row
+    suite.save()
+    again = validate.Suite()
+    assert again.passed == {name: row}
+    assert len(again.missing) == len(again.files) - 1
+    again.files[name] = "other sources"
+    assert again.passed == {}
+    assert again.missing[0] == name  # its time is known
+
+
+def test_unknown_part_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        validate.main(["nothing"])
+    assert "no such part: nothing" in capsys.readouterr().err
+
+
+def test_page_shows_complete_and_partial_studies() -> None:
+    row = simulate_run(ParameterRanges(scenario="eebl"), validate.SEED, 0)
+    row |= {"v2v_collided_with": "red", "avoiding_action": "", "t_hazard": 2.0}
+    table = StudyTable(scenario="eebl", rows=(row, {**row, "index": 1, "avoiding_action": "brake"}))
+    lines = validate.study_lines({"eebl": (1, table), "ima": (12, None)})
+    assert any(line.startswith("| eebl | 2 | 1 | 1: 100.00%") for line in lines)
+    assert "| ima | not complete | 12 of 2000 | | | | |" in lines
+    first, second = validate.collision_lines([table])[-2:]
+    assert first.startswith("| eebl | 0 | red |")
+    assert "first message of the hazard at 2.00 s" in first
+    assert "**avoidable** (brake)" in second
