@@ -150,13 +150,13 @@ def check_types(wheel: Path, folder: Path) -> None:
     print("types: a strict consumer passes, misuse is found")
 
 
-def run_tests(name: str, wheel: Path, folder: Path, source: Path, *pinned: str) -> None:
+def run_tests(name: str, wheel: Path, folder: Path, source: Path, *requirements: str) -> None:
     """Run the tests that need no extra against some versions of the dependencies."""
-    python = environment(folder / name, wheel, *pinned, *TOOLS)
+    python = environment(folder / name, wheel, *requirements, *TOOLS)
     listed = run(python, "-m", "pip", "list", "--format=freeze").split()
     versions = ", ".join(line for line in listed if line.startswith(("numpy=", "scipy=")))
     begun = time.perf_counter()
-    skipped = [f"--ignore={file}" for file in EXCLUDED] + [f"--deselect={NOT_OLDEST}"] * bool(pinned)
+    skipped = [f"--ignore={file}" for file in EXCLUDED] + [f"--deselect={NOT_OLDEST}"] * bool(requirements)
     out = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *skipped, "tests", cwd=source)
     print(f"{name} ({versions}): {out.splitlines()[-1]}, {time.perf_counter() - begun:.0f} s with collection")
 

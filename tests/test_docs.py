@@ -34,7 +34,7 @@ def named(pages: list[Path]) -> list[Any]:
 
 
 def public_modules() -> Iterator[ModuleType]:
-    """What users import: `cca_core`, its packages and its single modules."""
+    """Modules that users import: `cca_core`, its packages and its single modules."""
     yield cca_core
     for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
         if not module.name.split(".")[-1].startswith("_"):
@@ -53,18 +53,23 @@ def documented() -> set[tuple[str, str]]:
     return found
 
 
+def documented_value(module: str, name: str) -> object:
+    """The documented object; its name if it does not exist."""
+    return getattr(importlib.import_module(module), name, f"{module}.{name}")
+
+
 DOCUMENTED = documented()
 
 
-def test_the_api_reference_names_what_exists() -> None:
+def test_api_reference_names_exist() -> None:
     missing = [pair for pair in DOCUMENTED if not hasattr(importlib.import_module(pair[0]), pair[1])]
     assert missing == []
 
 
-def test_nothing_is_documented_twice() -> None:
+def test_public_name_is_documented_once() -> None:
     seen: dict[tuple[str, int], str] = {}
     for module, name in sorted(DOCUMENTED):
-        value = getattr(importlib.import_module(module), name)
+        value = documented_value(module, name)
         other = seen.setdefault((name, id(value)), module)
         assert other == module, f"{name} is documented under {other} and {module}"
 
@@ -72,14 +77,14 @@ def test_nothing_is_documented_twice() -> None:
 @pytest.mark.parametrize(
     "module", sorted(public_modules(), key=lambda m: m.__name__), ids=lambda m: m.__name__
 )
-def test_every_public_name_is_in_the_api_reference(module: ModuleType) -> None:
-    there = {(name, id(getattr(importlib.import_module(home), name))) for home, name in DOCUMENTED}
+def test_public_names_are_in_api_reference(module: ModuleType) -> None:
+    there = {(name, id(documented_value(home, name))) for home, name in DOCUMENTED}
     names = getattr(module, "__all__", [])
     assert [name for name in names if (name, id(getattr(module, name))) not in there] == []
 
 
 @pytest.mark.parametrize("page", named(PAGES))
-def test_references_to_python_lead_into_the_api_reference(page: Path) -> None:
+def test_python_references_are_in_api_reference(page: Path) -> None:
     wrong = []
     for _, target in ROLE.findall(page.read_text(encoding="utf-8")):
         parts = target.split(".")
@@ -121,14 +126,14 @@ def test_internal_links_resolve(page: Path) -> None:
     assert broken == []
 
 
-def test_broken_links_would_be_found(tmp_path: Path) -> None:
+def test_link_check_finds_links_and_anchors(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text("# One thing\n[a](page.md#one-thing) [b](gone.md) [c](#two)\n", encoding="utf-8")
     assert links(page.read_text(encoding="utf-8")) == ["page.md#one-thing", "gone.md", "#two"]
     assert anchors(page) == {"one-thing"}
 
 
-def test_every_page_is_in_a_table_of_contents() -> None:
+def test_pages_are_in_table_of_contents() -> None:
     listed = {DOCS / "index.md"}
     for page in PAGES:
         for body in re.findall(r"```\{toctree\}\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
@@ -141,14 +146,14 @@ def test_every_page_is_in_a_table_of_contents() -> None:
 
 
 @pytest.mark.parametrize("page", named([*PAGES, *NOTEBOOKS]))
-def test_nothing_is_loaded_from_the_network(page: Path) -> None:
+def test_page_loads_nothing_from_network(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert not re.search(r"<(script|link|img|iframe)[^>]+https?:", text, re.IGNORECASE)
     assert not re.search(r"!\[[^\]]*\]\(https?:|```\{(image|figure)\} https?:|@import", text)
 
 
-def test_the_site_loads_nothing_from_the_network() -> None:
-    """Options of Sphinx that would: extensions without files of their own, MathJax, widgets."""
+def test_site_loads_nothing_from_network() -> None:
+    """Sphinx would load MathJax and widgets, unless its options name local files."""
     tree = ast.parse((DOCS / "conf.py").read_text(encoding="utf-8"))
     texts = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
     assert not [
@@ -165,7 +170,7 @@ def test_the_site_loads_nothing_from_the_network() -> None:
     assert ast.literal_eval(given["nb_ipywidgets_js"]) == {}
 
 
-# --- what the pages say can be done -------------------------------------------------------------------
+# --- commands and code of the pages -------------------------------------------------------------------
 
 
 def blocks(page: Path) -> str:
@@ -173,7 +178,7 @@ def blocks(page: Path) -> str:
 
 
 @pytest.mark.requires("matplotlib")
-def test_the_quickstart_runs_from_top_to_bottom(
+def test_quickstart_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page = DOCS / "quickstart.md"
@@ -186,7 +191,7 @@ def test_the_quickstart_runs_from_top_to_bottom(
     assert done["band"].status.name == "OK"
     assert (tmp_path / "band.svg").read_text(encoding="utf-8").startswith("<svg")
     assert (tmp_path / "driven.png").stat().st_size > 1000
-    assert done["d"].max() > 1.5  # the ego went around the van, and came back
+    assert done["d"].max() > 1.5  # the ego passed the van, and returned
     assert abs(done["d"][-1]) < 0.2
     assert done["command"].decision.action.name == "KEEP"
     assert "EVADE_LEFT" in capsys.readouterr().out
@@ -195,8 +200,8 @@ def test_the_quickstart_runs_from_top_to_bottom(
     assert min(gains.k_p) > 0.0
 
 
-def test_the_first_picture_of_the_readme(tmp_path: Path) -> None:
-    """It takes five lines, and is the one that is shown."""
+def test_readme_picture_matches_its_code(tmp_path: Path) -> None:
+    """The first code block has five lines at most, and makes the picture that the page shows."""
     (first, *_) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "README.md").read_text("utf-8"), re.M | re.S)
     lines = [line for line in first.splitlines() if line and not line.startswith("#")]
     done: dict[str, Any] = {}
@@ -207,17 +212,17 @@ def test_the_first_picture_of_the_readme(tmp_path: Path) -> None:
     assert f"<title>{done['band']}</title>" in shown
 
 
-def test_commands_of_make_exist() -> None:
+def test_make_targets_on_pages_exist() -> None:
     targets = set(re.findall(r"^([a-z0-9]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
-    told = set()
+    named_targets = set()
     for page in LINKED:
-        told |= set(
+        named_targets |= set(
             re.findall(r"`make ([a-z0-9]+)`|^\$ make ([a-z0-9]+)", page.read_text("utf-8"), re.MULTILINE)
         )
-    assert {name for pair in told for name in pair if name} <= targets
+    assert {name for pair in named_targets for name in pair if name} <= targets
 
 
-def test_commands_of_tests_and_examples_exist() -> None:
+def test_files_on_pages_exist() -> None:
     missing = set()
     for page in PAGES:
         for file in re.findall(
@@ -228,7 +233,7 @@ def test_commands_of_tests_and_examples_exist() -> None:
     assert missing == set()
 
 
-def test_the_map_of_the_paper_is_complete() -> None:
+def test_paper_map_is_complete() -> None:
     page = (DOCS / "paper.md").read_text(encoding="utf-8")
     equations, _, figures = page.partition("## Text")
     numbers = re.findall(r"^\| ([\d, -]+) \|", equations, re.MULTILINE)
@@ -247,20 +252,20 @@ def spread(entries: list[str]) -> set[int]:
     return found
 
 
-def test_every_test_file_is_on_the_page_of_properties() -> None:
+def test_properties_page_lists_all_test_files() -> None:
     page = (DOCS / "properties.md").read_text(encoding="utf-8")
     files = [f for f in (ROOT / "tests").rglob("test_*.py") if "bench" not in f.parts]
     assert [f.relative_to(ROOT).as_posix() for f in files if f.relative_to(ROOT).as_posix() not in page] == []
 
 
-def test_documented_functions_of_the_rooms_have_their_own_docstring() -> None:
+def test_documented_names_have_docstrings() -> None:
     for module, name in DOCUMENTED:
-        value = getattr(importlib.import_module(module), name)
+        value = documented_value(module, name)
         if inspect.isfunction(value) or inspect.isclass(value):
             assert inspect.getdoc(value), f"{module}.{name}"
 
 
-def test_the_page_of_run_times_tells_what_missed_its_budget(tmp_path: Path) -> None:
+def test_performance_page_marks_missed_budgets(tmp_path: Path) -> None:
     report = tmp_path / "bench.xml"
     report.write_text(
         '<testsuites><testsuite><testcase classname="tests.bench.test_speed" name="test_steer"/>'

@@ -143,7 +143,7 @@ def class_complaints(cls: type) -> Iterator[str]:
 
 
 def public_modules() -> Iterator[Any]:
-    """What users import: `cca_core`, its packages and its single modules."""
+    """Modules that users import: `cca_core`, its packages and its single modules."""
     yield cca_core
     for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
         if not module.name.split(".")[-1].startswith("_"):
@@ -240,7 +240,7 @@ def bad(speed: float, points: object, forgotten: int) -> float:
     raise ValueError(speed)
 
 
-def test_the_rules_find_what_is_wrong() -> None:
+def test_rules_find_defects() -> None:
     assert list(function_complaints(good)) == []
     assert list(function_complaints(bad)) == [
         "forgotten: not documented",
@@ -253,10 +253,10 @@ def test_the_rules_find_what_is_wrong() -> None:
 
 
 @pytest.mark.parametrize("unit", ["[m]", "[-]", "[1/m]", "[kg m^2]", "[kg·m²]", "[rad s/m]"])
-def test_units(unit: str) -> None:
+def test_unit_is_recognized(unit: str) -> None:
     assert has_unit(f"Something {unit}, positive.")
 
 
 @pytest.mark.parametrize("text", ["none", "see [1]_", "[rear, front]", "[]"])
-def test_not_units(text: str) -> None:
+def test_text_without_unit_is_rejected(text: str) -> None:
     assert not has_unit(text)

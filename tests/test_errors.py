@@ -11,12 +11,12 @@ from cca_core.errors import CcaError, InfeasibleError, InputError, MissingExtraE
     ("error", "builtin"),
     [(InputError, ValueError), (MissingExtraError, ImportError), (InfeasibleError, RuntimeError)],
 )
-def test_each_error_is_a_cca_error_and_the_builtin_one_expects(error: type, builtin: type) -> None:
+def test_error_is_cca_error_and_builtin(error: type, builtin: type) -> None:
     assert issubclass(error, CcaError)
     assert issubclass(error, builtin)
 
 
-def test_infeasible_error_carries_the_result_so_far() -> None:
+def test_infeasible_error_has_partial_result() -> None:
     partial = object()
     error = InfeasibleError("no room", partial)
     assert error.result is partial
@@ -24,14 +24,14 @@ def test_infeasible_error_carries_the_result_so_far() -> None:
     assert InfeasibleError("no room").result is None
 
 
-def test_statuses_are_distinct_and_explain_themselves() -> None:
+def test_statuses_are_distinct_sentences() -> None:
     values = [status.value for status in Status]
     assert len(values) == len(set(values)) == 5
     assert all(isinstance(value, str) and len(value.split()) >= 4 for value in values)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, None, "fast", [1.0, 2.0], 1j, {}])
-def test_check_real_refuses_and_names(value: object) -> None:
+def test_check_real_error_names_argument(value: object) -> None:
     with pytest.raises(InputError, match=r"^speed must be"):
         check_real("speed", value)
 
@@ -61,18 +61,18 @@ def test_check_real_message_has_bound_and_value(value: float, bounds: dict, word
         (np.inf, {"allow_inf": True}),
     ],
 )
-def test_check_real_accepts_bounds_themselves(value: float, bounds: dict) -> None:
+def test_check_real_accepts_bounds(value: float, bounds: dict) -> None:
     number = check_real("speed", value, **bounds)
     assert type(number) is float
     assert number == float(value)
 
 
-def test_check_real_refuses_nan_even_where_infinity_is_allowed() -> None:
+def test_check_real_rejects_nan_if_infinity_allowed() -> None:
     with pytest.raises(InputError, match="finite"):
         check_real("limit", np.nan, allow_inf=True)
 
 
-def test_check_array_copies() -> None:
+def test_check_array_returns_copy() -> None:
     mine = np.zeros((3, 2))
     theirs = check_array("xy", mine, (None, 2))
     theirs[0, 0] = 1.0
@@ -80,25 +80,25 @@ def test_check_array_copies() -> None:
 
 
 @pytest.mark.parametrize("value", [np.zeros(3), np.zeros((3, 3)), np.zeros((1, 3, 2)), 5.0, [], [[]]])
-def test_check_array_refuses_shape(value: object) -> None:
+def test_check_array_rejects_wrong_shape(value: object) -> None:
     with pytest.raises(InputError, match=r"^xy must have shape \(n, 2\)"):
         check_array("xy", value, (None, 2))
 
 
 @pytest.mark.parametrize("value", [[["a", "b"]], [[1.0, 2.0], [3.0]], [[None, 1.0]], "abc", [[1j, 2.0]]])
-def test_check_array_refuses_what_is_no_array_of_numbers(value: object) -> None:
+def test_check_array_rejects_invalid_numbers(value: object) -> None:
     with pytest.raises(InputError, match=r"^xy must be"):
         check_array("xy", value, (None, 2))
 
 
-def test_check_array_says_where_it_is_not_finite() -> None:
+def test_check_array_error_names_index() -> None:
     values = np.zeros((4, 2))
     values[2, 1] = np.nan
     with pytest.raises(InputError, match=r"^xy must be finite, was nan at \[2, 1\]"):
         check_array("xy", values, (None, 2))
 
 
-def test_check_points_counts() -> None:
+def test_check_points_rejects_too_few() -> None:
     with pytest.raises(InputError, match=r"^xy must have at least 2 points, had 1"):
         check_points("xy", [[0.0, 0.0]], 2)
     assert check_points("xy", [[0, 0], [1, 1]], 2).dtype == np.float64

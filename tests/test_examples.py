@@ -1,4 +1,4 @@
-"""Every example runs as a user would run it."""
+"""Every example runs as a script, in an empty folder."""
 
 import subprocess
 import sys

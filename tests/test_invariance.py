@@ -1,4 +1,4 @@
-"""The planner in closed loop does not care how the world is turned, shifted or mirrored."""
+"""The planner in closed loop is invariant to rotation, shift and reflection of the world."""
 
 import math
 import re
@@ -16,9 +16,9 @@ from cca_core.sim.world.traffic import Traffic
 
 NUMBER = re.compile(r"(?<![A-Za-z])\d+(?:\.\d+)?")
 ONE_CYCLE = 0.021  # [s]
-GRID = 5e-3  # speeds, headings and places in messages are rounded; both worlds round differently
+GRID = 5e-3  # messages round speeds, headings and positions; both worlds round differently
 
-LONG = 13.0  # the first swerve of case 1-fast and its end [s]
+DURATION = 13.0  # of case 1-fast, until its first maneuver is complete [s]
 
 
 def waypoints(kind: str) -> np.ndarray[Any, Any]:
@@ -38,11 +38,11 @@ def path_of(xy: np.ndarray[Any, Any]) -> Path:
 
 
 def scenario_on(path: Path, case: str = "1-fast") -> Scenario:
-    return replace(overtaking(case, path), duration=LONG)
+    return replace(overtaking(case, path), duration=DURATION)
 
 
 def mirrored(scenario: Scenario, path: Path) -> Scenario:
-    """Everything on the other side: the passing lane is on the right."""
+    """The reflected scenario: the passing lane is on the right."""
     lanes = tuple(replace(lane, d=-lane.d) for lane in scenario.road.lanes)
     return replace(
         scenario, road=Road(path, lanes, speed_limit=scenario.road.speed_limit),
@@ -55,7 +55,7 @@ def plain(request: pytest.FixtureRequest) -> tuple[str, Log]:
     return request.param, simulate(scenario_on(path_of(waypoints(request.param))))
 
 
-def test_the_run_is_worth_comparing(plain: tuple[str, Log]) -> None:
+def test_reference_run_has_a_maneuver(plain: tuple[str, Log]) -> None:
     _, log = plain
     assert log.actions == ["KEEP", "EVADE_LEFT", "KEEP"]
     assert np.abs(log.command[:, 0]).max() > 0.005
@@ -63,7 +63,9 @@ def test_the_run_is_worth_comparing(plain: tuple[str, Log]) -> None:
 
 
 @pytest.mark.parametrize(("angle", "shift"), [(2.1, (300.0, -120.0)), (-math.pi / 2.0, (-5000.0, 8000.0))])
-def test_turned_and_shifted(plain: tuple[str, Log], angle: float, shift: tuple[float, float]) -> None:
+def test_rotated_world_gives_same_run(
+    plain: tuple[str, Log], angle: float, shift: tuple[float, float]
+) -> None:
     kind, log = plain
     other = simulate(scenario_on(path_of(moved(waypoints(kind), angle, shift))))
     assert np.abs(other.command - log.command).max() < GRID
@@ -71,14 +73,14 @@ def test_turned_and_shifted(plain: tuple[str, Log], angle: float, shift: tuple[f
     assert [t for t, _, _ in other.decisions] == pytest.approx(
         [t for t, _, _ in log.decisions], abs=ONE_CYCLE
     )
-    # what early, rounded messages said of a bend stays in what has been driven
-    apart = 0.05 if kind == "straight" else 0.085
-    assert moved(log.ego[:, :2], angle, shift) == pytest.approx(other.ego[:, :2], abs=apart)
+    # early messages round the curve differently, and the difference remains in the driven line
+    tolerance = 0.05 if kind == "straight" else 0.085
+    assert moved(log.ego[:, :2], angle, shift) == pytest.approx(other.ego[:, :2], abs=tolerance)
     assert other.gaps() == pytest.approx(log.gaps(), abs=0.05)
 
 
 def exactly(scenario: Scenario) -> tuple[np.ndarray[Any, Any], list[str]]:
-    """Commands and actions with records of the others that nobody has rounded."""
+    """Commands and actions with exact records of the other vehicles."""
     planner, traffic = make_planner(scenario), Traffic(scenario)
     path, start = scenario.road.path, scenario.start
     x, y = path.position(start).tolist()
@@ -101,7 +103,7 @@ def exactly(scenario: Scenario) -> tuple[np.ndarray[Any, Any], list[str]]:
 
 
 @pytest.mark.parametrize("kind", ["straight", "curved"])
-def test_without_rounding_nothing_changes_at_all(kind: str) -> None:
+def test_exact_records_give_same_commands(kind: str) -> None:
     commands, actions = exactly(scenario_on(path_of(waypoints(kind))))
     assert "EVADE_LEFT" in actions
     assert np.abs(commands[:, 0]).max() > 0.005
@@ -114,7 +116,7 @@ def test_without_rounding_nothing_changes_at_all(kind: str) -> None:
     assert [a.replace("RIGHT", "LEFT") for a in other] == actions
 
 
-def test_mirrored(plain: tuple[str, Log]) -> None:
+def test_mirrored_world_gives_mirrored_run(plain: tuple[str, Log]) -> None:
     kind, log = plain
     path = path_of(waypoints(kind) * (1.0, -1.0))
     other = simulate(mirrored(scenario_on(path), path))
@@ -127,14 +129,14 @@ def test_mirrored(plain: tuple[str, Log]) -> None:
     )
     assert other.ego_frenet[:, 1] == pytest.approx(-log.ego_frenet[:, 1], abs=0.02)
     words = {"left": "right", "right": "left"}
-    for (_, _, said), (_, _, meant) in zip(other.decisions, log.decisions, strict=True):
-        assert NUMBER.split(" ".join(words.get(w, w) for w in said.split())) == NUMBER.split(meant)
-        figures = [float(x) for x in NUMBER.findall(meant)]
-        assert [float(x) for x in NUMBER.findall(said)] == pytest.approx(figures, abs=1.01)
+    for (_, _, reason), (_, _, expected) in zip(other.decisions, log.decisions, strict=True):
+        assert NUMBER.split(" ".join(words.get(w, w) for w in reason.split())) == NUMBER.split(expected)
+        figures = [float(x) for x in NUMBER.findall(expected)]
+        assert [float(x) for x in NUMBER.findall(reason)] == pytest.approx(figures, abs=1.01)
 
 
-def test_mirrored_wait_for_an_oncoming_car() -> None:
-    """Case 3 up to its wait, the whole world mirrored: left-hand traffic."""
+def test_mirrored_world_waits_for_oncoming_car() -> None:
+    """Case 3 until the ego follows, and the same in left-hand traffic."""
     logs = []
     for sign in (1.0, -1.0):
         path = path_of(waypoints("curved") * (1.0, sign))
@@ -148,8 +150,8 @@ def test_mirrored_wait_for_an_oncoming_car() -> None:
     assert np.abs(left.command[:, 1] - right.command[:, 1]).max() < GRID
 
 
-def test_both_sides_legal_the_cheaper_one_is_mirrored_too() -> None:
-    """Three lanes, the slow car off the middle: it is passed where it leaves more room, in both worlds."""
+def test_cheaper_side_is_mirrored() -> None:
+    """Three lanes, a slow car off the middle of its lane: the ego passes on the wider side."""
     seen = []
     for sign in (1.0, -1.0):
         path = path_of(waypoints("straight"))

@@ -1,4 +1,4 @@
-"""Notebooks are kept as they should be in a repository; `make test` also runs them."""
+"""Notebooks hold no output and valid links; `make docs` runs them."""
 
 import json
 import re
@@ -24,11 +24,11 @@ def text(notebook: Path) -> str:
     return "\n".join("".join(cell["source"]) for cell in cells(notebook))
 
 
-def test_there_are_notebooks() -> None:
+def test_notebooks_exist() -> None:
     assert NOTEBOOKS
 
 
-def test_format_and_kernel(notebook: Path) -> None:
+def test_notebook_format_and_kernel(notebook: Path) -> None:
     content = json.loads(notebook.read_text(encoding="utf-8"))
     assert (content["nbformat"], content["nbformat_minor"]) == (4, 5)
     assert content["metadata"]["kernelspec"]["name"] == "python3"
@@ -36,29 +36,29 @@ def test_format_and_kernel(notebook: Path) -> None:
     assert len(set(ids)) == len(ids)
 
 
-def test_nothing_that_was_executed_is_stored(notebook: Path) -> None:
+def test_notebook_stores_no_output(notebook: Path) -> None:
     code = [cell for cell in cells(notebook) if cell["cell_type"] == "code"]
     assert all(not cell["outputs"] and cell["execution_count"] is None for cell in code)
 
 
-def test_has_something_to_turn(notebook: Path) -> None:
+def test_notebook_has_one_parameter_cell(notebook: Path) -> None:
     everything = cells(notebook)
     heads = [i for i, cell in enumerate(everything) if "".join(cell["source"]).startswith("## Turn this")]
     assert len(heads) == 1
     assert everything[heads[0] + 1]["cell_type"] == "code"
 
 
-def test_figures_are_sharp_in_the_documentation(notebook: Path) -> None:
+def test_notebook_figures_are_svg(notebook: Path) -> None:
     assert '%config InlineBackend.figure_formats = ["svg"]' in text(notebook)
 
 
-def test_links_lead_to_files(notebook: Path) -> None:
+def test_notebook_links_exist(notebook: Path) -> None:
     links = re.findall(r"\]\(([^)#\s]+)", text(notebook))
     missing = [link for link in links if "://" not in link and not (notebook.parent / link).exists()]
     assert not missing
 
 
-def test_every_example_is_on_the_page_of_examples() -> None:
+def test_examples_page_lists_all_scripts() -> None:
     page = (ROOT / "docs" / "notebooks.md").read_text(encoding="utf-8")
     scripts = {path.name for path in (ROOT / "examples").glob("*.py")}
     assert set(re.findall(r"^\| `(\w+\.py)`", page, flags=re.M)) == scripts

@@ -1,4 +1,4 @@
-"""What the package says of itself; `tests/packaging.py` builds and installs it."""
+"""Metadata of the package; `tests/packaging.py` builds and installs it."""
 
 import re
 import tomllib
@@ -16,29 +16,29 @@ PROJECT = WHOLE["project"]
 EXTRAS = PROJECT["optional-dependencies"]
 
 
-def test_one_version_everywhere() -> None:
+def test_version_is_the_same_everywhere() -> None:
     cited = re.search(r"^version: (.+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
     assert cited is not None
     assert {version("cca-planner"), cited[1]} == {cca_core.__version__}
 
 
-def test_the_version_is_in_the_changelog() -> None:
+def test_version_is_in_changelog() -> None:
     assert f"## [{cca_core.__version__}]" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
-def test_type_checkers_are_told() -> None:
+def test_package_is_marked_as_typed() -> None:
     assert files(cca_core).joinpath("py.typed").is_file()
     assert "Typing :: Typed" in PROJECT["classifiers"]
 
 
-def test_the_core_is_numpy_and_scipy_with_a_lowest_version() -> None:
+def test_core_requires_numpy_and_scipy() -> None:
     assert [re.sub(r">=\d+(\.\d+)+$", "", requirement) for requirement in PROJECT["dependencies"]] == [
         "numpy",
         "scipy",
     ]
 
 
-def test_all_is_all() -> None:
+def test_extra_all_has_every_extra() -> None:
     (everything,) = EXTRAS["all"]
     named = re.fullmatch(r"cca-planner\[(.+)\]", everything)
     assert named is not None
@@ -46,11 +46,11 @@ def test_all_is_all() -> None:
 
 
 @pytest.mark.parametrize("extra", sorted(EXTRAS))
-def test_each_extra_is_explained(extra: str) -> None:
+def test_extra_is_on_quickstart_page(extra: str) -> None:
     assert f"| `{extra}` |" in (ROOT / "docs" / "quickstart.md").read_text(encoding="utf-8")
 
 
-def test_missing_extras_name_one_that_exists() -> None:
+def test_required_extras_exist() -> None:
     named = set()
     for file in (ROOT / "cca_core").rglob("*.py"):
         named |= set(re.findall(r'require_extra\([^()]+, "(\w+)"\)', file.read_text(encoding="utf-8")))
@@ -58,12 +58,12 @@ def test_missing_extras_name_one_that_exists() -> None:
     assert named <= EXTRAS.keys()
 
 
-def test_the_oldest_python_is_the_first_classifier() -> None:
+def test_oldest_python_is_first_classifier() -> None:
     listed = [re.search(r":: (3\.\d+)$", each) for each in PROJECT["classifiers"]]
     assert PROJECT["requires-python"] == f">={next(found[1] for found in listed if found)}"
 
 
-def test_what_the_source_distribution_names_exists() -> None:
+def test_sdist_files_exist() -> None:
     for name in WHOLE["tool"]["hatch"]["build"]["targets"]["sdist"]["include"]:
         assert (ROOT / name.removeprefix("/")).exists(), name
     assert [(ROOT / name).is_file() for name in (*PROJECT["license-files"], PROJECT["readme"])] == [

@@ -1,4 +1,4 @@
-"""The public names are a promise: adding or removing one changes this list on purpose."""
+"""The public names: adding or removing one must change this list."""
 
 import importlib
 import pkgutil
@@ -13,25 +13,25 @@ PUBLIC = """
     VehicleState choose_action danger_zone design_gains fit_path relax_band smooth_band
 """.split()
 
-ROOMS = [name for _, name, _ in pkgutil.iter_modules(cca_core.__path__) if not name.startswith("_")]
+PACKAGES = [name for _, name, _ in pkgutil.iter_modules(cca_core.__path__) if not name.startswith("_")]
 
 
-def test_the_list_is_frozen() -> None:
+def test_top_level_names_are_frozen() -> None:
     assert sorted(cca_core.__all__) == sorted(PUBLIC)
 
 
 @pytest.mark.parametrize("name", PUBLIC)
-def test_name_can_be_imported(name: str) -> None:
+def test_top_level_name_is_importable(name: str) -> None:
     assert getattr(cca_core, name) is not None
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_package_names_are_unique_and_exist(room: str) -> None:
-    module = importlib.import_module(f"cca_core.{room}")
+@pytest.mark.parametrize("package", PACKAGES)
+def test_package_names_are_unique_and_exist(package: str) -> None:
+    module = importlib.import_module(f"cca_core.{package}")
     names = getattr(module, "__all__", [])
     assert len(names) == len(set(names))
     assert [name for name in names if not hasattr(module, name)] == []
 
 
-def test_no_name_shadows_a_package() -> None:
-    assert not set(cca_core.__all__) & set(ROOMS)
+def test_top_level_names_shadow_no_package() -> None:
+    assert not set(cca_core.__all__) & set(PACKAGES)

@@ -79,5 +79,5 @@ def test_page_uses_glossary_terms(path: Path) -> None:
     assert refused_prose(path) == []
 
 
-def test_words_are_split_at_underscores_and_capitals() -> None:
+def test_words_split_at_underscores_and_capitals() -> None:
     assert words("lane_besideSwerve2") == {"lane", "beside", "swerve"}
