@@ -9,8 +9,8 @@ from cca_core._checks import Array, check_any, check_real
 from cca_core.errors import InputError
 from cca_core.vehicle import MAX_COORDINATE
 
-_A = 6378137.0  # semi-major axis [m], WGS 84
-_E2 = (1.0 / 298.257223563) * (2.0 - 1.0 / 298.257223563)  # squared eccentricity, from the flattening
+SEMI_MAJOR_AXIS = 6378137.0  # of WGS 84 [m]
+ECCENTRICITY_SQUARED = (1.0 / 298.257223563) * (2.0 - 1.0 / 298.257223563)  # from the flattening
 
 
 class LocalFrame:
@@ -105,12 +105,12 @@ class LocalFrame:
         if np.abs(xy).max(initial=0.0) > MAX_COORDINATE:
             raise InputError("xy must be within 1000 km of the origin")
         # height above the plane that puts the point on the ellipsoid: the line along `up` meets the quadric
-        quadric = np.array([1.0, 1.0, 1.0 / (1.0 - _E2)])
+        quadric = np.array([1.0, 1.0, 1.0 / (1.0 - ECCENTRICITY_SQUARED)])
         foot, up = self._origin + xy @ self._axes[:2], self._axes[2]
         a, b = up @ (quadric * up), foot @ (quadric * up)
-        c = (foot * foot) @ quadric - _A**2
+        c = (foot * foot) @ quadric - SEMI_MAJOR_AXIS**2
         point = foot + ((-b + np.sqrt(b * b - a * c)) / a)[..., None] * up
-        lat = np.arctan2(point[..., 2], (1.0 - _E2) * np.hypot(point[..., 0], point[..., 1]))
+        lat = np.arctan2(point[..., 2], (1.0 - ECCENTRICITY_SQUARED) * np.hypot(point[..., 0], point[..., 1]))
         return np.degrees(lat), np.degrees(np.arctan2(point[..., 1], point[..., 0]))
 
 
@@ -130,12 +130,12 @@ def _geodetic(lat: ArrayLike, lon: ArrayLike) -> tuple[Array, Array]:
 
 def _to_ecef(lat: Array, lon: Array) -> Array:
     """Earth-centered coordinates [m] of points on the ellipsoid; angles in rad."""
-    n = _A / np.sqrt(1.0 - _E2 * np.sin(lat) ** 2)
+    n = SEMI_MAJOR_AXIS / np.sqrt(1.0 - ECCENTRICITY_SQUARED * np.sin(lat) ** 2)
     return np.stack(
         (
             n * np.cos(lat) * np.cos(lon),
             n * np.cos(lat) * np.sin(lon),
-            n * (1.0 - _E2) * np.sin(lat),
+            n * (1.0 - ECCENTRICITY_SQUARED) * np.sin(lat),
         ),
         axis=-1,
     )

@@ -1,8 +1,8 @@
-"""V2X: message bytes to vehicles with honest bounds, and back; no sockets."""
+"""V2X: message bytes to vehicles with uncertainty bounds, and back; no sockets."""
 
 from cca_core.v2x.bsm import BrakeStatus, Bsm, PositionalAccuracy, decode_bsm, encode_bsm
 from cca_core.v2x.channel import Channel, ChannelSettings, ReceivedMessage
-from cca_core.v2x.motion import Fix, dead_reckon, position_bounds
+from cca_core.v2x.motion import Fix, PositionErrorModel, dead_reckon, position_bounds
 from cca_core.v2x.plausibility import PLAUSIBILITY_CHECKS, PlausibilitySettings
 from cca_core.v2x.sender import Sender, SenderSettings
 from cca_core.v2x.tracker import Tracker
@@ -17,6 +17,7 @@ __all__ = [
     "ChannelSettings",
     "Fix",
     "PlausibilitySettings",
+    "PositionErrorModel",
     "PositionalAccuracy",
     "ReceivedMessage",
     "Sender",

@@ -1,25 +1,23 @@
-"""The senders' tracks, and a table of where they are for quick comparisons."""
+"""Tracks of senders, and a table of their positions for fast comparison."""
 
 import math
 
 import numpy as np
 
 from cca_core.geometry import wrap_angle
-from cca_core.v2x.motion import STALE_AFTER, Fix, dead_reckon, position_bounds, predicted_displacement
+from cca_core.v2x.motion import Fix, dead_reckon, position_bounds, predicted_displacement
 from cca_core.v2x.tracker_settings import TrackerSettings
-from cca_core.vehicle import RemoteVehicle, VehicleState
+from cca_core.vehicle import STALE_AGE, RemoteVehicle, VehicleState
 
-_NOWHERE = 1e12  # [m]
-_SHORTEST, _NARROWEST = 1.5, 0.8  # room that a body takes, however small it says to be [m]
-_AROUND = 6.0  # silence after which the message count may have gone around [s]
+_NOWHERE = 1e12  # coordinate of an unused row [m]
 
 
 class Track:
-    """What is known of one sender: motion by its last message, place by the last that was believed."""
+    """State of one sender: motion of its last message, position of the last accepted one."""
 
     __slots__ = (
-        "accuracy", "begun", "doubt", "driven", "events", "fix", "id", "length", "msg_count", "origin",
-        "placed", "ref", "row", "said", "speed", "timed", "width",
+        "accuracy", "driven", "events", "first_reported", "fix", "id", "length", "msg_count", "ref",
+        "rejected", "reported", "row", "speed", "t_first", "t_position", "timed", "width",
     )  # fmt: skip
 
     def __init__(
@@ -35,23 +33,25 @@ class Track:
     ) -> None:
         self.id, self.fix, self.length, self.width, self.events = id, fix, length, width, events
         self.msg_count, self.timed, self.accuracy = msg_count, timed, accuracy
-        self.begun = fix.t  # time of its first message [s]
-        self.said = self.origin = self.ref = (fix.x, fix.y)  # place told last, first, and by all messages [m]
-        self.placed, self.speed, self.driven = fix.t, fix.v, 0.0  # of the last place believed; driven since
-        self.doubt: Track | None = None  # its last message whose place was not believed
+        self.t_first = fix.t  # time of its first message [s]
+        # positions [m]: last accepted as reported, first reported, estimate by all messages
+        self.reported = self.first_reported = self.ref = (fix.x, fix.y)
+        # time and speed of the last accepted position, distance driven since
+        self.t_position, self.speed, self.driven = fix.t, fix.v, 0.0
+        self.rejected: Track | None = None  # last message with a rejected position
         self.row = -1
 
-    def coast(self, fresh: "Track") -> None:
-        """Go on as a message says, from where the sender was: its place is not believed, its motion is."""
-        new, old = fresh.fix, self.fix
-        x, y, way = predicted_displacement(old, new)
-        self.driven += way
+    def coast(self, message: "Track") -> None:
+        """Continue with the reported motion of a message whose position was rejected."""
+        new, old = message.fix, self.fix
+        x, y, distance = predicted_displacement(old, new)
+        self.driven += distance
         self.ref = self.ref[0] + x - old.x, self.ref[1] + y - old.y
         self.fix = new._replace(x=x, y=y)
-        self.events, self.msg_count, self.timed = fresh.events, fresh.msg_count, fresh.timed
+        self.events, self.msg_count, self.timed = message.events, message.msg_count, message.timed
 
     def matches(self, other: "Track") -> bool:
-        """Whether both may be one body."""
+        """Return whether size and heading of both may be those of one vehicle."""
         return (
             abs(self.length - other.length) < 0.2
             and abs(self.width - other.width) < 0.2
@@ -59,37 +59,35 @@ class Track:
         )
 
     def out_of_order(self, count: int, measured: float, timed: bool, t: float) -> str:
-        """Why a message is not the next; empty if it is."""
+        """Return why a message is not the next one; empty if it is."""
         last = self.fix.t
         ahead = (count - self.msg_count) % 128
         if timed and self.timed:
             if measured > last:
                 return ""
             return "duplicate" if measured == last and ahead == 0 else "out_of_order"
-        if t - last > _AROUND:
+        if t - last > 6.0:  # [s], half a turn of the message count at 10 Hz: its order means nothing
             return ""
         if ahead == 0:
             return "duplicate"
         return "out_of_order" if ahead >= 64 or (timed and measured <= last) else ""
 
-    def vehicle(self, t: float, name: str, shared: float, agreed: float) -> RemoteVehicle:
-        """Where it is at a time, under a name.
-
-        `shared` is a standard deviation that is added [m]; a doubted place that was told for `agreed`
-        seconds lies within the bounds too.
-        """
-        fix, shared = self.fix, math.hypot(shared, self.accuracy)
+    def vehicle(self, t: float, name: str, settings: TrackerSettings) -> RemoteVehicle:
+        """Return the vehicle dead-reckoned to a time [s], under a name."""
+        fix, shared = self.fix, math.hypot(settings.sigma_position, self.accuracy)
         _, x, y, psi, v, a, r = dead_reckon(fix, t)
-        age = max(t - self.placed, 0.0)
-        if self.placed == fix.t:
-            along, across = position_bounds(fix.v, age)
+        age, model = max(t - self.t_position, 0.0), settings.position_errors
+        if self.t_position == fix.t:
+            along, across = position_bounds(fix.v, age, model=model)
         else:
-            along, across = position_bounds(self.speed, age, self.driven + abs(fix.v) * max(t - fix.t, 0.0))
-        doubt = self.doubt
-        if doubt is not None and doubt.fix.t - doubt.begun >= agreed:
-            other, cos, sin = dead_reckon(doubt.fix, t), math.cos(psi), math.sin(psi)
+            driven = self.driven + abs(fix.v) * max(t - fix.t, 0.0)
+            along, across = position_bounds(self.speed, age, driven, model=model)
+        rejected = self.rejected
+        if rejected is not None and rejected.fix.t - rejected.t_first >= settings.readmit_after:
+            # a rejected position that was reported for long may be true: the bounds include it
+            other, cos, sin = dead_reckon(rejected.fix, t), math.cos(psi), math.sin(psi)
             far_x, far_y = other.x - x, other.y - y
-            more = position_bounds(doubt.fix.v, max(t - doubt.fix.t, 0.0))
+            more = position_bounds(rejected.fix.v, max(t - rejected.fix.t, 0.0), model=model)
             along = max(along, abs(far_x * cos + far_y * sin) + more[0])
             across = max(across, abs(far_y * cos - far_x * sin) + more[1])
         return RemoteVehicle(
@@ -101,10 +99,10 @@ class Track:
 
 
 def is_expired(
-    vehicle: RemoteVehicle, silent: float, ego: VehicleState | None, speed: float, settings: TrackerSettings
+    vehicle: RemoteVehicle, gap: float, ego: VehicleState | None, speed: float, settings: TrackerSettings
 ) -> bool:
-    """Whether a vehicle silent for some time [s] stays out of the way of an ego at a speed."""
-    if silent > settings.delete_after:
+    """Return whether a vehicle with a message gap [s] cannot matter to an ego at a speed."""
+    if gap > settings.delete_after:
         return True
     if ego is None:
         return False
@@ -112,26 +110,28 @@ def is_expired(
     extent = 0.5 * math.hypot(vehicle.length, vehicle.width)
     bound = 2.0 * math.hypot(vehicle.sigma_along, vehicle.sigma_across)
     x, y = vehicle.x - ego.x, vehicle.y - ego.y
-    away = math.hypot(x, y)
+    distance = math.hypot(x, y)
     v_x = vehicle.v_x * math.cos(vehicle.psi) - speed * math.cos(ego.psi)
     v_y = vehicle.v_x * math.sin(vehicle.psi) - speed * math.sin(ego.psi)
-    nearer = max(-(x * v_x + y * v_y) / max(away, 1.0), 0.0) * settings.approach_horizon
-    return away - bound - extent - nearer > max(stopping, settings.min_stopping_distance)
+    closing = max(-(x * v_x + y * v_y) / max(distance, 1.0), 0.0) * settings.approach_horizon
+    return distance - bound - extent - closing > max(stopping, settings.min_stopping_distance)
 
 
 class Tracks:
-    """At most a given number of tracks."""
+    """Tracks of at most `max_tracks` senders."""
 
-    def __init__(self, most: int) -> None:
+    def __init__(self, settings: TrackerSettings) -> None:
+        size = settings.max_tracks
         self.by_id: dict[str, Track] = {}
-        self._free = list(range(most))[::-1]
-        self._track: list[Track | None] = [None] * most
-        self._xy = np.full((2, most), _NOWHERE)
+        self._plausibility = settings.plausibility
+        self._free = list(range(size))[::-1]
+        self._track: list[Track | None] = [None] * size
+        self._xy = np.full((2, size), _NOWHERE)
         # along and across each body, dead-reckoned straight on, as a linear form of x, y, t, 1
-        self._form = np.zeros((2, most, 4))
+        self._form = np.zeros((2, size, 4))
         self._form[..., 3] = _NOWHERE
-        self._half = np.zeros((2, most))
-        self._begun = np.full(most, math.inf)
+        self._half = np.zeros((2, size))
+        self._t_first = np.full(size, math.inf)
 
     @property
     def is_full(self) -> bool:
@@ -139,60 +139,57 @@ class Tracks:
         return not self._free
 
     def add(self, track: Track) -> None:
-        """Keep a new track."""
+        """Add a track."""
         track.row = self._free.pop()
         self._track[track.row] = track
         self.by_id[track.id] = track
         self.write(track)
 
     def remove(self, track: Track) -> None:
-        """Forget a track."""
+        """Delete a track."""
         del self.by_id[track.id]
         self._track[track.row] = None
         self._xy[:, track.row] = _NOWHERE
         self._form[:, track.row] = 0.0, 0.0, 0.0, _NOWHERE
         self._free.append(track.row)
 
-    def advance(self, track: Track, fresh: Track) -> None:
+    def advance(self, track: Track, new: Track) -> None:
         """Replace a track by its next state, under the id of that."""
-        fresh.row, fresh.begun, fresh.origin, fresh.doubt = track.row, track.begun, track.origin, None
-        if fresh.id != track.id:
+        new.row, new.t_first, new.first_reported = track.row, track.t_first, track.first_reported
+        new.rejected = None
+        if new.id != track.id:
             del self.by_id[track.id]
-        self.by_id[fresh.id] = fresh
-        self._track[fresh.row] = fresh
-        self.write(fresh)
+        self.by_id[new.id] = new
+        self._track[new.row] = new
+        self.write(new)
 
     def write(self, track: Track) -> None:
-        """Enter into the table what has changed of a track."""
+        """Update the row of a track."""
         t, x, y, psi, v, _, _ = track.fix
         cos, sin, row = math.cos(psi), math.sin(psi), track.row
         self._xy[:, row] = x, y
         self._form[0, row] = cos, sin, -v, v * t - x * cos - y * sin
         self._form[1, row] = -sin, cos, 0.0, x * sin - y * cos
-        self._half[:, row] = 0.5 * max(track.length, _SHORTEST), 0.5 * max(track.width, _NARROWEST)
-        self._begun[row] = track.begun
+        length = max(track.length, self._plausibility.min_overlap_length)
+        self._half[:, row] = 0.5 * length, 0.5 * max(track.width, self._plausibility.min_overlap_width)
+        self._t_first[row] = track.t_first
 
-    def find_overlapping(self, fix: Fix, begun: float, itself: Track | None) -> Track | None:
-        """Track, begun earlier and not stale, in whose body a position lies."""
+    def find_overlapping(self, fix: Fix, t_first: float, itself: Track | None) -> Track | None:
+        """Return an older track, not stale, whose body contains a position."""
         within = np.abs(self._form @ np.array((fix.x, fix.y, fix.t, 1.0))) <= self._half
         for row in np.flatnonzero(within[0] & within[1]).tolist():
             track = self._track[row]
             if track is None or track is itself:
                 continue
-            if track.begun < begun and fix.t - track.fix.t <= STALE_AFTER:
+            if track.t_first < t_first and fix.t - track.fix.t <= STALE_AGE:
                 return track
         return None
 
-    def find_evictable(
-        self, place: tuple[float, float], fix: Fix, within: float, established: float
-    ) -> Track | None:
-        """Farthest track that may make room for a nearer newcomer.
-
-        One that has been heard for `established` seconds may only if it is farther than `within` from
-        `place`.
-        """
+    def find_evictable(self, ego: tuple[float, float], fix: Fix, settings: TrackerSettings) -> Track | None:
+        """Return the farthest tentative or distant track if it is farther from the ego than a new sender."""
         x, y = self._xy
-        away = np.where(x < _NOWHERE, np.hypot(x - place[0], y - place[1]), -1.0)
-        away[(away <= within) & (fix.t - self._begun >= established)] = -1.0
-        row = int(np.argmax(away))
-        return self._track[row] if away[row] > math.dist(fix[1:3], place) else None
+        distance = np.where(x < _NOWHERE, np.hypot(x - ego[0], y - ego[1]), -1.0)
+        confirmed = fix.t - self._t_first >= settings.confirm_after
+        distance[(distance <= settings.retention_range) & confirmed] = -1.0
+        row = int(np.argmax(distance))
+        return self._track[row] if distance[row] > math.dist(fix[1:3], ego) else None

@@ -1,10 +1,10 @@
-"""Basic Safety Messages of SAE J2735: bytes to SI units and the axes of ISO 8855, and back."""
+"""Basic Safety Messages of SAE J2735: bytes to SI units and ISO 8855 axes, and back."""
 
 import math
 import operator
 import re
 from collections.abc import Mapping, Set
-from typing import Any, TypeVar
+from typing import Any, NamedTuple
 
 from cca_core.errors import InputError
 from cca_core.v2x.events import decode_events, encode_events
@@ -13,17 +13,36 @@ from cca_core.v2x.uper import BitFields, close_frame, open_frame
 
 __all__ = ["BrakeStatus", "Bsm", "PositionalAccuracy", "decode_bsm", "encode_bsm"]
 
-_MESSAGE_ID = 20
-_TRANSMISSION = ("neutral", "park", "forward", "reverse", None, None, None, None)
-_SYSTEM = (None, "off", "on", "engaged")
-_BOOST = (None, "off", "on")
-_AUX = (None, "off", "on", None)
-_TRANSMISSION_CODE = {"neutral": 0, "park": 1, "forward": 2, "reverse": 3, None: 7}
-_SYSTEM_CODE = {name: code for code, name in enumerate(_SYSTEM)}
-_BOOST_CODE = {name: code for code, name in enumerate(_BOOST)}
-_WHEELS = tuple(None if i & 16 else tuple(bool(i & bit) for bit in (8, 4, 2, 1)) for i in range(32))
-_WHEELS_CODE = {wheels: code for code, wheels in enumerate(_WHEELS[:17])}
 
+class _Codes(NamedTuple):
+    """Values of the codes of a field, and the code of each value."""
+
+    values: tuple[Any, ...]
+    of: Mapping[Any, int]
+
+
+def _codes(*values: Any, unavailable: int) -> _Codes:
+    """Return a table of codes; None is encoded as `unavailable`."""
+    return _Codes(values, {value: code for code, value in enumerate(values)} | {None: unavailable})
+
+
+_MESSAGE_ID = 20
+_CODES = {
+    "transmission": _codes("neutral", "park", "forward", "reverse", None, None, None, None, unavailable=7),
+    "wheels": _codes(
+        *(None if i & 16 else tuple(bool(i & bit) for bit in (8, 4, 2, 1)) for i in range(32)), unavailable=16
+    ),
+    "system": _codes(None, "off", "on", "engaged", unavailable=0),
+    "boost": _codes(None, "off", "on", unavailable=0),
+    "aux": _codes(None, "off", "on", None, unavailable=0),
+}
+_UNIT = {  # SI value of a step of the code
+    "psi": math.pi / 14400.0,
+    "orientation": math.pi / 32767.5,
+    "steering_wheel_angle": math.radians(1.5),
+    "r": math.radians(0.01),
+    "a_z": 0.02 * 9.80665,
+}
 # message count, id, second mark, latitude, longitude, elevation; accuracy: semi-major, semi-minor,
 # orientation; transmission, speed, heading, steering; acceleration: long, lat, vertical; yaw rate;
 # brakes: wheels, traction, ABS, stability, boost, auxiliary; width, length
@@ -31,18 +50,11 @@ _CORE = BitFields(
     (7, 32, 16, 31, 32, 16, 8, 8, 16, 3, 13, 15, 8, 12, 12, 8, 16, 5, 2, 2, 2, 2, 2, 10, 12)
 )  # fmt: skip
 _CORE_BYTES = 37  # three leading flags and 290 bits
-_HEADING = math.pi / 14400.0  # [rad]
-_ORIENTATION = math.pi / 32767.5
-_STEERING = math.radians(1.5)
-_YAW = math.radians(0.01)
-_VERTICAL = 0.02 * 9.80665  # [m/s^2]
-_Choice = TypeVar("_Choice", str, tuple[bool, ...])
-_ID = re.compile("[0-9a-f]{8}")
 
 
 def _heading_from_code(code: int) -> float:
-    """Direction counter-clockwise from east [rad], in [-pi, pi), of a code clockwise from north."""
-    return (16383.75 - code if code <= 49151 else 81918.75 - code) * _ORIENTATION
+    """Return the direction [rad], counter-clockwise from east, of a code clockwise from north."""
+    return (16383.75 - code if code <= 49151 else 81918.75 - code) * _UNIT["orientation"]
 
 
 def decode_bsm(data: bytes | bytearray) -> Bsm:
@@ -56,13 +68,13 @@ def decode_bsm(data: bytes | bytearray) -> Bsm:
     Returns
     -------
     bsm : Bsm
-        Part I and the event flags; other content and regional extensions are skipped. A code that the format
-        reserves for later is read as unavailable.
+        Part I and the event flags; other content and regional extensions are skipped. Reserved codes are
+        decoded as unavailable.
 
     Raises
     ------
     InputError
-        If `data` is no such message, is cut off or has a value outside its range.
+        If `data` is not such a message, is incomplete or has a value outside its range.
 
     Examples
     --------
@@ -82,6 +94,7 @@ def decode_bsm(data: bytes | bytearray) -> Bsm:
         or a_lat > 4001 or a_vert > 254 or yaw > 65534 or boost > 2
     ):  # fmt: skip
         raise InputError(f"data must have values within their ranges, Part I was {body[:_CORE_BYTES].hex()}")
+    system = _CODES["system"].values
     turn = 7200 - heading if heading <= 21600 else 36000 - heading
     events: frozenset[str] = frozenset()
     if body[0] & 0x40:
@@ -94,25 +107,25 @@ def decode_bsm(data: bytes | bytearray) -> Bsm:
         longitude_deg=(lon - 1_799_999_999) / 1e7 if lon < 3_600_000_000 else None,
         elevation=(elevation - 4096) / 10.0 if elevation else None,
         speed=speed / 50.0 if speed < 8191 else None,
-        psi=turn * _HEADING if heading < 28800 else None,
-        steering_wheel_angle=(126 - steering) * _STEERING if steering < 253 else None,
+        psi=turn * _UNIT["psi"] if heading < 28800 else None,
+        steering_wheel_angle=(126 - steering) * _UNIT["steering_wheel_angle"] if steering < 253 else None,
         a_x=(a_long - 2000) / 100.0 if a_long < 4001 else None,
         a_y=(2000 - a_lat) / 100.0 if a_lat < 4001 else None,
-        a_z=(127 - a_vert) * _VERTICAL if a_vert else None,
-        r=(32767 - yaw) * _YAW,
+        a_z=(127 - a_vert) * _UNIT["a_z"] if a_vert else None,
+        r=(32767 - yaw) * _UNIT["r"],
         accuracy=PositionalAccuracy(
             semi_major=major / 20.0 if major < 255 else None,
             semi_minor=minor / 20.0 if minor < 255 else None,
             orientation=_heading_from_code(orientation) if orientation < 65535 else None,
         ),
-        transmission=_TRANSMISSION[transmission],
+        transmission=_CODES["transmission"].values[transmission],
         brakes=BrakeStatus(
-            wheels=_WHEELS[wheels],
-            traction=_SYSTEM[traction],
-            abs=_SYSTEM[lock],
-            scs=_SYSTEM[stability],
-            boost=_BOOST[boost],
-            aux=_AUX[aux],
+            wheels=_CODES["wheels"].values[wheels],
+            traction=system[traction],
+            abs=system[lock],
+            scs=system[stability],
+            boost=_CODES["boost"].values[boost],
+            aux=_CODES["aux"].values[aux],
         ),
         width=width / 100.0 if width else None,
         length=length / 100.0 if length else None,
@@ -121,12 +134,12 @@ def decode_bsm(data: bytes | bytearray) -> Bsm:
 
 
 def encode_bsm(bsm: Bsm) -> bytes:
-    """Encode a Basic Safety Message; each value is rounded to the nearest that the format has.
+    """Encode a Basic Safety Message; each value is rounded to the nearest code.
 
     Parameters
     ----------
     bsm : Bsm
-        What to send. Angles may be any number of turns away.
+        Message; angles may be any number of turns off.
 
     Returns
     -------
@@ -136,7 +149,7 @@ def encode_bsm(bsm: Bsm) -> bytes:
     Raises
     ------
     InputError
-        If a value is outside its range or not of its kind.
+        If a value is outside its range or of another type.
     """
     _check_kinds(bsm)
     ellipse, brakes = bsm.accuracy, bsm.brakes
@@ -151,20 +164,28 @@ def encode_bsm(bsm: Bsm) -> bytes:
         _number("semi_major", ellipse.semi_major, 20.0, 0, 254, 255),
         _number("semi_minor", ellipse.semi_minor, 20.0, 0, 254, 255),
         _direction("orientation", ellipse.orientation, 65535),
-        _choice("transmission", bsm.transmission, _TRANSMISSION_CODE),
+        _choice("transmission", bsm.transmission),
         _number("speed", bsm.speed, 50.0, 0, 8190, 8191),
         _direction("psi", bsm.psi, 28800),
-        126 - _number("steering_wheel_angle", bsm.steering_wheel_angle, 1.0 / _STEERING, -126, 126, -127),
+        126
+        - _number(
+            "steering_wheel_angle",
+            bsm.steering_wheel_angle,
+            1.0 / _UNIT["steering_wheel_angle"],
+            -126,
+            126,
+            -127,
+        ),
         _number("a_x", bsm.a_x, 100.0, -2000, 2000, 2001) + 2000,
         2000 - _number("a_y", bsm.a_y, 100.0, -2000, 2000, -2001),
-        127 - _number("a_z", bsm.a_z, 1.0 / _VERTICAL, -127, 126, 127),
-        32767 - _number("r", bsm.r, 1.0 / _YAW, -32767, 32767, 0),
-        _choice("wheels", brakes.wheels, _WHEELS_CODE),
-        _choice("traction", brakes.traction, _SYSTEM_CODE),
-        _choice("abs", brakes.abs, _SYSTEM_CODE),
-        _choice("scs", brakes.scs, _SYSTEM_CODE),
-        _choice("boost", brakes.boost, _BOOST_CODE),
-        _choice("aux", brakes.aux, _BOOST_CODE),
+        127 - _number("a_z", bsm.a_z, 1.0 / _UNIT["a_z"], -127, 126, 127),
+        32767 - _number("r", bsm.r, 1.0 / _UNIT["r"], -32767, 32767, 0),
+        _choice("wheels", brakes.wheels),
+        _choice("traction", brakes.traction, "system"),
+        _choice("abs", brakes.abs, "system"),
+        _choice("scs", brakes.scs, "system"),
+        _choice("boost", brakes.boost),
+        _choice("aux", brakes.aux),
         _number("width", bsm.width, 100.0, 1, 1023, 0),
         _number("length", bsm.length, 100.0, 1, 4095, 0),
     )
@@ -176,33 +197,35 @@ def encode_bsm(bsm: Bsm) -> bytes:
 
 
 def _check_kinds(bsm: Any) -> None:
+    """Check the types of a message."""
     if not isinstance(bsm, Bsm):
         raise InputError(f"bsm must be a Bsm, was {bsm!r}")
     parts: tuple[Any, ...] = (bsm.accuracy, bsm.brakes)
     if not (isinstance(parts[0], PositionalAccuracy) and isinstance(parts[1], BrakeStatus)):
-        raise InputError(f"accuracy and brakes must be Accuracy and Brakes, were {parts!r}")
+        raise InputError(f"accuracy and brakes must be PositionalAccuracy and BrakeStatus, were {parts!r}")
     name: Any = bsm.id
-    if not isinstance(name, str) or not _ID.fullmatch(name):
+    if not isinstance(name, str) or not re.fullmatch("[0-9a-f]{8}", name):
         raise InputError(f"id must be 8 hexadecimal digits in lower case, was {name!r}")
     events: Any = bsm.events
     if not isinstance(events, Set):
         raise InputError(f"events must be a set of names, was {events!r}")
 
 
-def _number(name: str, value: float | None, scale: float, least: int, most: int, absent: int) -> int:
+def _number(name: str, value: float | None, scale: float, lowest: int, highest: int, unavailable: int) -> int:
+    """Return the code of a number, `scale` steps a unit."""
     if value is None:
-        return absent
+        return unavailable
     try:
         code = round(value * scale)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} must be a finite number or None, was {value!r}") from None
-    if not least <= code <= most:
-        raise InputError(f"{name} must be {least / scale:.8g} to {most / scale:.8g}, was {value!r}")
+    if not lowest <= code <= highest:
+        raise InputError(f"{name} must be {lowest / scale:.8g} to {highest / scale:.8g}, was {value!r}")
     return code
 
 
 def _direction(name: str, value: float | None, steps: int) -> int:
-    """Code clockwise from north, of so many steps a turn, of a direction counter-clockwise from east."""
+    """Return the code clockwise from north, `steps` a turn, of a direction counter-clockwise from east."""
     if value is None:
         return steps
     try:
@@ -211,7 +234,9 @@ def _direction(name: str, value: float | None, steps: int) -> int:
         raise InputError(f"{name} must be a finite angle or None, was {value!r}") from None
 
 
-def _choice(name: str, value: _Choice | None, codes: Mapping[_Choice | None, int]) -> int:
+def _choice(name: str, value: Any, table: str = "") -> int:
+    """Return the code of a value with a name."""
+    codes = _CODES[table or name].of
     try:
         return codes[value]
     except (KeyError, TypeError):
@@ -220,6 +245,7 @@ def _choice(name: str, value: _Choice | None, codes: Mapping[_Choice | None, int
 
 
 def _count(value: int) -> int:
+    """Return a checked message count."""
     try:
         count = operator.index(value)
     except TypeError:

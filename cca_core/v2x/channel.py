@@ -1,4 +1,4 @@
-"""A radio channel in software: bytes are late, lost in bursts, out of order, twice or out of range."""
+"""Simulated radio channel: latency, burst loss, reordering, duplicates and range."""
 
 import math
 from dataclasses import dataclass, fields
@@ -14,33 +14,34 @@ __all__ = ["Channel", "ChannelSettings", "ReceivedMessage"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChannelSettings:
-    """What a channel does to messages; the default does nothing.
+    """Impairments of a channel; the default is a perfect one.
 
     Parameters
     ----------
     latency : float
-        Least time from sending to receiving [s].
+        Least transport delay [s].
     jitter : float
-        Mean of what is added to it, exponentially distributed [s].
+        Mean of an additional delay, exponentially distributed [s].
     loss_probability : float
-        Share of messages lost near by [-], below 1.
+        Probability of loss at distance 0 [-], below 1.
     mean_burst_length : float
-        Mean number of messages lost in a row [-], at least 1; 1 / (1 - `loss`) is loss without memory.
+        Mean number of messages lost in succession [-], at least 1; 1 / (1 - `loss_probability`) is loss
+        without memory.
     range : float
-        Distance beyond which nothing arrives [m].
+        Distance beyond which no message arrives [m].
     loss_at_range : float
-        Share of messages lost besides at that distance [-]; grows with the fourth power of distance.
+        Additional probability of loss at `range` [-]; it grows with the fourth power of distance.
     reorder_probability : float
-        Share of messages that are held back by `reordering`, so that later ones overtake them [-].
+        Probability that a message is delayed by `reorder_delay` and overtaken by later ones [-].
     reorder_delay : float
-        Time for which they are held back [s].
+        Delay of reordered messages, largest delay of duplicates [s].
     duplicate_probability : float
-        Share of messages that arrive a second time, up to `reordering` later [-].
+        Probability that a message arrives twice, the second time up to `reorder_delay` later [-].
 
     Raises
     ------
     InputError
-        If a value is outside its range, or bursts of that mean length cannot make up that loss.
+        If a value is outside its range, or bursts of that mean length cannot have that loss probability.
     """
 
     latency: float = 0.0
@@ -61,19 +62,20 @@ class ChannelSettings:
             elif field.name == "mean_burst_length":
                 check_real(field.name, value, ge=1.0)
             else:
-                share = field.name not in ("latency", "jitter", "reorder_delay")
-                check_real(field.name, value, ge=0.0, le=1.0 if share else 60.0)
+                is_time = field.name in ("latency", "jitter", "reorder_delay")
+                check_real(field.name, value, ge=0.0, le=60.0 if is_time else 1.0)
         if self.loss_probability >= 1.0:
             raise InputError("loss_probability must be below 1")
         if self.loss_probability > 0.0 and self.burst_start_probability > 1.0:
+            shortest = self.loss_probability / (1.0 - self.loss_probability)
             raise InputError(
-                f"mean_burst_length must be at least {self.loss_probability / (1.0 - self.loss_probability):.3g} for loss_probability {self.loss_probability:g}, "
-                f"was {self.mean_burst_length:g}"
+                f"mean_burst_length must be at least {shortest:.3g} for loss_probability "
+                f"{self.loss_probability:g}, was {self.mean_burst_length:g}"
             )
 
     @property
     def burst_start_probability(self) -> float:
-        """Probability that a loss follows on a message that was not lost [-]."""
+        """Probability that a burst of loss begins after a received message [-]."""
         return self.loss_probability / (self.mean_burst_length * (1.0 - self.loss_probability))
 
     @classmethod
@@ -83,23 +85,23 @@ class ChannelSettings:
         Returns
         -------
         settings : ChannelSettings
-            28 % lost, in bursts of 3 messages in the mean; 20 ms latency and 10 ms jitter, which the record
-            does not show, are assumed.
+            28 % loss in bursts of 3 messages on average. The record shows no latency: 20 ms and 10 ms jitter
+            are assumed.
         """
         return cls(latency=0.02, jitter=0.01, loss_probability=0.28, mean_burst_length=3.0)
 
 
 class ReceivedMessage(NamedTuple):
-    """A message that has arrived.
+    """A received message.
 
     Parameters
     ----------
     data : bytes
-        As sent.
+        Bytes as sent.
     sender : str
-        Who sent it, for evaluation; a receiver does not know.
+        Sender, for evaluation only: a receiver does not have it.
     t : float
-        When it arrived [s].
+        Time of arrival [s].
     """
 
     data: bytes
@@ -107,32 +109,34 @@ class ReceivedMessage(NamedTuple):
     t: float
 
 
-class _Flying(NamedTuple):
+class _InFlight(NamedTuple):
+    """A message that has not been received."""
+
     t: float  # of arrival
     number: int  # ties are resolved by order of sending
     data: bytes
     sender: str
-    place: tuple[float, float]
-    luck: float
+    position: tuple[float, float]
+    luck: float  # drawn once, compared with the loss by distance
 
 
 class Channel:
-    """Carries messages of many senders to one receiver.
+    """Channel of many senders to one receiver.
 
     Parameters
     ----------
     settings : ChannelSettings
-        What it does to them.
+        Impairments.
     rng : numpy.random.Generator
-        Source of chance. What happens to a message depends only on the messages sent before it, not on when
-        the receiver looks.
+        Source of randomness. The fate of a message depends only on the messages sent before it, not on the
+        times of `receive`.
     """
 
     def __init__(self, settings: ChannelSettings, rng: np.random.Generator) -> None:
         self.settings = settings
         self._rng = rng
         self._lossy: dict[str, bool] = {}
-        self._flying: list[_Flying] = []
+        self._in_flight: list[_InFlight] = []
         self._number = 0
 
     def send(self, t: float, position: tuple[float, float], data: bytes, *, sender: str = "") -> None:
@@ -143,11 +147,11 @@ class Channel:
         t : float
             Now [s].
         position : tuple of float
-            Where the sender is [m].
+            Position of the sender [m].
         data : bytes
             The message.
         sender : str
-            Who sends; bursts of loss are each sender's own.
+            Sender; every sender has its own bursts of loss.
 
         Raises
         ------
@@ -157,7 +161,7 @@ class Channel:
         t = check_real("t", t)
         x, y = check_array("position", position, (2,)).tolist()
         settings = self.settings
-        fading, luck, held, again, after = self._rng.random(5).tolist()
+        fading, luck, late, again, after = self._rng.random(5).tolist()
         jitter = settings.jitter * float(self._rng.standard_exponential())
         before = self._lossy.get(sender)
         if before is None:
@@ -170,28 +174,28 @@ class Channel:
         if lossy:
             return
         arrives = (
-            t + settings.latency + jitter + settings.reorder_delay * (held < settings.reorder_probability)
+            t + settings.latency + jitter + settings.reorder_delay * (late < settings.reorder_probability)
         )
         times = [arrives]
         if again < settings.duplicate_probability:
             times.append(arrives + settings.reorder_delay * after)
         for arrives in times:
-            self._flying.append(_Flying(arrives, self._number, data, sender, (x, y), luck))
+            self._in_flight.append(_InFlight(arrives, self._number, data, sender, (x, y), luck))
             self._number += 1
 
     def receive(self, t: float, position: tuple[float, float]) -> tuple[ReceivedMessage, ...]:
-        """Take what has arrived since the last call.
+        """Return the messages that have arrived since the last call.
 
         Parameters
         ----------
         t : float
             Now [s].
         position : tuple of float
-            Where the receiver is [m].
+            Position of the receiver [m].
 
         Returns
         -------
-        arrivals : tuple of Arrival
+        messages : tuple of ReceivedMessage
             In order of arrival.
 
         Raises
@@ -201,15 +205,16 @@ class Channel:
         """
         t = check_real("t", t)
         x, y = check_array("position", position, (2,)).tolist()
-        due = sorted(f for f in self._flying if f.t <= t + 1e-9)
-        self._flying = [f for f in self._flying if f.t > t + 1e-9]
+        due = sorted(f for f in self._in_flight if f.t <= t + 1e-9)
+        self._in_flight = [f for f in self._in_flight if f.t > t + 1e-9]
         return tuple(
             ReceivedMessage(f.data, f.sender, f.t)
             for f in due
-            if self._reaches(math.dist(f.place, (x, y)), f.luck)
+            if self._reaches(math.dist(f.position, (x, y)), f.luck)
         )
 
     def _reaches(self, distance: float, luck: float) -> bool:
+        """Return whether a message arrives over a distance [m]."""
         settings = self.settings
         if distance > settings.range:
             return False

@@ -1,4 +1,4 @@
-"""Part II of a Basic Safety Message: the event flags; all other content is skipped whole."""
+"""Event flags in Part II of a Basic Safety Message."""
 
 from collections.abc import Set
 
@@ -14,46 +14,26 @@ EVENTS = (
 )  # fmt: skip
 """Names of the event flags, in their order on the wire; the last one came with the edition of 2024."""
 
-_SAFETY = 0  # kind of Part II content that holds the event flags
 _ROOT = 13  # flags of the first edition; more need their number before them
-_BIT = {name: i for i, name in enumerate(EVENTS)}
-_NONE: frozenset[str] = frozenset()
 
 
 def decode_events(bits: int, left: int) -> frozenset[str]:
-    """Read the event flags out of Part II.
-
-    Parameters
-    ----------
-    bits : int
-        The message.
-    left : int
-        Its bits not yet read: Part II and what follows.
-
-    Returns
-    -------
-    events : frozenset of str
-        Names among `EVENTS`; flags of later editions have no name and are left out.
-
-    Raises
-    ------
-    InputError
-        If Part II is cut off or not well formed.
-    """
+    """Return the names of the event flags in Part II; flags without a name are ignored."""
     more, left = take(bits, left, 3)
-    events = _NONE
+    events: frozenset[str] = frozenset()
     for _ in range(more + 1):
         kind, left = take(bits, left, 6)
         content, n_bits, left = take_open_type(bits, left)
-        if kind == _SAFETY:
+        if kind == 0:  # safety extensions
             events |= _flags(content, n_bits)
     return events
 
 
 def _flags(content: int, left: int) -> frozenset[str]:
+    """Return the names of the event flags in the safety extensions."""
     head, left = take(content, left, 5)  # additions, then presence: events, history, prediction, lights
     if not head & 0b01000:
-        return _NONE
+        return frozenset()
     longer, left = take(content, left, 1)
     count = _ROOT
     if longer:
@@ -62,35 +42,17 @@ def _flags(content: int, left: int) -> frozenset[str]:
             raise InputError(f"data must have fewer than 128 event flags, had the length code {count}")
     flags, left = take(content, left, count)
     if not flags:
-        return _NONE
+        return frozenset()
     text = f"{flags:0{count}b}"
     return frozenset(name for name, flag in zip(EVENTS, text, strict=False) if flag == "1")
 
 
 def encode_events(events: Set[str]) -> tuple[int, int]:
-    """Write a Part II that holds nothing but event flags.
-
-    Parameters
-    ----------
-    events : set of str
-        Names among `EVENTS`, at least one.
-
-    Returns
-    -------
-    bits : int
-        Part II.
-    n_bits : int
-        Its length in bits.
-
-    Raises
-    ------
-    InputError
-        If a name is none of `EVENTS`.
-    """
+    """Return a Part II that holds event flags only: its bits and their number."""
     try:
-        flags = sum(1 << len(EVENTS) - 1 - _BIT[name] for name in events)
-    except (KeyError, TypeError):
-        raise InputError(f"events must be a set of names among {', '.join(EVENTS)}, was {events!r}") from None
+        flags = sum(1 << len(EVENTS) - 1 - EVENTS.index(name) for name in events)
+    except (TypeError, ValueError):
+        raise InputError(f"events must be names among {', '.join(EVENTS)}, was {events!r}") from None
     if flags & 1:
         content, n_bits = 0b01000_1 << 22 | len(EVENTS) << 14 | flags, 28
     else:

@@ -1,4 +1,4 @@
-"""What a Basic Safety Message says, in SI units and the axes of ISO 8855."""
+"""Content of a Basic Safety Message, in SI units and ISO 8855 axes."""
 
 from dataclasses import dataclass, field
 
@@ -12,7 +12,7 @@ class PositionalAccuracy:
     Parameters
     ----------
     semi_major, semi_minor : float or None
-        Semi-axes [m], 0 to 12.7; 12.7 stands for that or more.
+        Semi-axes [m], 0 to 12.7; 12.7 means that or more.
     orientation : float or None
         Direction of the semi-major axis [rad], counter-clockwise from east.
     """
@@ -46,11 +46,10 @@ class BrakeStatus:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bsm:
-    """What a Basic Safety Message says of its sender, in SI units and ISO 8855; None is unavailable.
+    """Content of a Basic Safety Message, in SI units and ISO 8855 axes; None is unavailable.
 
-    It is a record of what somebody else said, so it accepts any value; `encode_bsm` checks. The position is
-    the center of the body box. The largest value of a speed, acceleration, steering angle or accuracy stands
-    for that or more.
+    Any value is accepted; `encode_bsm` checks them. The position is the center of the body box. The largest
+    value of a speed, acceleration, steering angle or accuracy means that or more.
 
     Parameters
     ----------
@@ -75,13 +74,13 @@ class Bsm:
     a_z : float or None
         Acceleration upwards [m/s^2], -24.9 to 24.7.
     r : float or None
-        Yaw rate [rad/s], counter-clockwise positive. The message has no code for unavailable: None is sent
-        as 0, and 0 is what arrives.
-    accuracy : Accuracy
+        Yaw rate [rad/s], counter-clockwise positive. The message has no code for unavailable: None is
+        encoded as 0.
+    accuracy : PositionalAccuracy
         Error ellipse of the position.
     transmission : str or None
         ``"neutral"``, ``"park"``, ``"forward"`` or ``"reverse"``.
-    brakes : Brakes
+    brakes : BrakeStatus
         State of the brakes.
     width, length : float or None
         Body box [m], 0.01 to 10.23 and 0.01 to 40.95.

@@ -1,4 +1,4 @@
-"""Whether a message can be true, given what its sender and the others said before."""
+"""Plausibility checks of messages against physics and earlier messages."""
 
 import math
 from dataclasses import dataclass, fields
@@ -8,56 +8,71 @@ from cca_core.errors import InputError
 from cca_core.geometry import wrap_angle
 from cca_core.v2x.motion import Fix
 
-__all__ = ["PLAUSIBILITY_CHECKS", "PlausibilitySettings", "implausible_motion", "implausible_state"]
+__all__ = [
+    "PLAUSIBILITY_CHECKS",
+    "POSITION_CHECKS",
+    "PlausibilitySettings",
+    "implausible_motion",
+    "implausible_state",
+]
 
 PLAUSIBILITY_CHECKS = (
     "replay", "future", "size", "frozen", "teleport", "displacement", "acceleration", "yaw", "overlap",
 )  # fmt: skip
 """Names of the checks; each is a switch of `PlausibilitySettings`."""
 
-_SPEED_NOISE = 1.0  # between two messages [m/s]
-_TURN_NOISE = 0.2  # [rad]
-_TURNING = 3.0  # slower than this the heading is noise [m/s]
-_TELEPORT = 3.0  # times the room of `displacement`
+POSITION_CHECKS = frozenset({"frozen", "teleport", "displacement", "overlap"})
+"""Checks of the position: the reported motion of a rejected message may still be true."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlausibilitySettings:
-    """Which checks are made, and their limits.
+    """Plausibility checks of messages and their limits.
 
     Parameters
     ----------
     replay : bool
-        Drop what was measured longer than `age_limit` ago.
+        Reject a message measured more than `age_limit` ago.
     future : bool
-        Drop what claims to be measured more than `clock_error` from now.
+        Reject a message measured more than `clock_error` after its reception.
     size : bool
-        Drop a body longer than `longest`, wider than `widest`, or shorter or narrower than `min_size`.
+        Reject a body longer than `max_length`, wider than `max_width`, or smaller than `min_size`.
     frozen : bool
-        Drop a position that stands still while its sender reports to move.
+        Reject a constant position of a sender that reports a speed.
     teleport : bool
-        Drop a position more than three times as far from where the reported speeds lead as `displacement`
-        allows.
+        Reject a position `teleport_factor` times farther from the prediction than `displacement` allows.
     displacement : bool
-        Drop a position farther than `room` + `timing` times speed from where the reported speeds lead.
+        Reject a position farther than `position_tolerance` + `time_tolerance` times speed from the one that
+        the reported speeds predict.
     acceleration : bool
-        Drop an acceleration, or a change of speed, beyond `strongest`.
+        Reject an acceleration, or a change of speed beyond `speed_tolerance`, above `max_acceleration`.
     yaw : bool
-        Drop a yaw rate, or a change of heading, that needs more than `strongest` sideways.
+        Reject a yaw rate, or a change of heading beyond `heading_tolerance`, with a lateral acceleration
+        above `max_acceleration`.
     overlap : bool
-        Drop a position within the body of a vehicle that was heard of before it.
+        Reject a position within the body of a vehicle with an older track.
     age_limit : float
-        Oldest measurement [s].
+        Largest age of a measurement [s].
     clock_error : float
         Largest lead of a sender's clock [s].
     max_length, max_width, min_size : float
         Limits of a body [m].
+    min_overlap_length, min_overlap_width : float
+        Least size of a body in the check `overlap`, whatever the sender reports [m].
     position_tolerance : float
-        Error of a position against the last ones [m].
+        Error of a position against earlier ones [m].
     time_tolerance : float
         Error of a time stamp [s].
+    speed_tolerance : float
+        Noise of the speed between two messages [m/s].
+    heading_tolerance : float
+        Noise of the heading between two messages [rad].
+    min_turning_speed : float
+        Speed below which the heading is noise [m/s].
     max_acceleration : float
         Acceleration of a road vehicle [m/s^2].
+    teleport_factor : float
+        Multiple of the tolerance of `displacement` [-].
 
     Raises
     ------
@@ -79,9 +94,15 @@ class PlausibilitySettings:
     max_length: float = 26.0
     max_width: float = 4.0
     min_size: float = 0.3
+    min_overlap_length: float = 1.5
+    min_overlap_width: float = 0.8
     position_tolerance: float = 6.0
     time_tolerance: float = 0.35
+    speed_tolerance: float = 1.0
+    heading_tolerance: float = 0.2
+    min_turning_speed: float = 3.0
     max_acceleration: float = 12.0
+    teleport_factor: float = 3.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -95,24 +116,7 @@ class PlausibilitySettings:
 def implausible_state(
     settings: PlausibilitySettings, fix: Fix, length: float, width: float, t_received: float
 ) -> str:
-    """Look at one message alone.
-
-    Parameters
-    ----------
-    settings : PlausibilitySettings
-        Checks and limits.
-    fix : Fix
-        What it says.
-    length, width : float
-        Size that it claims [m].
-    t_received : float
-        When it was received [s].
-
-    Returns
-    -------
-    check : str
-        Name of the check that it fails; empty if none.
-    """
+    """Return the name of the check that one message alone fails; empty if none."""
     age = t_received - fix.t
     if settings.replay and age > settings.age_limit:
         return "replay"
@@ -125,7 +129,7 @@ def implausible_state(
         return "size"
     if settings.acceleration and abs(fix.a) > settings.max_acceleration:
         return "acceleration"
-    if settings.yaw and abs(fix.r) * max(abs(fix.v), _TURNING) > settings.max_acceleration:
+    if settings.yaw and abs(fix.r) * max(abs(fix.v), settings.min_turning_speed) > settings.max_acceleration:
         return "yaw"
     return ""
 
@@ -134,63 +138,43 @@ def implausible_motion(
     settings: PlausibilitySettings,
     last: Fix,
     ref: tuple[float, float],
-    said: tuple[float, float],
+    reported: tuple[float, float],
     driven: float,
     fix: Fix,
 ) -> tuple[str, tuple[float, float]]:
-    """Compare a message with what its sender said before.
-
-    Parameters
-    ----------
-    settings : PlausibilitySettings
-        Checks and limits.
-    last : Fix
-        Where it was and how it moved at its last message.
-    ref : tuple of float
-        Where its sender was then by all messages before [m].
-    said : tuple of float
-        The last place that was believed, as told [m].
-    driven : float
-        Distance driven between that and the last message by the reported speeds [m].
-    fix : Fix
-        What the new one says, measured later.
-
-    Returns
-    -------
-    check : str
-        Name of the check that it fails; empty if none. Those of its motion come before those of its place.
-    ref : tuple of float
-        Where its sender is now by all messages [m]: dead-reckoned by the reported speeds and drawn to the
-        reported positions with a time constant of 2 s, so that a slow drift is found as well as a jump.
-    """
+    """Return the name of the check that a message fails against earlier ones, and the new reference."""
+    # ref: position at `last` by all messages; reported: last accepted position as reported; driven: distance
+    # from that to `last` by the reported speeds [m]
     dt = fix.t - last.t
     turn = wrap_angle(fix.psi - last.psi)
     mean, s = last.psi + 0.5 * turn, 0.5 * (last.v + fix.v) * dt
     x, y = ref[0] + s * math.cos(mean), ref[1] + s * math.sin(mean)
-    if settings.acceleration and abs(fix.v - last.v) > _SPEED_NOISE + settings.max_acceleration * dt:
+    speed_change = abs(fix.v - last.v)
+    if settings.acceleration and speed_change > settings.speed_tolerance + settings.max_acceleration * dt:
         return "acceleration", (x, y)
     slowest = max(min(abs(last.v), abs(fix.v)), 0.1)
     if (
         settings.yaw
-        and slowest > _TURNING
-        and abs(turn) > _TURN_NOISE + settings.max_acceleration / slowest * dt
+        and slowest > settings.min_turning_speed
+        and abs(turn) > settings.heading_tolerance + settings.max_acceleration / slowest * dt
     ):
         return "yaw", (x, y)
     driven += abs(s)
-    moved = math.hypot(fix.x - said[0], fix.y - said[1])
+    moved = math.hypot(fix.x - reported[0], fix.y - reported[1])
     if settings.frozen and driven > 0.5 and moved < 0.1 * driven:
         return "frozen", (x, y)
     off_x, off_y = fix.x - x, fix.y - y
     off = math.hypot(off_x, off_y)
     fastest = max(abs(last.v), abs(fix.v))
-    room = (
+    tolerance = (
         settings.position_tolerance
         + settings.time_tolerance * fastest
         + 0.25 * settings.max_acceleration * dt * dt
     )
-    if settings.teleport and off > _TELEPORT * room:
+    if settings.teleport and off > settings.teleport_factor * tolerance:
         return "teleport", (x, y)
-    if settings.displacement and off > room:
+    if settings.displacement and off > tolerance:
         return "displacement", (x, y)
+    # the reference follows reported positions with a time constant of 2 s: a slow drift is found like a jump
     gain = 1.0 - math.exp(-0.5 * dt)
     return "", (x + gain * off_x, y + gain * off_y)

@@ -1,4 +1,4 @@
-"""A vehicle that sends messages ten times a second, with the faults of real senders."""
+"""Sender of ten messages per second, with the errors of real devices."""
 
 import math
 from dataclasses import dataclass, fields
@@ -16,22 +16,22 @@ __all__ = ["Sender", "SenderSettings"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SenderSettings:
-    """How often a sender sends, and how well it knows its place.
+    """Interval and errors of a sender.
 
     Parameters
     ----------
     interval : float
         Mean time between messages [s].
     interval_spread : float
-        Largest difference from it [s]; intervals are distributed evenly.
+        Largest deviation from it [s]; intervals are distributed uniformly.
     position_noise : float
-        Standard deviation of the position in each of x and y [m]; its messages tell it.
+        Standard deviation of the position in each of x and y [m]; messages report it.
     noise_time_constant : float
-        Time over which the noise forgets itself [s]; 0 is noise without memory.
+        Correlation time of the noise [s]; 0 is white noise.
     freeze_probability : float
         Probability that a message begins to repeat the last position [-].
     mean_freeze_length : float
-        Mean number of messages that repeat it [-], at least 1.
+        Mean number of repetitions [-], at least 1.
 
     Raises
     ------
@@ -65,24 +65,24 @@ class SenderSettings:
         Returns
         -------
         settings : SenderSettings
-            Intervals of 95 to 105 ms; 3 % of its messages repeat a position.
+            Intervals of 95 to 105 ms; 3 % of the messages repeat a position.
         """
         return cls(interval_spread=0.005, freeze_probability=0.03)
 
 
 class Sender:
-    """Turns the motion of a vehicle into messages.
+    """Sender of the motion of a vehicle as messages.
 
     Parameters
     ----------
     id : str
         Temporary identity: 8 hexadecimal digits in lower case.
     frame : LocalFrame
-        Plane in which the vehicle moves.
+        Frame of the vehicle's position.
     settings : SenderSettings
-        Interval and faults.
+        Interval and errors.
     rng : numpy.random.Generator
-        Source of chance; the first message is sent at a random time within the first interval.
+        Source of randomness; the first message is sent at a random time within the first interval.
     """
 
     def __init__(
@@ -95,31 +95,31 @@ class Sender:
         self._phase = float(rng.random()) * settings.interval
         self._last: tuple[float, float, float] | None = None  # time, latitude, longitude
         self._noise = np.zeros(2)
-        error = min(settings.position_noise, 12.7) or None  # [m], the largest that can be told
+        error = min(settings.position_noise, 12.7) or None  # [m], the largest code
         self._accuracy = PositionalAccuracy(semi_major=error, semi_minor=error)
         self._is_frozen = False
 
     def poll(self, t: float, vehicle: RemoteVehicle, *, transmission: str | None = "forward") -> bytes | None:
-        """Send if it is time to.
+        """Return a message if one is due.
 
         Parameters
         ----------
         t : float
             Now, with minutes at multiples of 60 [s]; grows from call to call.
         vehicle : RemoteVehicle
-            Place, motion, size and events now.
+            Position, motion, size and events now.
         transmission : str or None
-            What the message says of it while the vehicle moves forward; ``"reverse"`` is set by itself.
+            Reported gear while the vehicle moves forward; ``"reverse"`` is automatic.
 
         Returns
         -------
         data : bytes or None
-            A message, or None between two.
+            A message; None if none is due.
 
         Raises
         ------
         InputError
-            If `t` or a value of the vehicle cannot be sent.
+            If `t` or a value of the vehicle cannot be encoded.
         """
         t = check_real("t", t)
         if self._due is None:
@@ -127,13 +127,13 @@ class Sender:
         if t < self._due - 1e-9:
             return None
         settings = self.settings
-        spread, begins, stays = self._rng.random(3).tolist()
+        spread, begins, ends_by = self._rng.random(3).tolist()
         shock = self._rng.standard_normal(2)
         while self._due <= t + 1e-9:
             self._due += settings.interval + settings.interval_spread * (2.0 * spread - 1.0)
         last = self._last
-        lat, lon = self._place(t, vehicle, shock)
-        ends = stays < 1.0 / settings.mean_freeze_length
+        lat, lon = self._position(t, vehicle, shock)
+        ends = ends_by < 1.0 / settings.mean_freeze_length
         self._is_frozen = not ends if self._is_frozen else begins < settings.freeze_probability
         if self._is_frozen and last is not None:
             lat, lon = last[1:]
@@ -149,12 +149,15 @@ class Sender:
             )
         )  # fmt: skip
 
-    def _place(self, t: float, vehicle: RemoteVehicle, shock: np.ndarray) -> tuple[float, float]:
-        """Latitude and longitude as the sender knows them [deg]."""
+    def _position(self, t: float, vehicle: RemoteVehicle, shock: np.ndarray) -> tuple[float, float]:
+        """Return the latitude and longitude that the sender measures [deg]."""
         settings = self.settings
-        kept = 0.0
+        correlation = 0.0
         if self._last is not None and settings.noise_time_constant > 0.0:
-            kept = math.exp(-(t - self._last[0]) / settings.noise_time_constant)
-        self._noise = kept * self._noise + math.sqrt(1.0 - kept * kept) * settings.position_noise * shock
+            correlation = math.exp(-(t - self._last[0]) / settings.noise_time_constant)
+        self._noise = (
+            correlation * self._noise
+            + math.sqrt(1.0 - correlation * correlation) * settings.position_noise * shock
+        )
         lat, lon = self._frame.to_geodetic((vehicle.x + self._noise[0], vehicle.y + self._noise[1]))
         return float(lat), float(lon)

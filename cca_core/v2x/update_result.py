@@ -1,27 +1,30 @@
-"""What became of a message."""
+"""Result of a tracker's update."""
 
 from dataclasses import dataclass
 
-__all__ = ["UpdateResult"]
+__all__ = ["ACCEPTED_KINDS", "UpdateResult"]
+
+ACCEPTED_KINDS = frozenset({"new", "updated", "readmitted", "reassociated"})
+"""Kinds of accepted messages."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UpdateResult:
-    """What a tracker did with a message.
+    """Result of an update with one message.
 
     Parameters
     ----------
     accepted : bool
-        Whether the sender's track follows it.
+        Whether the message updated the sender's track.
     kind : str
-        Accepted: ``"new"``, ``"updated"``, ``"returned"`` (believed again after a jump) or
-        ``"took_over"`` (a new id of a sender that is known). Dropped: ``"unreadable"``, ``"unusable"`` (a
-        value needed is not available, or not that of a road vehicle), ``"duplicate"``, ``"out_of_order"``,
-        ``"full"``, or the name of a plausibility check.
+        Accepted: ``"new"``, ``"updated"``, ``"readmitted"`` (after rejected positions) or ``"reassociated"``
+        (new id of a known sender). Rejected: ``"unreadable"``, ``"unusable"`` (a required value is
+        unavailable, or not that of a road vehicle), ``"duplicate"``, ``"out_of_order"``, ``"full"``, or the
+        name of a plausibility check.
     id : str
         Sender; empty if unreadable.
     t : float
-        When the message was received [s].
+        Time of reception [s].
     """
 
     accepted: bool

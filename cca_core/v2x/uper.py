@@ -1,8 +1,4 @@
-"""Unaligned packed encoding (ITU-T X.691) as far as Basic Safety Messages need it.
-
-Bits are held in one big integer, most significant first; `left` counts the bits not yet read. Whatever the
-bytes are, the only thing raised is `InputError`.
-"""
+"""Unaligned packed encoding (ITU-T X.691) of Basic Safety Messages."""
 
 from collections.abc import Iterable
 
@@ -10,52 +6,27 @@ from cca_core.errors import InputError
 
 __all__ = ["BitFields", "close_frame", "open_frame", "open_type", "take", "take_open_type"]
 
-_MOST = (1 << 14) - 1  # [B]; longer open types are cut into fragments, which no message of a vehicle needs
+# bits are one big integer, most significant first; `left` counts the bits not yet read
+_MAX_BYTES = (1 << 14) - 1  # longer open types are fragmented; no Basic Safety Message needs that
 
 
 class BitFields:
-    """Unsigned fields that lie one after the other without gaps.
-
-    Parameters
-    ----------
-    widths : iterable of int
-        Width of each field in bits, first field first.
-    """
+    """Unsigned fields of given widths in bits, one after the other without gaps."""
 
     def __init__(self, widths: Iterable[int]) -> None:
         self._widths = tuple(widths)
         self.n_bits = sum(self._widths)
         ends = (sum(self._widths[i + 1 :]) for i in range(len(self._widths)))
-        self._places = tuple((end, (1 << width) - 1) for end, width in zip(ends, self._widths, strict=True))
+        self._positions = tuple(
+            (end, (1 << width) - 1) for end, width in zip(ends, self._widths, strict=True)
+        )
 
     def unpack(self, bits: int) -> list[int]:
-        """Cut bits into the fields.
-
-        Parameters
-        ----------
-        bits : int
-            The fields, packed.
-
-        Returns
-        -------
-        codes : list of int
-            One code a field.
-        """
-        return [bits >> end & mask for end, mask in self._places]
+        """Cut bits into the codes of the fields."""
+        return [bits >> end & mask for end, mask in self._positions]
 
     def pack(self, codes: Iterable[int]) -> int:
-        """Put codes one after the other; each must fit its width.
-
-        Parameters
-        ----------
-        codes : iterable of int
-            One code a field.
-
-        Returns
-        -------
-        bits : int
-            The fields, packed.
-        """
+        """Join codes; each must fit its width."""
         bits = 0
         for code, width in zip(codes, self._widths, strict=True):
             bits = bits << width | code
@@ -63,29 +34,7 @@ class BitFields:
 
 
 def take(bits: int, left: int, width: int) -> tuple[int, int]:
-    """Read the next `width` bits.
-
-    Parameters
-    ----------
-    bits : int
-        All bits.
-    left : int
-        Bits not yet read.
-    width : int
-        Bits wanted.
-
-    Returns
-    -------
-    code : int
-        What they say.
-    left : int
-        Bits not yet read after that.
-
-    Raises
-    ------
-    InputError
-        If there are fewer bits than wanted.
-    """
+    """Read the next bits; return their code and the number of bits left."""
     left -= width
     if left < 0:
         raise InputError(f"data must hold what it announces, ended {-left} bits too early")
@@ -93,33 +42,11 @@ def take(bits: int, left: int, width: int) -> tuple[int, int]:
 
 
 def take_open_type(bits: int, left: int) -> tuple[int, int, int]:
-    """Read the length of an open type and its content, without looking into it.
-
-    Parameters
-    ----------
-    bits : int
-        All bits.
-    left : int
-        Bits not yet read.
-
-    Returns
-    -------
-    content : int
-        The content as bits.
-    n_bits : int
-        Length of the content in bits.
-    left : int
-        Bits not yet read after that.
-
-    Raises
-    ------
-    InputError
-        If the content is cut off, or longer than 16 383 bytes.
-    """
+    """Read an open type; return its content, its length in bits and the number of bits left."""
     length, left = take(bits, left, 8)
     if length & 0x80:
         if length & 0x40:
-            raise InputError(f"data must not hold fragmented parts (longer than {_MOST} bytes)")
+            raise InputError(f"data must not hold fragmented parts (longer than {_MAX_BYTES} bytes)")
         more, left = take(bits, left, 8)
         length = (length & 0x3F) << 8 | more
     content, left = take(bits, left, 8 * length)
@@ -127,46 +54,13 @@ def take_open_type(bits: int, left: int) -> tuple[int, int, int]:
 
 
 def open_type(content: int, n_bits: int) -> tuple[int, int]:
-    """Wrap content as an open type: its length in bytes, then the content padded to whole bytes.
-
-    Parameters
-    ----------
-    content : int
-        The content as bits.
-    n_bits : int
-        Its length in bits, less than 128 bytes.
-
-    Returns
-    -------
-    bits : int
-        Length and content.
-    n_bits : int
-        Length of that in bits.
-    """
+    """Wrap content of less than 128 bytes as an open type; return its bits and their number."""
     length = (n_bits + 7) // 8
     return length << 8 * length | content << 8 * length - n_bits, 8 + 8 * length
 
 
 def open_frame(data: bytes | bytearray, message_id: int) -> bytes:
-    """Take the message out of a MessageFrame.
-
-    Parameters
-    ----------
-    data : bytes or bytearray
-        The frame. Bytes after its end are ignored, as are later additions to the frame.
-    message_id : int
-        Kind of message that is wanted.
-
-    Returns
-    -------
-    body : bytes
-        The message.
-
-    Raises
-    ------
-    InputError
-        If `data` is not such a frame, or not all of it.
-    """
+    """Return the message of a MessageFrame; bytes after its end are ignored."""
     if not isinstance(data, (bytes, bytearray)):
         raise InputError(f"data must be bytes, was {type(data).__name__}")
     if len(data) < 3:
@@ -177,7 +71,7 @@ def open_frame(data: bytes | bytearray, message_id: int) -> bytes:
     begin, length = 3, data[2]
     if length & 0x80:
         if length & 0x40 or len(data) < 4:
-            raise InputError(f"data must hold a message of at most {_MOST} bytes with its length")
+            raise InputError(f"data must hold a message of at most {_MAX_BYTES} bytes with its length")
         begin, length = 4, (length & 0x3F) << 8 | data[3]
     if len(data) < begin + length:
         raise InputError(f"data must hold {length} bytes of message, had {len(data) - begin}")
@@ -185,21 +79,6 @@ def open_frame(data: bytes | bytearray, message_id: int) -> bytes:
 
 
 def close_frame(bits: int, n_bits: int, message_id: int) -> bytes:
-    """Put a message into a MessageFrame.
-
-    Parameters
-    ----------
-    bits : int
-        The message.
-    n_bits : int
-        Its length in bits, less than 128 bytes.
-    message_id : int
-        Kind of message.
-
-    Returns
-    -------
-    data : bytes
-        The frame.
-    """
+    """Return the MessageFrame of a message of less than 128 bytes."""
     body, width = open_type(bits, n_bits)
     return (message_id << width | body).to_bytes(2 + width // 8, "big")

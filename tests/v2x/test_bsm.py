@@ -1,4 +1,4 @@
-"""Messages: all values of the format, a second decoder, and what must be refused."""
+"""Messages: all values of the format, a second decoder, and invalid values."""
 
 import math
 import os
@@ -34,7 +34,7 @@ PLAIN = Bsm(msg_count=0, id="00000000")
 
 @pytest.mark.parametrize("block", range(20))
 def test_second_decoder_agrees(block: int) -> None:
-    """Its bytes mean the same to us, and ours mean the same to it."""
+    """Both decode the bytes of the other to the same values."""
     rng = np.random.default_rng(block)
     for _ in range(500 if FULL else 15):
         core = peer.random_core(rng)
@@ -56,8 +56,8 @@ def test_second_decoder_agrees(block: int) -> None:
         assert again == core
 
 
-def test_every_single_code_survives() -> None:
-    """Each field alone through its whole range (the long ones in steps)."""
+def test_every_code_round_trip() -> None:
+    """Each field through its whole range, the long ones in steps."""
     rng = np.random.default_rng(1)
     core = peer.random_core(rng, absent=0.0)
     names = list(peer.RANGES) if FULL else ["angle", "accelVert", "semiMajor", "transmission", "boost"]
@@ -98,7 +98,7 @@ MESSAGES = st.builds(
 
 @given(sent=MESSAGES)
 def test_encode_decode_round_trip(sent: Bsm) -> None:
-    """Within half a unit at first; exactly, once it is on the grid of the format."""
+    """Within half a unit at first; exactly once on the grid of the format."""
     received = decode_bsm(encode_bsm(sent))
     units = UNITS | {"semi_major": 0.05, "semi_minor": 0.05, "orientation": math.tau / 65535.0}
     before, after = flat(sent), flat(received)
@@ -117,7 +117,7 @@ def test_encode_decode_round_trip(sent: Bsm) -> None:
 
 
 @pytest.mark.parametrize("name", LIMITS)
-def test_limits(name: str) -> None:
+def test_limits_round_trip(name: str) -> None:
     low, high = LIMITS[name]
     for value, outside in ((low, low - 0.51 * UNITS[name]), (high, high + 0.51 * UNITS[name])):
         found = getattr(decode_bsm(encode_bsm(replace(PLAIN, **{name: value}))), name)
@@ -135,7 +135,7 @@ def test_minimal_message() -> None:
 
 
 def test_axes() -> None:
-    """A car that drives north-west in a left turn: what a message calls negative is positive here."""
+    """A left turn heading north-west: values that are negative in the message are positive here."""
     core = {name: 0 for name in peer.RANGES} | {"id": bytes(4), "wheels": b"\0"}
     core |= {"heading": 28800 - 3600, "yaw": -1000, "accelLat": -200, "angle": -20, "accelVert": -50}
     bsm = decode_bsm(peer.message(core))
@@ -173,6 +173,6 @@ def test_out_of_range_value_raises(name: str, value: Any) -> None:
         encode_bsm(replace(PLAIN, **{name: value}))
 
 
-def test_only_messages_are_sent() -> None:
+def test_encoding_other_types_raises() -> None:
     with pytest.raises(InputError, match="bsm must be"):
         encode_bsm(None)  # type: ignore[arg-type]

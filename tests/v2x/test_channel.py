@@ -1,4 +1,4 @@
-"""The channel loses, delays and repeats what it says, and the same each time."""
+"""Channel and sender: loss, delay, repetition and reproducibility."""
 
 import itertools
 import math
@@ -32,7 +32,7 @@ def number(k: int) -> bytes:
 def arrived(
     settings: ChannelSettings, n: int, *, seed: int = 1, distance: float = 0.0
 ) -> list[ReceivedMessage]:
-    """Send `n` numbered messages at 10 Hz from a distance and take what arrives."""
+    """Send `n` numbered messages at 10 Hz from a distance; return the received ones."""
     channel, found = Channel(settings, np.random.default_rng(seed)), []
     for k in range(n):
         channel.send(0.1 * k, (distance, 0.0), number(k), sender="a")
@@ -44,7 +44,7 @@ def numbers(arrivals: list[ReceivedMessage]) -> list[int]:
     return [int.from_bytes(a.data, "big") for a in arrivals]
 
 
-def test_a_perfect_channel_changes_nothing() -> None:
+def test_default_channel_is_perfect() -> None:
     found = arrived(ChannelSettings(), 50)
     assert numbers(found) == list(range(50))
     assert [a.t for a in found] == pytest.approx([0.1 * k for k in range(50)])
@@ -59,15 +59,15 @@ def test_loss_and_bursts(loss: float, burst: float) -> None:
     assert runs[runs > 0].mean() == pytest.approx(burst, rel=0.1)
 
 
-def test_bursts_are_each_senders_own() -> None:
+def test_bursts_of_senders_are_independent() -> None:
     channel = Channel(ChannelSettings(loss_probability=0.5, mean_burst_length=5.0), np.random.default_rng(2))
-    heard = {"a": set(), "b": set()}
+    received = {"a": set(), "b": set()}
     for k in range(4000):
-        for sender in heard:
+        for sender in received:
             channel.send(0.1 * k, HERE, number(k), sender=sender)
     for arrival in channel.receive(1e9, HERE):
-        heard[arrival.sender].add(arrival.data)
-    assert len(heard["a"] & heard["b"]) == pytest.approx(1000, abs=150)
+        received[arrival.sender].add(arrival.data)
+    assert len(received["a"] & received["b"]) == pytest.approx(1000, abs=150)
 
 
 def test_latency_and_jitter() -> None:
@@ -77,7 +77,7 @@ def test_latency_and_jitter() -> None:
     assert delays.mean() == pytest.approx(0.07, abs=0.002)
 
 
-def test_nothing_arrives_before_its_time() -> None:
+def test_latency_delays_arrival() -> None:
     channel = Channel(ChannelSettings(latency=0.2), np.random.default_rng(0))
     channel.send(1.0, HERE, b"a")
     assert channel.receive(1.19, HERE) == ()
@@ -85,10 +85,10 @@ def test_nothing_arrives_before_its_time() -> None:
     assert channel.receive(9.0, HERE) == ()
 
 
-@pytest.mark.parametrize(("distance", "share"), [(0.0, 1.0), (150.0, 0.9625), (299.0, 0.41), (301.0, 0.0)])
-def test_distance(distance: float, share: float) -> None:
+@pytest.mark.parametrize(("distance", "fraction"), [(0.0, 1.0), (150.0, 0.9625), (299.0, 0.41), (301.0, 0.0)])
+def test_loss_grows_with_distance(distance: float, fraction: float) -> None:
     found = arrived(ChannelSettings(range=300.0, loss_at_range=0.6), 5000, distance=distance)
-    assert len(found) / 5000 == pytest.approx(share, abs=0.03)
+    assert len(found) / 5000 == pytest.approx(fraction, abs=0.03)
 
 
 def test_reordering_and_duplicates() -> None:
@@ -101,17 +101,17 @@ def test_reordering_and_duplicates() -> None:
 @given(st.integers(0, 2**32), st.lists(st.floats(0.0, 0.3), min_size=1, max_size=30))
 def test_randomness_independent_of_polling(seed: int, pauses: list[float]) -> None:
     settings = ChannelSettings(
-        latency=0.02, jitter=0.05, loss_probability=0.3, mean_burst_length=2.0, range=400.0, loss_at_range=0.5, reorder_probability=0.2,
-        duplicate_probability=0.2,
+        latency=0.02, jitter=0.05, loss_probability=0.3, mean_burst_length=2.0, range=400.0,
+        loss_at_range=0.5, reorder_probability=0.2, duplicate_probability=0.2,
     )  # fmt: skip
     once, often = (Channel(settings, np.random.default_rng(seed)) for _ in range(2))
-    looked, t = [], 0.0
+    polled, t = [], 0.0
     for k, pause in enumerate(pauses):
         t += pause
         for channel in (once, often):
             channel.send(t, (350.0, 0.0), number(k), sender=str(k % 3))
-        looked += often.receive(t, HERE)
-    assert looked + list(often.receive(1e9, HERE)) == list(once.receive(1e9, HERE))
+        polled += often.receive(t, HERE)
+    assert polled + list(often.receive(1e9, HERE)) == list(once.receive(1e9, HERE))
 
 
 @pytest.mark.parametrize(
@@ -124,7 +124,7 @@ def test_randomness_independent_of_polling(seed: int, pauses: list[float]) -> No
         {"mean_burst_length": 0.5},
     ],
 )
-def test_settings_are_checked(values: dict[str, float]) -> None:
+def test_invalid_settings_raise(values: dict[str, float]) -> None:
     with pytest.raises(InputError, match=list(values)[-1]):
         ChannelSettings(**values)
 
@@ -154,15 +154,15 @@ def test_sender_reports_true_state() -> None:
     assert (vehicle.id, vehicle.length, vehicle.width) == ("0000cafe", 4.5, 1.8)
 
 
-def test_wyoming() -> None:
-    """Intervals of 95 to 105 ms, 28 % lost, most gaps of one to three messages, a few repeated positions."""
+def test_wyoming_statistics() -> None:
+    """Intervals of 95 to 105 ms, 28 % lost, mostly one to three in succession, a few repeated positions."""
     found = sent(SenderSettings.wyoming(), 60.0)
     intervals = np.diff([t for t, _ in found])
     assert 0.094 <= intervals.min() < 0.097
     assert 0.103 < intervals.max() <= 0.1061
-    places = [decode_bsm(data).longitude_deg for _, data in found]
-    repeats = sum(a == b for a, b in itertools.pairwise(places))
-    assert 0.01 < repeats / len(places) < 0.06
+    longitudes = [decode_bsm(data).longitude_deg for _, data in found]
+    repeats = sum(a == b for a, b in itertools.pairwise(longitudes))
+    assert 0.01 < repeats / len(longitudes) < 0.06
     kept = np.array(numbers(arrived(ChannelSettings.wyoming(), 20_000)))
     runs = np.diff(np.sort(kept)) - 1
     assert 1.0 - len(kept) / 20_000 == pytest.approx(0.28, abs=0.02)
@@ -182,7 +182,7 @@ def test_position_noise(noise_time_constant: float) -> None:
     )
 
 
-def test_same_seed_same_bytes() -> None:
+def test_same_seed_gives_same_bytes() -> None:
     settings = SenderSettings(
         interval_spread=0.005, position_noise=1.0, freeze_probability=0.1, mean_freeze_length=3.0
     )
@@ -198,8 +198,8 @@ def test_same_seed_same_bytes() -> None:
     assert arrived(lossy, 300) == arrived(lossy, 300)
 
 
-def test_from_sender_to_track_through_a_bad_channel() -> None:
-    """Half of all lost, late, doubled and out of order: the car is still where its bounds say."""
+def test_bounds_hold_through_poor_channel() -> None:
+    """Loss of 50 %, delay, duplicates and disorder: the vehicle stays within its bounds."""
     settings = ChannelSettings(
         latency=0.1,
         jitter=0.05,
@@ -210,7 +210,7 @@ def test_from_sender_to_track_through_a_bad_channel() -> None:
     )
     channel, tracker = Channel(settings, np.random.default_rng(6)), Tracker(FRAME)
     sender = Sender("0000cafe", FRAME, SenderSettings.wyoming(), np.random.default_rng(7))
-    inside = []
+    within = []
     for k in range(3000):
         t, x = T0 + 0.02 * k, 20.0 * 0.02 * k
         data = sender.poll(t, RemoteVehicle(id="", x=x, y=0.0, psi=0.0, v_x=20.0))
@@ -218,12 +218,12 @@ def test_from_sender_to_track_through_a_bad_channel() -> None:
             channel.send(t, (x, 0.0), data, sender=sender.id)
         for arrival in channel.receive(t, (x, 0.0)):
             tracker.update(arrival.data, t)
-        inside += [abs(v.x - x) <= 2.0 * v.sigma_along for v in tracker.vehicles(t)]
-    assert len(inside) > 2900
-    assert np.mean(inside) > 0.95
+        within += [abs(v.x - x) <= 2.0 * v.sigma_along for v in tracker.vehicles(t)]
+    assert len(within) > 2900
+    assert np.mean(within) > 0.95
 
 
 @pytest.mark.parametrize("values", [{"interval": 0.0}, {"interval_spread": 0.2}, {"freeze_probability": 1.5}])
-def test_sender_settings_are_checked(values: dict[str, float]) -> None:
+def test_invalid_sender_settings_raise(values: dict[str, float]) -> None:
     with pytest.raises(InputError, match=next(iter(values))):
         SenderSettings(**values)

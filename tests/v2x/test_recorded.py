@@ -1,4 +1,4 @@
-"""Recorded messages: each decodes to what is written beside it and encodes to the same bits."""
+"""Recorded messages: each decodes to its recorded values and encodes to the same bits."""
 
 import csv
 import json
@@ -45,7 +45,7 @@ def part_one_of(text: str) -> dict[str, Any]:
     return codes
 
 
-def test_128_recorded_frames(data_dir: Path) -> None:
+def test_recorded_frames_equal_their_xml(data_dir: Path) -> None:
     data = (data_dir / "bsm" / "j2735.MessageFrame.128.bsms.uper").read_bytes()
     text = (data_dir / "bsm" / "j2735.MessageFrame.128.bsms.xer").read_text()
     cores = re.findall(r"<coreData>(.*?)</coreData>", text, re.DOTALL)
@@ -81,7 +81,7 @@ def test_event_flags_recorded_in_xml(data_dir: Path) -> None:
     assert decode_bsm(bytes.fromhex(found)).events == {"hard_braking"}
 
 
-def test_recorded_drive(data_dir: Path) -> None:
+def test_recorded_drive_round_trip(data_dir: Path) -> None:
     with (data_dir / "bsm" / "wyoming_rx_decoded.csv").open() as file:
         rows = list(csv.DictReader(file))
     for row in rows:
