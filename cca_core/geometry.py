@@ -11,9 +11,8 @@ from cca_core._checks import Array, Complex
 
 __all__ = ["Boxes", "box_gap", "boxes", "wrap_angle"]
 
-# of the corners, counter-clockwise from the front left
-_ALONG = np.array([1.0, -1.0, -1.0, 1.0])
-_ACROSS = np.array([1.0, 1.0, -1.0, -1.0])
+# signs along and across of the corners, counter-clockwise from the front left
+_CORNERS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
 
 @overload
@@ -56,7 +55,7 @@ def quintic_step(z: float | Array, height: float = 1.0) -> float | Array:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boxes:
-    """Oriented rectangles, one or many; the fields broadcast against each other.
+    """Oriented rectangles; the fields broadcast against each other.
 
     Parameters
     ----------
@@ -84,14 +83,14 @@ class Boxes:
         """
         fields = (self.x, self.y, self.psi, self.length, self.width)
         x, y, psi, length, width = (np.asarray(f)[..., None] for f in np.broadcast_arrays(*fields))
-        along, across = 0.5 * length * _ALONG, 0.5 * width * _ACROSS
+        along, across = 0.5 * length * _CORNERS[0], 0.5 * width * _CORNERS[1]
         cos, sin = np.cos(psi), np.sin(psi)
         x, y = x + cos * along - sin * across, y + sin * along + cos * across
         return np.stack((x, y), axis=-1)
 
 
 def boxes(x: ArrayLike, y: ArrayLike, psi: ArrayLike, length: ArrayLike, width: ArrayLike) -> Boxes:
-    """Make `Boxes` from anything array-like.
+    """Make `Boxes` from array-like values.
 
     Parameters
     ----------
@@ -121,13 +120,13 @@ def box_gap(a: Boxes, b: Boxes) -> Array:
     Returns
     -------
     gap : ndarray, shape (...)
-        Distance of the closest points [m] where the boxes are apart; where they overlap, minus the
-        shortest way to push them apart along an axis of either box [m].
+        Distance of the closest points [m]. For boxes that overlap it is negative: the least displacement
+        along an axis of either box that separates them.
 
     Notes
     -----
-    Two convex polygons that are apart have their closest points at a corner of one of them, so the eight
-    corner-to-box distances suffice. Overlap is decided by the four separating axes.
+    The closest points of two separate convex polygons include a corner of one of them, so the eight
+    distances from corner to box suffice. The four separating axes decide on overlap.
 
     Examples
     --------
@@ -149,39 +148,24 @@ def gap_between(
     length_b: Array | float,
     width_b: Array | float,
 ) -> Array:
-    """Signed distance between oriented boxes in the complex plane x + iy.
-
-    Parameters
-    ----------
-    offset : ndarray of complex, shape (...)
-        From the center of box a to that of box b [m].
-    ahead_a, ahead_b : ndarray of complex, shape (...)
-        Headings as unit numbers exp(i psi) [-].
-    length_a, width_a, length_b, width_b : ndarray or float
-        Half extents along and across the headings [m].
-
-    Returns
-    -------
-    gap : ndarray, shape (...)
-        As for `box_gap` [m].
-    """
-    # first each box as seen from box a, then from box b
+    """Signed distance between boxes in the complex plane, from center offset, headings and half extents."""
+    # row 0: box b in the frame of box a; row 1: box a in the frame of box b
     turn = ahead_b * ahead_a.conj() + 0.0 * offset
-    seen = np.empty((2, *turn.shape), dtype=np.complex128)
-    seen[0], seen[1] = offset * ahead_a.conj(), -offset * ahead_b.conj()
-    half = np.empty((4, *seen.shape[1:]))
+    relative = np.empty((2, *turn.shape), dtype=np.complex128)
+    relative[0], relative[1] = offset * ahead_a.conj(), -offset * ahead_b.conj()
+    half = np.empty((4, *relative.shape[1:]))
     half[0], half[1], half[2], half[3] = length_a, length_b, width_a, width_b
-    own, other = half.reshape(2, 2, *seen.shape[1:]), half.reshape(2, 2, *seen.shape[1:])[:, ::-1]
+    own, other = half.reshape(2, 2, *relative.shape[1:]), half.reshape(2, 2, *relative.shape[1:])[:, ::-1]
     c, s = np.abs(turn.real), np.abs(turn.imag)
-    # how far centers are apart along each axis of each box, beyond the own half extent
-    apart = np.array((np.abs(seen.real), np.abs(seen.imag))) - own
-    reach = np.array((other[0] * c + other[1] * s, other[0] * s + other[1] * c))
-    separation = (apart - reach).max(axis=(0, 1))
-    # corners of the other box: the closest points of boxes that are apart include a corner
+    # distance of the centers along each axis of each box, beyond its half extent
+    beyond = np.array((np.abs(relative.real), np.abs(relative.imag))) - own
+    extent = np.array((other[0] * c + other[1] * s, other[0] * s + other[1] * c))
+    separation = (beyond - extent).max(axis=(0, 1))
+    # corners of the other box: the closest points of separate boxes include a corner
     along = np.array((turn, turn.conj())) * other[0]
     across = 1j * np.array((turn, turn.conj())) * other[1]
     corners = np.array((along + across, along - across))
-    corners = np.array((seen + corners, seen - corners))
+    corners = np.array((relative + corners, relative - corners))
     out_x = np.maximum(np.abs(corners.real) - own[0], 0.0)
     out_y = np.maximum(np.abs(corners.imag) - own[1], 0.0)
     distance = np.sqrt((out_x * out_x + out_y * out_y).min(axis=(0, 1, 2)))

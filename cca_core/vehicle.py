@@ -1,4 +1,4 @@
-"""Vehicles: the ego's parameters and state, and what is known of another vehicle."""
+"""Vehicles: parameters and state of the ego, reported state of a remote vehicle."""
 
 import math
 from dataclasses import dataclass, fields
@@ -14,18 +14,16 @@ from cca_core.errors import InputError
 from cca_core.geometry import Boxes, boxes
 
 MAX_COORDINATE = 1.0e6
-"""Farthest coordinate in a local frame [m]."""
+"""Largest coordinate in a local frame [m]."""
 
 MAX_SPEED = 100.0
-"""Greatest speed of a road vehicle [m/s]."""
+"""Largest speed of a road vehicle [m/s]."""
 
 GRAVITY = 9.81  # [m/s^2]
 STANDSTILL_SPEED = 0.5  # a vehicle that reports less counts as stationary: reports err by 0.2 [m/s]
 STALE_AGE = 1.0  # an older report is stale: ten messages of SAE J2945/1 are missing [s]
 
-_WILDEST = 100.0  # acceleration [m/s^2], yaw rate [rad/s]
-_OLDEST = 3600.0  # [s]
-_LEAST = {"m": 100.0, "I_z": 10.0, "C_f": 1e3, "C_r": 1e3}  # less is in tonnes or kilonewtons
+_MIN_PARAMS = {"m": 100.0, "I_z": 10.0, "C_f": 1e3, "C_r": 1e3}  # smaller values are in tonnes or kilonewtons
 
 __all__ = ["MAX_COORDINATE", "MAX_SPEED", "RemoteVehicle", "VehicleParams", "VehicleState"]
 
@@ -85,7 +83,7 @@ class VehicleParams:
             elif field.name == "steering_lag":
                 check_real("steering_lag", value, ge=0.0)
             else:
-                check_real(field.name, value, gt=0.0, ge=_LEAST.get(field.name, 0.0))
+                check_real(field.name, value, gt=0.0, ge=_MIN_PARAMS.get(field.name, 0.0))
 
     @property
     def wheelbase(self) -> float:
@@ -94,7 +92,7 @@ class VehicleParams:
 
     @property
     def understeer_gradient(self) -> float:
-        """Understeer gradient K of delta = kappa (L + K v^2) [s^2/m]; positive understeers."""
+        """Understeer gradient K of delta = kappa (L + K v^2) [s^2/m]; positive for understeer."""
         return self.m / self.wheelbase * (self.l_r / self.C_f - self.l_f / self.C_r)
 
     @property
@@ -207,9 +205,9 @@ class VehicleState:
     psi : float
         Heading [rad], counter-clockwise from +x.
     v_x : float
-        Forward speed [m/s], not negative (down to -0.5 m/s is taken as sensor noise at standstill).
+        Forward speed [m/s], not negative; values down to -0.5 m/s count as sensor noise at standstill.
     v_y : float
-        Sideways speed [m/s], left positive.
+        Lateral speed [m/s], left positive.
     r : float
         Yaw rate [rad/s], left positive.
     delta : float
@@ -247,17 +245,17 @@ class VehicleState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RemoteVehicle:
-    """What is known of another vehicle now, at the center of its body box.
+    """Reported state of another vehicle now, at the center of its body box.
 
-    It is a record of what somebody else said, so it accepts any value: `defect` tells whether it can be
-    used, and the planner drops what cannot, with that reason.
+    The record comes from outside, so it accepts any value. `invalid_reason` is set if it cannot be used. The
+    planner drops such records with this reason.
 
     Parameters
     ----------
     id : str
-        Sender, or track of the sensor.
+        Id of the sender, or of the track of the sensor.
     x, y : float
-        Position in the local frame now (dead-reckoned by `age`) [m].
+        Position in the local frame now, dead-reckoned by `age` [m].
     psi : float
         Heading [rad], counter-clockwise from +x.
     v_x : float
@@ -273,7 +271,7 @@ class RemoteVehicle:
     sigma_along, sigma_across : float
         Standard deviation of the position along and across the heading [m].
     events : frozenset of str
-        Event flags it sends, such as ``"hard_braking"``.
+        Reported event flags, such as ``"hard_braking"``.
     source : str
         ``"v2v"`` or ``"sensor"``.
     """
@@ -295,28 +293,28 @@ class RemoteVehicle:
 
     @property
     def invalid_reason(self) -> str | None:
-        """Why this record cannot be used, in words, or None if it can."""
+        """Why the record cannot be used; None if it can."""
         values = _REMOTE_VALUES(self)
-        if not (_FLOATS.issuperset(map(type, values)) and all(map(math.isfinite, values))):
+        if not ({float, np.float64}.issuperset(map(type, values)) and all(map(math.isfinite, values))):
             for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
                 if not isinstance(value, Real) or not abs(value) < float("inf"):  # type: ignore[operator]  # int, float
-                    return f"{name} is not a finite number ({type(value).__name__} {str(value)[:20]})"
+                    return f"{name} must be a finite number, was {type(value).__name__} {str(value)[:20]}"
         labels: tuple[object, object] = (self.id, self.events)
         if not (isinstance(labels[0], str) and isinstance(labels[1], frozenset)):
-            was = [type(label).__name__ for label in labels]
-            return f"id is not a string or events is not a frozenset (id is {was[0]}, events is {was[1]})"
+            was = " and ".join(type(label).__name__ for label in labels)
+            return f"id and events must be a string and a frozenset, were {was}"
         if max(abs(self.x), abs(self.y)) > MAX_COORDINATE:
-            return f"position is farther than {MAX_COORDINATE / 1e3:.0f} km from the origin"
-        if max(abs(self.a_x), abs(self.r)) > _WILDEST:
-            return "a_x or r is not that of a road vehicle"
+            return f"position must be within {MAX_COORDINATE / 1e3:.0f} km of the origin"
+        if max(abs(self.a_x), abs(self.r)) > 100.0:
+            return f"a_x and r must be at most 100, were {self.a_x:g} m/s^2 and {self.r:g} rad/s"
         if not (0.0 < self.length <= 40.0 and 0.0 < self.width <= 5.0):
-            return f"size {self.length:g} m x {self.width:g} m is not that of a road vehicle"
+            return f"length and width must be within 40 m x 5 m, were {self.length:g} m x {self.width:g} m"
         if not -20.0 <= self.v_x <= MAX_SPEED:
-            return f"speed {self.v_x:g} m/s is not that of a road vehicle"
+            return f"v_x must be between -20 and {MAX_SPEED:g} m/s, was {self.v_x:g} m/s"
         if not (
-            0.0 <= self.age <= _OLDEST and 0.0 <= self.sigma_along <= 1e3 and 0.0 <= self.sigma_across <= 1e3
+            0.0 <= self.age <= 3600.0 and 0.0 <= self.sigma_along <= 1e3 and 0.0 <= self.sigma_across <= 1e3
         ):
-            return "age or sigma is negative or too large"
+            return "age and sigmas must be between 0 and 3600 s and 0 and 1000 m"
         return None
 
 
@@ -324,4 +322,3 @@ _REMOTE_NUMBERS = (
     "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across",
 )  # fmt: skip
 _REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)
-_FLOATS = frozenset({float, np.float64})

@@ -18,10 +18,10 @@ def test_error_is_cca_error_and_builtin(error: type, builtin: type) -> None:
 
 def test_infeasible_error_has_partial_result() -> None:
     partial = object()
-    error = InfeasibleError("no room", partial)
+    error = InfeasibleError("no solution", partial)
     assert error.result is partial
-    assert str(error) == "no room"
-    assert InfeasibleError("no room").result is None
+    assert str(error) == "no solution"
+    assert InfeasibleError("no solution").result is None
 
 
 def test_statuses_are_distinct_sentences() -> None:

@@ -32,7 +32,7 @@ def gap(a: tuple, b: tuple) -> float:
 @example(math.nextafter(-math.pi, -math.inf))
 @example(math.nextafter(math.pi, 0.0))
 @example(3 * math.pi)
-def test_wrap_angle_is_the_same_direction_in_the_half_open_turn(value: float) -> None:
+def test_wrap_angle_keeps_direction_in_half_open_range(value: float) -> None:
     wrapped = wrap_angle(value)
     assert -math.pi <= wrapped < math.pi
     assert math.cos(wrapped - value) == pytest.approx(1.0, abs=1e-12)
@@ -40,7 +40,7 @@ def test_wrap_angle_is_the_same_direction_in_the_half_open_turn(value: float) ->
     assert turns == pytest.approx(round(turns), abs=1e-12)
 
 
-def test_wrap_angle_anchors_and_arrays() -> None:
+def test_wrap_angle_equals_hand_values() -> None:
     assert wrap_angle(3.5) == pytest.approx(3.5 - 2 * math.pi, abs=1e-15)
     assert wrap_angle(math.pi) == -math.pi
     assert wrap_angle(0.0) == 0.0
@@ -53,7 +53,7 @@ def test_wrap_angle_anchors_and_arrays() -> None:
 @example((0, 0, 0, 4, 2), (4, 0, 0, 4, 2))  # touching
 @example((0, 0, 0, 4, 2), (0, 0, 0.3, 1, 1))  # contained
 @example((0, 0, 0, 20, 0.1), (0, 0, math.pi / 2, 20, 0.1))  # a cross: no corner inside the other
-def test_box_gap_against_shapely(a: tuple, b: tuple) -> None:
+def test_box_gap_equals_shapely(a: tuple, b: tuple) -> None:
     distance = polygon(*a).distance(polygon(*b))
     measured = gap(a, b)
     if distance > 1e-9:
@@ -65,7 +65,7 @@ def test_box_gap_against_shapely(a: tuple, b: tuple) -> None:
 
 
 @given(box, box)
-def test_overlap_depth_is_the_shortest_push_along_an_axis(a: tuple, b: tuple) -> None:
+def test_overlap_depth_is_shortest_push_along_axis(a: tuple, b: tuple) -> None:
     """Moving b by the depth along one of the four axes, one way or the other, just parts the boxes."""
     depth = -gap(a, b)
     if depth <= 1e-3:
@@ -123,7 +123,7 @@ def test_box_gap_is_invariant_to_mirror_and_half_turn(a: tuple, b: tuple) -> Non
         ((0, 0, 0, 10, 2), (0, 4, math.pi / 2, 4, 2), 1.0),
     ],
 )
-def test_box_gap_closed_forms(a: tuple, b: tuple, expected: float) -> None:
+def test_box_gap_equals_closed_forms(a: tuple, b: tuple, expected: float) -> None:
     assert gap(a, b) == pytest.approx(expected, abs=1e-12)
 
 
@@ -140,7 +140,7 @@ def test_box_gap_broadcasts() -> None:
 
 
 @given(box)
-def test_corners_are_counter_clockwise_from_the_front_left(a: tuple) -> None:
+def test_corners_are_counter_clockwise_from_front_left(a: tuple) -> None:
     x, y, psi, length, width = a
     corners = boxes(*a).corners()
     c, s = math.cos(psi), math.sin(psi)
@@ -159,7 +159,7 @@ def test_corners_broadcast_mixed_shapes() -> None:
     np.testing.assert_allclose(turning.corners()[1, 0], [-1.0, 2.0], atol=1e-15)
 
 
-def test_quintic_step_has_no_slope_or_curvature_at_its_ends() -> None:
+def test_quintic_step_ends_without_slope_and_curvature() -> None:
     step = np.polynomial.Polynomial.fit(z := np.linspace(0.0, 1.0, 11), quintic_step(z, 2.0), 5, domain=[])
     np.testing.assert_allclose(step(np.array([0.0, 0.5, 1.0])), [0.0, 1.0, 2.0], atol=1e-9)
     for order in (1, 2):

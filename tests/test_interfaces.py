@@ -41,7 +41,7 @@ def test_copies_are_equal(name: str, how: str) -> None:
 
 
 @pytest.mark.parametrize("how", COPIES)
-def test_a_copied_path_is_read_only_and_drives_the_same(how: str) -> None:
+def test_copied_path_is_read_only_and_equal(how: str) -> None:
     ROUTE.project((30.0, 2.0))
     again = COPIES[how](ROUTE)
     assert not again.coefficients.flags.writeable
@@ -51,7 +51,7 @@ def test_a_copied_path_is_read_only_and_drives_the_same(how: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(EXAMPLES))
-def test_hash_agrees_with_equality(name: str) -> None:
+def test_equal_records_have_equal_hash(name: str) -> None:
     value = EXAMPLES[name]
     again = pickle.loads(pickle.dumps(value))
     assert hash(value) == hash(value)
@@ -80,8 +80,8 @@ def test_repr_is_one_readable_line(name: str) -> None:
 
 
 def test_errors_can_be_pickled() -> None:
-    error = pickle.loads(pickle.dumps(InfeasibleError("no room", (1.0, 2.0))))
-    assert str(error) == "no room"
+    error = pickle.loads(pickle.dumps(InfeasibleError("no solution", (1.0, 2.0))))
+    assert str(error) == "no solution"
     assert error.result == (1.0, 2.0)
 
 
@@ -97,7 +97,7 @@ def test_copied_planner_is_bitwise_identical(how: str, steps: int) -> None:
     assert any(command.band is not None for command in here)
 
 
-def test_a_copied_controller_goes_on_bit_for_bit() -> None:
+def test_copied_controller_is_bitwise_identical() -> None:
     controller = PreviewController(CAR)
     states = [VehicleState(x=0.4 * i, y=0.5, psi=0.02, v_x=20.0) for i in range(60)]
     for state in states[:30]:
@@ -107,7 +107,7 @@ def test_a_copied_controller_goes_on_bit_for_bit() -> None:
     assert [again.steer(state, route) for state in states[30:]] == here
 
 
-def test_other_processes_can_drive() -> None:
+def test_planner_runs_in_other_processes() -> None:
     """Spawned ones too, which share nothing but what is pickled."""
     planner = Planner(CAR, ROAD, cruise_speed=20.0)
     state = VehicleState(x=100.0, y=0.1, psi=0.0, v_x=20.0)
@@ -116,7 +116,7 @@ def test_other_processes_can_drive() -> None:
     assert parts(there) == parts(planner.step(0.0, state, OTHERS))
 
 
-def test_nothing_prints_or_configures_logging() -> None:
+def test_library_never_prints_or_configures_logging() -> None:
     for file in FilePath(cca_core.__file__).parent.rglob("*.py"):
         calls = [n for n in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(n, ast.Call)]
         assert not {"print", "logging.basicConfig"} & {ast.unparse(call.func) for call in calls}, file

@@ -31,7 +31,7 @@ def remote(**changes: object) -> RemoteVehicle:
 
 
 @given(st.floats(0.1, 50.0), st.floats(-10.0, -1.001), st.floats(0.0, 30.0))
-def test_travel_while_braking_is_the_integral_of_speed_until_standstill(v: float, a: float, t: float) -> None:
+def test_distance_while_braking_is_integral_of_speed(v: float, a: float, t: float) -> None:
     stop = v / -a
     speed_integral = quad(lambda tau: max(v + a * tau, 0.0), 0.0, t, points=[min(stop, t)])[0]
     assert float(predict_distance(v, a, t)) == pytest.approx(speed_integral, abs=1e-8)
@@ -39,11 +39,11 @@ def test_travel_while_braking_is_the_integral_of_speed_until_standstill(v: float
 
 
 @given(st.floats(-20.0, 60.0), st.floats(-1.0, 10.0), st.floats(-5.0, 30.0))
-def test_travel_at_constant_speed_otherwise(v: float, a: float, t: float) -> None:
+def test_distance_without_braking_is_linear(v: float, a: float, t: float) -> None:
     assert float(predict_distance(v, a, t)) == v * t
 
 
-def test_travel_anchors() -> None:
+def test_distance_equals_hand_values() -> None:
     np.testing.assert_allclose(
         predict_distance(20.0, -5.0, [0.0, 1.0, 4.0, 9.0]), [0.0, 17.5, 40.0, 40.0], atol=1e-13
     )
@@ -53,7 +53,7 @@ def test_travel_anchors() -> None:
     assert predict_distance(20.0, -5.0, np.ones((2, 3))).shape == (2, 3)
 
 
-def test_along_a_straight_road() -> None:
+def test_vehicle_on_straight_road_keeps_offset() -> None:
     t = np.linspace(-1.0, 5.0, 13)
     found = predict_along(remote(x=30.0, y=3.5), STRAIGHT, 30.0, 3.5, t)
     np.testing.assert_allclose(found.x, 30.0 + 20.0 * t, atol=1e-12)
@@ -61,7 +61,7 @@ def test_along_a_straight_road() -> None:
     np.testing.assert_allclose(found.psi, 0.0, atol=1e-12)
 
 
-def test_oncoming_drives_toward_smaller_s_and_keeps_its_heading() -> None:
+def test_oncoming_vehicle_drives_toward_smaller_s() -> None:
     t = np.array([0.0, 1.0, 2.0])
     found = predict_along(remote(psi=math.pi), STRAIGHT, 150.0, 3.5, t)
     np.testing.assert_allclose(found.x, [150.0, 130.0, 110.0], atol=1e-12)
@@ -69,13 +69,13 @@ def test_oncoming_drives_toward_smaller_s_and_keeps_its_heading() -> None:
     np.testing.assert_allclose(found.y, 3.5, atol=1e-12)
 
 
-def test_oncoming_and_braking_stops() -> None:
+def test_braking_oncoming_vehicle_stops() -> None:
     found = predict_along(remote(psi=-math.pi, a_x=-5.0), STRAIGHT, 150.0, 0.0, [4.0, 10.0])
     np.testing.assert_allclose(found.x, [110.0, 110.0], atol=1e-12)
 
 
 @pytest.mark.parametrize("d", [-3.5, 0.0, 3.5])
-def test_along_a_circle_it_keeps_its_lane_and_turns_with_the_road(circle: Path, d: float) -> None:
+def test_vehicle_on_circle_keeps_lane_and_turns_with_road(circle: Path, d: float) -> None:
     t = np.linspace(0.0, 8.0, 9)
     found = predict_along(remote(), circle, 50.0, d, t)
     phi = np.arctan2(found.x, RADIUS - found.y)  # angle about the center
@@ -85,8 +85,8 @@ def test_along_a_circle_it_keeps_its_lane_and_turns_with_the_road(circle: Path, 
 
 
 @pytest.mark.parametrize("d", [-7.0, -3.5, 3.5])
-def test_speed_is_that_of_the_vehicle_not_of_its_foot_point(circle: Path, d: float) -> None:
-    """In t seconds a car beside drives v t of its own meters, (1 - d kappa) for each of the road."""
+def test_vehicle_speed_differs_from_foot_point_speed(circle: Path, d: float) -> None:
+    """In t seconds a vehicle at offset d drives v t meters, (1 - d kappa) for each meter of the road."""
     t = np.linspace(0.0, 8.0, 81)
     found = predict_along(remote(psi=float(circle.heading(50.0))), circle, 50.0, d, t)
     driven = np.hypot(np.diff(found.x), np.diff(found.y)).sum()
@@ -94,13 +94,13 @@ def test_speed_is_that_of_the_vehicle_not_of_its_foot_point(circle: Path, d: flo
 
 
 @pytest.mark.parametrize("relative", [0.0, 0.5, math.pi / 3, -math.pi / 3, 2.5, math.pi])
-def test_speed_along_the_road_is_the_component_of_the_velocity(relative: float) -> None:
-    """What the docstring's note says."""
+def test_speed_along_road_is_velocity_component(relative: float) -> None:
+    """The formula of the docstring."""
     found = predict_along(remote(psi=relative), STRAIGHT, 100.0, 0.0, [0.0, 1.0])
     assert found.x[1] - found.x[0] == pytest.approx(20.0 * math.cos(relative), abs=1e-9)
 
 
-def test_box_keeps_its_angle_to_the_road(circle: Path) -> None:
+def test_box_keeps_angle_to_road(circle: Path) -> None:
     heading = float(circle.heading(50.0))
     found = predict_along(remote(psi=heading + 0.1), circle, 50.0, 0.0, [0.0, 2.0, 4.0])
     np.testing.assert_allclose(
@@ -135,6 +135,6 @@ def test_prediction_is_rotation_invariant() -> None:
     np.testing.assert_allclose(wrap_angle(b.psi - a.psi - turn), 0.0, atol=1e-6)
 
 
-def test_next_to_no_braking_is_no_braking() -> None:
-    least, _ = reachable_interval(20.0, [1.0, 4.0], braking=5e-324, acceleration=0.0)
-    np.testing.assert_allclose(least, [20.0, 80.0])
+def test_denormal_braking_equals_no_braking() -> None:
+    low, _ = reachable_interval(20.0, [1.0, 4.0], braking=5e-324, acceleration=0.0)
+    np.testing.assert_allclose(low, [20.0, 80.0])

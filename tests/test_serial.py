@@ -1,4 +1,4 @@
-"""Settings and results survive JSON exactly, and what is wrong in a file is named with its place."""
+"""Settings and results survive JSON exactly; errors name the field."""
 
 import dataclasses
 import json
@@ -27,18 +27,18 @@ VERSION_1 = json.loads((FilePath(__file__).parent / "support" / "records_1.json"
 KINDS = {CLASSES.get(name, name): type(value) for name, value in EXAMPLES.items()} | {"Scenario": Scenario}
 
 
-def there_and_back(value: Any) -> Any:
+def round_trip(value: Any) -> Any:
     return from_dict(type(value), json.loads(json.dumps(to_dict(value), allow_nan=False)))
 
 
-def test_there_is_an_example_of_every_public_record() -> None:
+def test_every_public_record_has_example() -> None:
     assert {kind.__name__ for kind in public_records()} - EXAMPLES.keys() == set()
 
 
 @pytest.mark.parametrize("name", sorted(EXAMPLES))
-def test_round_trip(name: str) -> None:
+def test_round_trip_preserves_record(name: str) -> None:
     value = EXAMPLES[name]
-    again = there_and_back(value)
+    again = round_trip(value)
     assert type(again) is type(value)
     assert parts(again) == parts(value)
     assert to_dict(again) == to_dict(value)
@@ -76,7 +76,7 @@ def test_version_2_has_no_old_names() -> None:
 
 @pytest.mark.parametrize("name", sorted(EXAMPLES))
 @given(data=st.data())
-def test_round_trip_of_any_numbers(name: str, data: st.DataObject) -> None:
+def test_round_trip_preserves_any_numbers(name: str, data: st.DataObject) -> None:
     value = EXAMPLES[name]
     if not dataclasses.is_dataclass(value):
         return
@@ -85,39 +85,39 @@ def test_round_trip_of_any_numbers(name: str, data: st.DataObject) -> None:
             factor = data.draw(st.floats(0.5, 2.0), label=field.name)
             with suppress(InputError):  # out of the field's range
                 value = dataclasses.replace(value, **{field.name: factor * number})
-    assert parts(there_and_back(value)) == parts(value)
+    assert parts(round_trip(value)) == parts(value)
 
 
 @given(value=st.floats())
-def test_every_float_is_kept(value: float) -> None:
-    again = there_and_back(RemoteVehicle(id="a", x=value, y=0.0, psi=0.0, v_x=0.0))
+def test_every_float_is_preserved(value: float) -> None:
+    again = round_trip(RemoteVehicle(id="a", x=value, y=0.0, psi=0.0, v_x=0.0))
     assert math.copysign(1.0, again.x) == math.copysign(1.0, value) or math.isnan(value)
     assert again.x == value or (math.isnan(again.x) and math.isnan(value))
 
 
-def test_a_scenario_is_kept() -> None:
+def test_scenario_is_preserved() -> None:
     scenario = overtaking("2", Path([0.0, 1200.0], [[[0.0, 0.0, 1200.0, 0.0], [0.0] * 4]]))
-    assert parts(there_and_back(scenario)) == parts(scenario)
+    assert parts(round_trip(scenario)) == parts(scenario)
     assert from_dict(Scenario, to_dict(scenario)).road.lanes == scenario.road.lanes
 
 
-def test_a_band_can_be_gone_on_with() -> None:
+def test_restored_band_is_usable() -> None:
     band: Band = EXAMPLES["Band"]
-    again = there_and_back(band)
+    again = round_trip(band)
     assert again.status is Status.OK
     assert again.residual == band.residual
     assert np.array_equal(again.path().coefficients, band.path().coefficients)
     assert not again.nodes.flags.writeable
 
 
-def test_many_bands_are_described_one_by_one() -> None:
+def test_batch_of_bands_is_described_one_by_one() -> None:
     many = relax_band(np.stack([ROUTE.sample(5.0)] * 2), vehicle=CAR)
     with pytest.raises(InputError, match=r"Band\.status"):
         to_dict(many)
-    assert parts(there_and_back(many[1])) == parts(many[1])
+    assert parts(round_trip(many[1])) == parts(many[1])
 
 
-def test_infinity_is_a_word() -> None:
+def test_infinity_is_written_as_string() -> None:
     data = to_dict(EvasionSettings(awareness_range=math.inf))
     assert data["awareness_range"] == "Infinity"
     assert from_dict(EvasionSettings, {"awareness_range": "Infinity"}).awareness_range == math.inf
@@ -184,7 +184,7 @@ JSON = st.recursive(
 
 
 @given(data=st.data())
-def test_rubbish_is_an_input_error(data: st.DataObject) -> None:
+def test_random_data_raises_input_error(data: st.DataObject) -> None:
     name = data.draw(st.sampled_from(sorted(EXAMPLES)))
     described = to_dict(EXAMPLES[name])
     described[data.draw(st.sampled_from(sorted(described)))] = data.draw(JSON)
@@ -193,28 +193,28 @@ def test_rubbish_is_an_input_error(data: st.DataObject) -> None:
 
 
 @pytest.mark.parametrize("value", [None, 3, "KEEP", Status.OK, Lane, [Lane(d=0.0)], object()])
-def test_only_records_are_described(value: object) -> None:
+def test_value_that_is_no_record_raises(value: object) -> None:
     with pytest.raises(InputError, match=r"^value must be settings or a result"):
         to_dict(value)
 
 
 @pytest.mark.parametrize("kind", [None, 3, Lane(d=0.0), float, dict, Status])
-def test_only_records_are_made(kind: Any) -> None:
+def test_kind_that_is_no_record_raises(kind: Any) -> None:
     with pytest.raises(InputError, match=r"^kind must be a class"):
         from_dict(kind, {})
 
 
-def test_a_record_with_something_strange_in_it_is_refused() -> None:
+def test_record_with_unknown_object_raises() -> None:
     with pytest.raises(InputError, match=r"^RemoteVehicle\.x must be made of numbers"):
         to_dict(RemoteVehicle(id="a", x=object(), y=0.0, psi=0.0, v_x=0.0))  # type: ignore[arg-type]
 
 
-def test_numpy_numbers_are_numbers() -> None:
+def test_numpy_numbers_are_plain_numbers() -> None:
     data = to_dict(BandStiffness(k_s=np.float64(2.0), k_b=np.int64(3)))  # type: ignore[arg-type]
     assert json.loads(json.dumps(data))["k_b"] == 3
     assert type(data["k_s"]) is float
 
 
-def test_the_description_is_readable() -> None:
+def test_description_is_readable() -> None:
     assert to_dict(VehicleParams.bmw_320i())["m"] == 1093.3
     assert list(to_dict(Lane(d=1.0))) == ["type", "version", "d", "width", "direction"]

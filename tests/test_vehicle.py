@@ -18,19 +18,19 @@ STATE_FIELDS = [field.name for field in dataclasses.fields(VehicleState)]
 
 @pytest.mark.parametrize("name", ALL_FIELDS)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "", "2100", [1.0]])
-def test_params_refuse_what_is_not_a_finite_number(name: str, value: object) -> None:
+def test_params_that_are_not_finite_raise(name: str, value: object) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be"):
         dataclasses.replace(BMW, **{name: value})
 
 
 @pytest.mark.parametrize("name", POSITIVE)
 @pytest.mark.parametrize("value", [0.0, -1e-9, -1500.0])
-def test_params_refuse_zero_and_negative(name: str, value: float) -> None:
+def test_params_that_are_not_positive_raise(name: str, value: float) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be greater than 0, was"):
         dataclasses.replace(BMW, **{name: value})
 
 
-def test_zero_wheelbase_is_refused() -> None:
+def test_zero_wheelbase_raises() -> None:
     with pytest.raises(InputError, match=r"^l_f must be greater than 0"):
         dataclasses.replace(BMW, l_f=0.0, l_r=0.0)
 
@@ -40,12 +40,12 @@ def test_zero_wheelbase_is_refused() -> None:
     [("box_offset", 5.1), ("box_offset", -5.1), ("steering_lag", -0.1),
      ("m", 2.1), ("I_z", 3.9), ("C_f", 110.0), ("C_r", 130.0)],  # in tonnes, kilonewtons
 )  # fmt: skip
-def test_params_refuse_out_of_range(name: str, value: float) -> None:
+def test_params_out_of_range_raise(name: str, value: float) -> None:
     with pytest.raises(InputError, match=rf"^{name} must be at"):
         dataclasses.replace(BMW, **{name: value})
 
 
-def test_params_accept_the_edges() -> None:
+def test_params_at_limits_are_accepted() -> None:
     assert dataclasses.replace(BMW, steering_lag=0.0).steering_lag == 0.0
     assert dataclasses.replace(BMW, box_offset=-5.0).box_offset == -5.0
 
@@ -83,33 +83,33 @@ def test_understeer_gradient_closed_form() -> None:
         (VehicleParams.vw_vanagon, (1478.9, 2473.1, 1.151, 1.321, 170.0e3, 148.1e3)),
     ],
 )
-def test_presets_are_those_of_the_table(preset: type, expected: tuple) -> None:
+def test_presets_equal_published_values(preset: type, expected: tuple) -> None:
     car = preset()
     assert (car.m, car.I_z, car.l_f, car.l_r, car.C_f, car.C_r) == expected
 
 
 @pytest.mark.parametrize("name", STATE_FIELDS)
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_state_refuses_what_is_not_finite(name: str, value: float) -> None:
+def test_state_that_is_not_finite_raises(name: str, value: float) -> None:
     good = {"x": 1.0, "y": 2.0, "psi": 0.1, "v_x": 10.0}
     with pytest.raises(InputError, match=rf"^{name} must be finite"):
         VehicleState(**{**good, name: value})
 
 
-def test_state_names_the_first_of_two_that_cancel() -> None:
+def test_state_error_names_first_of_two_infinities() -> None:
     with pytest.raises(InputError, match=r"^x must be finite, was inf"):
         VehicleState(x=math.inf, y=-math.inf, psi=0.0, v_x=0.0)
 
 
 @pytest.mark.parametrize("name", STATE_FIELDS)
 @pytest.mark.parametrize("value", [None, "fast"])
-def test_state_refuses_what_is_no_number(name: str, value: object) -> None:
+def test_state_that_is_no_number_raises(name: str, value: object) -> None:
     good = {"x": 1.0, "y": 2.0, "psi": 0.1, "v_x": 10.0}
     with pytest.raises(InputError, match=rf"^{name} must be"):
         VehicleState(**{**good, name: value})
 
 
-def test_state_refuses_negative_speed_but_not_sensor_noise() -> None:
+def test_state_with_negative_speed_beyond_noise_raises() -> None:
     with pytest.raises(InputError, match=r"^v_x must be at least -0\.5 m/s.*was -0\.6"):
         VehicleState(x=0.0, y=0.0, psi=0.0, v_x=-0.6)
     assert VehicleState(x=0.0, y=0.0, psi=0.0, v_x=-0.5).v_x == -0.5
@@ -119,7 +119,7 @@ def remote(**changes: object) -> RemoteVehicle:
     return RemoteVehicle(**{"id": "A", "x": 0.0, "y": 0.0, "psi": 0.0, "v_x": 20.0, **changes})
 
 
-def test_a_good_record_has_no_defect() -> None:
+def test_valid_record_has_no_invalid_reason() -> None:
     assert remote().invalid_reason is None
     assert remote(v_x=0, psi=7, length=40.0, width=5.0, age=0.0).invalid_reason is None
     assert remote(v_x=np.float64(12.5), x=np.float64(3.0)).invalid_reason is None
@@ -130,46 +130,46 @@ def test_a_good_record_has_no_defect() -> None:
     "name", ["x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across"]
 )
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "12", 1j])
-def test_defect_names_the_field_that_is_not_finite(name: str, value: object) -> None:
-    defect = remote(**{name: value}).invalid_reason
-    assert defect is not None
-    assert defect.startswith(f"{name} is not a finite number")
+def test_invalid_reason_names_field(name: str, value: object) -> None:
+    reason = remote(**{name: value}).invalid_reason
+    assert reason is not None
+    assert reason.startswith(f"{name} must be a finite number")
 
 
 @pytest.mark.parametrize(
     ("changes", "word"),
     [
-        ({"length": 0.0}, "size"),
-        ({"length": 40.1}, "size"),
-        ({"width": -1.8}, "size"),
-        ({"width": 5.1}, "size"),
-        ({"v_x": 100.1}, "speed"),
-        ({"v_x": -20.1}, "speed"),
-        ({"age": -0.01}, "age"),
+        ({"length": 0.0}, "length and width"),
+        ({"length": 40.1}, "length and width"),
+        ({"width": -1.8}, "length and width"),
+        ({"width": 5.1}, "length and width"),
+        ({"v_x": 100.1}, "v_x"),
+        ({"v_x": -20.1}, "v_x"),
+        ({"age": -0.01}, "age and sigmas"),
         ({"sigma_along": -0.1}, "sigma"),
         ({"sigma_across": -0.1}, "sigma"),
         ({"sigma_along": 1.1e3}, "sigma"),
-        ({"age": 3601.0}, "age"),
+        ({"age": 3601.0}, "age and sigmas"),
         ({"x": -1.1e6}, "position"),
         ({"y": 1.1e6}, "position"),
         ({"a_x": 101.0}, "a_x"),
-        ({"r": -101.0}, "a_x or r"),
+        ({"r": -101.0}, "a_x and r"),
         ({"id": 7}, "id"),
         ({"events": ["hard_braking"]}, "events"),
     ],
 )
 def test_invalid_reason_text(changes: dict, word: str) -> None:
-    defect = remote(**changes).invalid_reason
-    assert defect is not None
-    assert word in defect
+    reason = remote(**changes).invalid_reason
+    assert reason is not None
+    assert word in reason
 
 
-def test_numpy_integers_and_float32_are_numbers_too() -> None:
+def test_numpy_numbers_are_valid() -> None:
     assert remote(v_x=np.int64(20)).invalid_reason is None
     assert remote(length=np.float32(4.5)).invalid_reason is None
 
 
-def test_body_at_pose_lies_around_shifted_center() -> None:
+def test_body_at_pose_is_centered_at_box_offset() -> None:
     car = dataclasses.replace(BMW, box_offset=0.4)
     body = car.body_at([1.0, 2.0], [3.0, 4.0], [0.0, 0.5 * math.pi])
     np.testing.assert_allclose(body.x, [1.4, 2.0], atol=1e-12)

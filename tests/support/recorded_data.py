@@ -1,4 +1,4 @@
-"""One of each public record of the library, made as a user would."""
+"""One of each public record of the library."""
 
 import dataclasses
 import importlib
@@ -80,17 +80,17 @@ OTHERS = (
 
 
 def driven(planner: Planner, steps: range) -> list[Command]:
-    """Let a planner drive at 20 m/s from the start of the route toward what is parked on it."""
+    """Commands of a planner that approaches a parked vehicle at 20 m/s."""
     states = (VehicleState(x=0.4 * i, y=0.0, psi=0.0, v_x=20.0) for i in steps)
     return [planner.step(0.02 * i, state, OTHERS) for i, state in zip(steps, states, strict=True)]
 
 
 def public_records() -> set[type]:
-    """Dataclasses among the public names of the rooms of the core."""
+    """Dataclasses among the public names of the packages of the core."""
     found = set()
     for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
-        room = module.name.removeprefix("cca_core.")
-        if room.startswith("_") or room in ("plot", "baselines", "sim"):
+        package = module.name.removeprefix("cca_core.")
+        if package.startswith("_") or package in ("plot", "baselines", "sim"):
             continue
         loaded = importlib.import_module(module.name)
         values = (getattr(loaded, name) for name in getattr(loaded, "__all__", ()))
@@ -99,7 +99,7 @@ def public_records() -> set[type]:
 
 
 def examples() -> dict[str, Any]:
-    """One of each, by the name of its class."""
+    """One record of each class, by class name."""
     command = driven(Planner(CAR, ROAD, cruise_speed=20.0), range(200))[-1]
     assert command.band is not None
     view = EgoView(path=ROUTE, s=3.0, d=0.0, v=20.0, half_length=2.3, half_width=0.9, intent="left")
@@ -114,7 +114,7 @@ def examples() -> dict[str, Any]:
         t_maneuver=4.0,
         danger_zone=(-10.0, 60.0),
     )
-    leader = LeadVehicle(id="a", gap=30.0, v_x=10.0, required_deceleration=2.0, follow_acceleration=-1.0)
+    lead = LeadVehicle(id="a", gap=30.0, v_x=10.0, required_deceleration=2.0, follow_acceleration=-1.0)
     rejection = Rejection(kind=RejectionKind.CLEARANCE, side="left", vehicle_id="a", value=0.6, limit=1.0)
     values = [
         ROUTE, ROAD, ROAD.lanes[1], LocalFrame(41.3, -105.6),
@@ -125,7 +125,7 @@ def examples() -> dict[str, Any]:
         SpeedSettings(), StabilityRegion(), shipped_gains(CAR), single_track(CAR, 20.0, 22.0),
         gain_region(CAR, 20.0, 22.0, StabilityRegion()),
         Margins(v_x=20.0, gain=3.0, phase=1.0, delay=0.1, disk=0.8, crossover=2.0),
-        choose_action(leader, [candidate]), leader, candidate, CrossingSettings(), conflict, RSS_EGO,
+        choose_action(lead, [candidate]), lead, candidate, CrossingSettings(), conflict, RSS_EGO,
         AlertSettings(), view,
         Alert(
             application=Application.FCW, level=Level.WARN, vehicle_id="a", time_to_conflict=math.inf, reason="",
@@ -152,7 +152,7 @@ def examples() -> dict[str, Any]:
 
 
 def parts(value: Any) -> Any:
-    """Fields and arrays in what `==` compares exactly, all the way down; NaN equals NaN."""
+    """Nested values that `==` compares exactly; NaN equals NaN."""
     if isinstance(value, np.ndarray):
         return value.shape, value.dtype.str, value.tobytes() if value.dtype != object else value.tolist()
     if isinstance(value, Path):
