@@ -114,3 +114,6 @@ FIELDS = {
 
 VALUES = {"FALLBACK": "DEGRADED"}
 """Member of an enum in version 1 to its name today."""
+
+ADDED = {"BandProblem": {"settings": {"type": "BandSettings"}}}
+"""Class today to values of fields that version 1 did not have."""

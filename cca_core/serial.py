@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core._version_1 import CLASSES, FIELDS, VALUES
+from cca_core._version_1 import ADDED, CLASSES, FIELDS, VALUES
 from cca_core.errors import InputError
 from cca_core.path import Lane, LocalFrame, Path, Road
 
@@ -169,8 +169,9 @@ def _object(kind: type, data: Any, where: str, old: bool) -> Any:
     prefix = f"{where}." if where else ""
     if data.get("type", _name(kind, old)) != _name(kind, old):
         raise InputError(f"{prefix}type must be {_name(kind, old)}, was {data['type']!r}")
-    renamed = FIELDS.get(kind.__name__, {}) if old else {}
-    data = {renamed.get(name, name): value for name, value in data.items()}
+    if old:
+        renamed, added = FIELDS.get(kind.__name__, {}), ADDED.get(kind.__name__, {})
+        data = {**added, **{renamed.get(name, name): value for name, value in data.items()}}
     hints = _fields(kind) or {}
     for name in data:
         if name not in hints and name != "type" and (name != "version" or where):

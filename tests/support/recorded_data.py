@@ -23,7 +23,7 @@ from cca_core import (
     fit_path,
     relax_band,
 )  # fmt: skip
-from cca_core.band import BandStiffness
+from cca_core.band import BandSettings, BandStiffness, CurvatureBounds
 from cca_core.decide import (
     RSS_EGO,
     Candidate,
@@ -90,7 +90,7 @@ def public_records() -> set[type]:
     found = set()
     for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
         package = module.name.removeprefix("cca_core.")
-        if package.startswith("_") or package in ("plot", "baselines", "sim"):
+        if package.startswith("_") or package in ("plot", "report", "baselines", "sim"):
             continue
         loaded = importlib.import_module(module.name)
         values = (getattr(loaded, name) for name in getattr(loaded, "__all__", ()))
@@ -121,7 +121,8 @@ def examples() -> dict[str, Any]:
         clean_route(ROUTE.sample(10.0)), clean_route(ROUTE.sample(10.0)).report,
         Waypoints(lat=np.array([41.0, 41.1]), lon=np.array([-105.0, -105.1]), duplicates=2),
         CAR, VehicleState(x=1.0, y=2.0, psi=0.1, v_x=20.0), OTHERS[1],
-        command, command.band, BandStiffness(k_b=2.0), boxes([0.0, 1.0], 2.0, 0.1, 4.5, 1.8),
+        command, command.band, BandStiffness(k_b=2.0), BandSettings(),
+        CurvatureBounds(contact=np.ones(1), lower=np.full((1, 5), -0.1), upper=np.full((1, 5), 0.1)), boxes([0.0, 1.0], 2.0, 0.1, 4.5, 1.8),
         SpeedSettings(), StabilityRegion(), shipped_gains(CAR), single_track(CAR, 20.0, 22.0),
         gain_region(CAR, 20.0, 22.0, StabilityRegion()),
         Margins(v_x=20.0, gain=3.0, phase=1.0, delay=0.1, disk=0.8, crossover=2.0),
