@@ -1,6 +1,6 @@
 """V2V warnings: one rule for each application, and the view of the road they share."""
 
-from cca_core.warnings.alert import Alert, AlertSettings, Application, EgoView, Level, Sighting
+from cca_core.warnings.alert import Alert, AlertSettings, Application, Level, VehicleInView, WarningView
 from cca_core.warnings.rules import (
     blind_spot,
     do_not_pass,
@@ -17,9 +17,9 @@ __all__ = [
     "Alert",
     "AlertSettings",
     "Application",
-    "EgoView",
     "Level",
-    "Sighting",
+    "VehicleInView",
+    "WarningView",
     "blind_spot",
     "do_not_pass",
     "emergency_brake_light",

@@ -1,4 +1,4 @@
-"""What a warning says, what sets it off, and how the applications see the ego and the others."""
+"""Alerts of the V2V applications, their thresholds, and the view of the road that the rules share."""
 
 import math
 from dataclasses import dataclass, field
@@ -6,18 +6,19 @@ from enum import Enum, IntEnum
 from typing import Literal
 
 from cca_core._checks import check_real
-from cca_core.decide.crossing import Conflict, CrossingSettings
+from cca_core.decide import Conflict, CrossingSettings
+from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.path import Path
-from cca_core.vehicle import GRAVITY, STANDSTILL_SPEED, RemoteVehicle
+from cca_core.vehicle import GRAVITY, STANDSTILL_SPEED
 
-__all__ = ["Alert", "AlertSettings", "Application", "EgoView", "Level", "Sighting"]
+__all__ = ["Alert", "AlertSettings", "Application", "Level", "VehicleInView", "WarningView"]
 
 PARALLEL_ANGLE = 0.25 * math.pi
-"""Headings within this angle of the route, or of its opposite, are along it [rad]."""
+"""Largest angle between a heading and the route, or its opposite, that counts as parallel [rad]."""
 
 
 class Application(Enum):
-    """The application that warns."""
+    """V2V application."""
 
     EEBL = "electronic emergency brake light"
     FCW = "forward collision warning"
@@ -30,7 +31,7 @@ class Application(Enum):
 
 
 class Level(IntEnum):
-    """How urgent it is: good to know, to be avoided now, or only hard braking still avoids it."""
+    """Urgency: information, avoid the conflict now, or only hard braking still avoids it."""
 
     INFORM = 1
     WARN = 2
@@ -44,16 +45,16 @@ class Alert:
     Parameters
     ----------
     application : Application
-        Who warns.
+        The application that warns.
     level : Level
-        How urgently.
+        Urgency.
     vehicle_id : str
-        Id of the vehicle that it warns of.
+        Id of the vehicle that causes the conflict.
     time_to_conflict : float
-        Time until the bodies would meet, or both would be in the same place [s]; 0 for a vehicle beside,
-        infinite if they do not meet at the present speeds.
+        Time until the bodies collide, or until both are in the conflict area [s]; 0 for a vehicle alongside,
+        infinite if they do not collide at their present speeds.
     reason : str
-        Why, in words.
+        Why, with numbers and limits.
     """
 
     application: Application
@@ -65,14 +66,14 @@ class Alert:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AlertSettings:
-    """Thresholds of the applications; where they come from is told in the documentation.
+    """Thresholds of the applications; the documentation names their sources.
 
     Parameters
     ----------
     fcw_decelerating, fcw_stopped, fcw_slower : float
-        FCW: time to collision with a leader that brakes, stands, or drives more slowly [s].
+        FCW: time to collision with a lead vehicle that brakes, is stationary, or is slower [s].
     eebl_range : float
-        EEBL: distance up to which hard braking is told [m].
+        EEBL: distance within which hard braking is reported [m].
     eebl_deceleration : float
         EEBL: deceleration that counts as hard braking without an event flag [m/s^2].
     eebl_heading : float
@@ -84,27 +85,32 @@ class AlertSettings:
     lta_gap : float
         LTA: gap in the oncoming traffic that is too short to turn [s].
     curbside_time : float
-        Curb-side: time within which the standing vehicle is reached [s].
+        Curb-side: time within which the ego reaches the stationary vehicle [s].
     curbside_clearance : float
-        Curb-side: lateral distance at which it still is in the way [m].
+        Curb-side: lateral gap below which the vehicle blocks the ego [m].
     bsw_near, bsw_far : float
-        BSW: distance from the ego's side at which the zone begins and ends [m].
+        BSW: distances from the ego's side at which the zone begins and ends [m].
     bsw_behind : float
-        BSW: distance behind the ego's rear at which the zone ends [m]; it begins at the middle of the body.
+        BSW: distance behind the ego's rear at which the zone ends [m]; it begins at the center of the body.
     dnpw_time : float
-        DNPW: time to collision with oncoming traffic in which a pass must not begin [s].
+        DNPW: time to collision with oncoming traffic below which the ego must not pass [s].
     braking : float
-        Deceleration from which on a leader counts as braking [m/s^2]; it then brakes until it stands.
+        Deceleration above which a lead vehicle brakes [m/s^2]; it then brakes to standstill.
     standstill_speed : float
-        Speed below which a vehicle stands [m/s].
+        Speed below which a vehicle is stationary [m/s].
     turning_speed : float
-        Speed with which an ego that means to turn is reckoned at least [m/s].
+        Least speed that is assumed of an ego that intends to turn [m/s].
+    min_speed : float
+        Speed below which the ego does not reach a conflict area [m/s].
+    turn_angle, approach_distance : float
+        LTA: change of heading above which the route turns [rad], relative to its heading this distance
+        before the conflict area [m].
     act_deceleration : float
-        Deceleration needed from which on a warning becomes `Level.ACT` [m/s^2].
+        Required deceleration above which the level is `Level.ACT` [m/s^2].
     max_age : float
-        Age of what is known of a vehicle up to which it is warned of [s].
+        Age above which a vehicle is ignored [s].
     crossing : CrossingSettings
-        What counts as crossing; bounds on the acceleration do not matter here.
+        What counts as crossing; its bounds on the acceleration have no effect here.
 
     Raises
     ------
@@ -130,6 +136,9 @@ class AlertSettings:
     braking: float = 1.0
     standstill_speed: float = STANDSTILL_SPEED
     turning_speed: float = 3.0
+    min_speed: float = 0.1
+    turn_angle: float = math.pi / 6.0
+    approach_distance: float = 10.0
     act_deceleration: float = 4.0
     max_age: float = 3.0
     crossing: CrossingSettings = field(
@@ -144,90 +153,82 @@ class AlertSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class EgoView:
-    """The ego along its route.
+class VehicleInView:
+    """A remote vehicle relative to the ego.
 
     Parameters
     ----------
-    path : Path
-        The route.
-    s, d : float
-        Path coordinates of the center of its body [m], d left positive.
-    v : float
-        Speed along the route [m/s].
-    half_length, half_width : float
-        Half extents of its body [m].
-    lane_width : float
-        Width of its lane [m].
-    intent : {"left", "right"}, optional
-        Where it means to turn or to change lanes.
-    """
-
-    path: Path
-    s: float
-    d: float
-    v: float
-    half_length: float
-    half_width: float
-    lane_width: float = 3.5
-    intent: Literal["left", "right"] | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sighting:
-    """Another vehicle, along the ego's route.
-
-    Parameters
-    ----------
-    remote : RemoteVehicle
-        The vehicle.
+    vehicle : FrenetVehicle
+        The vehicle at its nominal position, without uncertainty bound.
     gap : float
-        Distance along the route from the ego's front to its rear [m]; negative if it is not ahead.
+        Gap from the ego's front to its rear along the route [m]; negative unless it is ahead.
     lateral_offset : float
-        Lateral distance from the middle of the ego to the middle of the vehicle [m], left positive.
-    v : float
-        Its speed along the route [m/s], negative if it comes toward the ego.
-    angle : float
-        Its heading relative to the route [rad] in [-pi, pi), counter-clockwise.
-    half_length, half_width : float
-        Half extents along and across the route [m].
+        Lateral distance from the center of the ego to its center [m], left positive.
     conflict : Conflict, optional
-        Where its way crosses that of the ego.
+        Conflict of its path with that of the ego.
     crosses_ego_turn : bool
-        Whether the ego turns in front of it there, and it comes toward the ego's approach.
+        Whether the ego turns across its lane in this conflict.
     occluded_by : str
-        Id of a vehicle in the line of sight to it; empty if there is none.
+        Id of a vehicle in the line of sight; empty if there is none.
     """
 
-    remote: RemoteVehicle
+    vehicle: FrenetVehicle
     gap: float
     lateral_offset: float
-    v: float
-    angle: float
-    half_length: float
-    half_width: float
     conflict: Conflict | None = None
     crosses_ego_turn: bool = False
     occluded_by: str = ""
 
 
-def alert(what: Application, level: Level, other: Sighting, time: float, reason: str) -> Alert:
-    """Make an alert of a vehicle."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WarningView:
+    """The ego and the vehicles around it along the route.
+
+    Parameters
+    ----------
+    path : Path
+        The route.
+    ego : FrenetEgo
+        The ego; it keeps its speed.
+    lane_width : float
+        Width of its lane [m].
+    intent : {"left", "right"}, optional
+        Side to which the ego intends to turn or to change lanes.
+    vehicles : tuple of VehicleInView
+        The other vehicles.
+    """
+
+    path: Path
+    ego: FrenetEgo
+    lane_width: float = 3.5
+    intent: Literal["left", "right"] | None = None
+    vehicles: tuple[VehicleInView, ...] = ()
+
+
+def make_alert(
+    application: Application, level: Level, other: VehicleInView, time: float, reason: str
+) -> Alert:
+    """Make an alert because of a vehicle."""
     return Alert(
-        application=what, level=level, vehicle_id=other.remote.id, time_to_conflict=time, reason=reason
+        application=application,
+        level=level,
+        vehicle_id=other.vehicle.id,
+        time_to_conflict=time,
+        reason=reason,
     )
 
 
-def level_for(needed: float, settings: AlertSettings) -> Level:
-    """Level of a warning that a deceleration [m/s^2] could answer."""
-    return Level.ACT if needed > settings.act_deceleration else Level.WARN
+def level_for(deceleration: float, settings: AlertSettings) -> Level:
+    """Return the level of a conflict that a deceleration [m/s^2] avoids."""
+    return Level.ACT if deceleration > settings.act_deceleration else Level.WARN
 
 
-def is_ahead(ego: EgoView, other: Sighting) -> bool:
-    """Whether the middle of a vehicle is ahead of the ego's."""
-    return other.gap + ego.half_length + other.half_length > 0.0
+def is_ahead(view: WarningView, other: VehicleInView) -> bool:
+    """Return whether the center of a vehicle is ahead of the ego's."""
+    return other.gap + 0.5 * view.ego.vehicle.length + other.vehicle.half_length > 0.0
 
 
-def blocks_ego(ego: EgoView, other: Sighting, clearance: float = 0.0) -> bool:
-    """Whether a vehicle is where the ego would pass, or within a lateral clearance [m] of it."""
-    return abs(other.lateral_offset) < ego.half_width + other.half_width + clearance
+def blocks_ego(view: WarningView, other: VehicleInView, clearance: float = 0.0) -> bool:
+    """Return whether a vehicle is closer to the ego's path than a lateral clearance [m]."""
+    half_width = 0.5 * view.ego.vehicle.width
+    return abs(other.lateral_offset) < half_width + other.vehicle.half_width + clearance

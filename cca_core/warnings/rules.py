@@ -1,4 +1,4 @@
-"""V2V applications that look ahead: a leader that brakes or stands, hard braking, a hidden standing car."""
+"""Rules of the V2V applications, one function each."""
 
 import math
 
@@ -7,13 +7,13 @@ from cca_core.warnings.alert import (
     Alert,
     AlertSettings,
     Application,
-    EgoView,
     Level,
-    Sighting,
-    alert,
+    VehicleInView,
+    WarningView,
     blocks_ego,
     is_ahead,
     level_for,
+    make_alert,
 )
 
 __all__ = [
@@ -27,14 +27,14 @@ __all__ = [
 ]  # fmt: skip
 
 
-def forward_collision(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert | None:
-    """Warn of a leader that brakes, stands or is slower (FCW).
+def forward_collision(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
+    """Warn of a lead vehicle that brakes, is stationary or is slower (FCW).
 
     Parameters
     ----------
-    ego : EgoView
-        The ego.
-    other : Sighting
+    view : WarningView
+        The ego along its route.
+    other : VehicleInView
         The other vehicle.
     settings : AlertSettings
         Thresholds.
@@ -42,34 +42,37 @@ def forward_collision(ego: EgoView, other: Sighting, settings: AlertSettings) ->
     Returns
     -------
     alert : Alert or None
-        The warning, None if there is no reason for one.
+        The alert, None if there is no reason for one.
     """
-    stands = abs(other.remote.v_x) < settings.standstill_speed
-    if not (is_ahead(ego, other) and blocks_ego(ego, other)) or (
-        abs(other.angle) > PARALLEL_ANGLE and not stands
-    ):
+    stationary = abs(other.vehicle.remote.v_x) < settings.standstill_speed
+    parallel = abs(other.vehicle.angle) <= PARALLEL_ANGLE
+    if not (is_ahead(view, other) and blocks_ego(view, other) and (parallel or stationary)):
         return None
-    if stands:
-        does, threshold = "stands", settings.fcw_stopped
-    elif other.remote.a_x <= -settings.braking:
-        does, threshold = "brakes", settings.fcw_decelerating
+    if stationary:
+        motion, threshold = "stationary", settings.fcw_stopped
+    elif other.vehicle.remote.a_x <= -settings.braking:
+        motion, threshold = "braking", settings.fcw_decelerating
     else:
-        does, threshold = "is slower", settings.fcw_slower
-    time = _contact(ego, other, settings)
+        motion, threshold = "slower", settings.fcw_slower
+    time = _time_to_collision(view, other, settings)
     if time > threshold:
         return None
-    reason = f"{other.remote.id} {does} {max(other.gap, 0.0):.0f} m ahead: {time:.1f} s to collision"
-    return alert(Application.FCW, level_for(_needed(ego, other, settings), settings), other, time, reason)
+    reason = (
+        f"{other.vehicle.id} {motion}, {max(other.gap, 0.0):.0f} m ahead: "
+        f"collision in {time:.1f} s (limit {threshold:.1f} s)"
+    )
+    level = level_for(_required_deceleration(view, other, settings), settings)
+    return make_alert(Application.FCW, level, other, time, reason)
 
 
-def emergency_brake_light(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert | None:
-    """Tell of hard braking ahead, in sight or not (EEBL).
+def emergency_brake_light(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
+    """Warn of hard braking ahead, visible or occluded; inform of it in the adjacent lane (EEBL).
 
     Parameters
     ----------
-    ego : EgoView
-        The ego.
-    other : Sighting
+    view : WarningView
+        The ego along its route.
+    other : VehicleInView
         The other vehicle.
     settings : AlertSettings
         Thresholds.
@@ -77,31 +80,33 @@ def emergency_brake_light(ego: EgoView, other: Sighting, settings: AlertSettings
     Returns
     -------
     alert : Alert or None
-        The warning; for a vehicle on the lane beside only to inform.
+        The alert, None if there is no reason for one.
     """
-    hard = "hard_braking" in other.remote.events or -other.remote.a_x > settings.eebl_deceleration
-    if not (hard and is_ahead(ego, other)):
+    remote = other.vehicle.remote
+    hard = "hard_braking" in remote.events or -remote.a_x > settings.eebl_deceleration
+    if not (hard and is_ahead(view, other)):
         return None
-    if other.gap > settings.eebl_range or abs(other.angle) > settings.eebl_heading:
+    if other.gap > settings.eebl_range or abs(other.vehicle.angle) > settings.eebl_heading:
         return None
-    if abs(other.lateral_offset) > 1.5 * ego.lane_width:
+    if abs(other.lateral_offset) > 1.5 * view.lane_width:
         return None
-    own = abs(other.lateral_offset) <= 0.5 * ego.lane_width
-    level = level_for(_needed(ego, other, settings), settings) if own else Level.INFORM
-    lane = "on the ego's lane" if own else "on the lane beside"
-    reason = f"{other.remote.id} brakes hard {max(other.gap, 0.0):.0f} m ahead, {lane}"
-    time = _contact(ego, other, settings) if own else math.inf
-    return alert(Application.EEBL, level, other, time, reason)
+    in_lane = abs(other.lateral_offset) <= 0.5 * view.lane_width
+    lane = "in the ego lane" if in_lane else "in the adjacent lane"
+    reason = f"{other.vehicle.id} brakes hard {max(other.gap, 0.0):.0f} m ahead {lane}"
+    if not in_lane:
+        return make_alert(Application.EEBL, Level.INFORM, other, math.inf, reason)
+    level = level_for(_required_deceleration(view, other, settings), settings)
+    return make_alert(Application.EEBL, level, other, _time_to_collision(view, other, settings), reason)
 
 
-def stationary_ahead(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert | None:
-    """Warn of a vehicle that stands in the way, be it hidden by another one (curb-side).
+def stationary_ahead(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
+    """Warn of a stationary vehicle that blocks the ego, also if it is occluded (curb-side).
 
     Parameters
     ----------
-    ego : EgoView
-        The ego.
-    other : Sighting
+    view : WarningView
+        The ego along its route.
+    other : VehicleInView
         The other vehicle.
     settings : AlertSettings
         Thresholds.
@@ -109,51 +114,33 @@ def stationary_ahead(ego: EgoView, other: Sighting, settings: AlertSettings) -> 
     Returns
     -------
     alert : Alert or None
-        The warning, None if there is no reason for one.
+        The alert, None if there is no reason for one.
     """
-    if abs(other.remote.v_x) >= settings.standstill_speed or not is_ahead(ego, other):
+    if abs(other.vehicle.remote.v_x) >= settings.standstill_speed or not is_ahead(view, other):
         return None
-    if not blocks_ego(ego, other, settings.curbside_clearance) or ego.v <= 0.0:
+    if not blocks_ego(view, other, settings.curbside_clearance) or view.ego.v_x <= 0.0:
         return None
-    time = max(other.gap, 0.0) / ego.v
+    gap = max(other.gap, 0.0)
+    time = gap / view.ego.v_x
     if time > settings.curbside_time:
         return None
-    hidden = f", hidden by {other.occluded_by}" if other.occluded_by else ""
-    reason = f"{other.remote.id} stands {max(other.gap, 0.0):.0f} m ahead{hidden}: {time:.1f} s to it"
-    return alert(
-        Application.CURB_SIDE, level_for(_needed(ego, other, settings), settings), other, time, reason
+    occluded = f", occluded by {other.occluded_by}" if other.occluded_by else ""
+    reason = (
+        f"{other.vehicle.id} stationary, {gap:.0f} m ahead{occluded}: "
+        f"reached in {time:.1f} s (limit {settings.curbside_time:.1f} s)"
     )
+    level = level_for(_required_deceleration(view, other, settings), settings)
+    return make_alert(Application.CURB_SIDE, level, other, time, reason)
 
 
-def _contact(ego: EgoView, other: Sighting, settings: AlertSettings) -> float:
-    """Time to the contact with a leader [s], the ego at its present speed."""
-    gap, b, v = max(other.gap, 0.0), -other.remote.a_x, max(other.v, 0.0)
-    closing = ego.v - v
-    if b < settings.braking or v == 0.0:
-        return gap / closing if closing > 0.0 else math.inf
-    time = (math.sqrt(closing * closing + 2.0 * b * gap) - closing) / b
-    if time <= v / b:
-        return time
-    return (gap + 0.5 * v * v / b) / ego.v if ego.v > 0.0 else math.inf
-
-
-def _needed(ego: EgoView, other: Sighting, settings: AlertSettings) -> float:
-    """Deceleration with which the ego stays behind a leader [m/s^2]."""
-    gap, b, v = max(other.gap, 1e-3), -other.remote.a_x, max(other.v, 0.0)
-    needed = max(ego.v - v, 0.0) ** 2 / (2.0 * gap)
-    if b >= settings.braking:
-        needed = max(needed, max(ego.v, 0.0) ** 2 / (2.0 * (gap + 0.5 * v * v / b)))
-    return needed
-
-
-def blind_spot(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert | None:
-    """Tell of a vehicle beside or close behind beside (BSW), warn if the ego means to go there (LCW).
+def blind_spot(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
+    """Inform of a vehicle in the blind spot (BSW); warn if the ego intends to move there (LCW).
 
     Parameters
     ----------
-    ego : EgoView
-        The ego.
-    other : Sighting
+    view : WarningView
+        The ego along its route.
+    other : VehicleInView
         The other vehicle.
     settings : AlertSettings
         Thresholds.
@@ -161,32 +148,32 @@ def blind_spot(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert 
     Returns
     -------
     alert : Alert or None
-        The warning, None if there is no reason for one.
+        The alert, None if there is no reason for one.
     """
-    apart = abs(other.lateral_offset) - ego.half_width - other.half_width
-    across = apart < settings.bsw_far and apart + 2.0 * other.half_width > settings.bsw_near
-    # from the ego's middle back
-    ahead = other.gap + ego.half_length
-    behind = -(other.gap + 2.0 * other.half_length) - 2.0 * ego.half_length
-    along = ahead <= 0.0 and behind <= settings.bsw_behind
-    if not (across and along) or abs(other.angle) > PARALLEL_ANGLE:
+    lateral_gap = abs(other.lateral_offset) - 0.5 * view.ego.vehicle.width - other.vehicle.half_width
+    far_side = lateral_gap + 2.0 * other.vehicle.half_width
+    beside = lateral_gap < settings.bsw_far and far_side > settings.bsw_near
+    # the zone reaches from the ego's center to behind its rear
+    front = other.gap + 0.5 * view.ego.vehicle.length
+    behind = -(other.gap + 2.0 * other.vehicle.half_length) - view.ego.vehicle.length
+    in_zone = front <= 0.0 and behind <= settings.bsw_behind
+    if not (beside and in_zone) or abs(other.vehicle.angle) > PARALLEL_ANGLE:
         return None
     side = "left" if other.lateral_offset > 0.0 else "right"
-    if ego.intent == side:
-        reason = f"{other.remote.id} is beside, {side}, where the ego means to go"
-        return alert(Application.LCW, Level.WARN, other, 0.0, reason)
-    reason = f"{other.remote.id} is beside, {side}"
-    return alert(Application.BSW, Level.INFORM, other, 0.0, reason)
+    reason = f"{other.vehicle.id} in the {side} blind spot"
+    if view.intent == side:
+        return make_alert(Application.LCW, Level.WARN, other, 0.0, f"{reason}, to which the ego moves")
+    return make_alert(Application.BSW, Level.INFORM, other, 0.0, reason)
 
 
-def do_not_pass(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert | None:
-    """Warn of oncoming traffic where the ego is, or means to go in order to pass (DNPW).
+def do_not_pass(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
+    """Warn of oncoming traffic in the lane where the ego is or intends to pass (DNPW).
 
     Parameters
     ----------
-    ego : EgoView
-        The ego.
-    other : Sighting
+    view : WarningView
+        The ego along its route.
+    other : VehicleInView
         The other vehicle.
     settings : AlertSettings
         Thresholds.
@@ -194,33 +181,33 @@ def do_not_pass(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert
     Returns
     -------
     alert : Alert or None
-        The warning, None if there is no reason for one.
+        The alert, None if there is no reason for one.
     """
-    if (
-        abs(other.angle) < math.pi - PARALLEL_ANGLE
-        or other.v > -settings.standstill_speed
-        or not is_ahead(ego, other)
-    ):
+    oncoming = abs(other.vehicle.angle) >= math.pi - PARALLEL_ANGLE
+    if not (oncoming and other.vehicle.v_s <= -settings.standstill_speed and is_ahead(view, other)):
         return None
     side = "left" if other.lateral_offset > 0.0 else "right"
-    lane = 0.5 * ego.lane_width <= abs(other.lateral_offset) <= 1.5 * ego.lane_width
-    if not (blocks_ego(ego, other) or (ego.intent == side and lane)):
+    adjacent = 0.5 * view.lane_width <= abs(other.lateral_offset) <= 1.5 * view.lane_width
+    if not (blocks_ego(view, other) or (view.intent == side and adjacent)):
         return None
-    time = max(other.gap, 0.0) / (max(ego.v, 0.0) - other.v)
+    time = max(other.gap, 0.0) / (max(view.ego.v_x, 0.0) - other.vehicle.v_s)
     if time >= settings.dnpw_time:
         return None
-    reason = f"{other.remote.id} comes toward the ego, {other.gap:.0f} m ahead: {time:.1f} s to collision"
-    return alert(Application.DNPW, Level.WARN, other, time, reason)
+    reason = (
+        f"{other.vehicle.id} oncoming, {other.gap:.0f} m ahead: "
+        f"collision in {time:.1f} s (limit {settings.dnpw_time:.1f} s)"
+    )
+    return make_alert(Application.DNPW, Level.WARN, other, time, reason)
 
 
-def intersection(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert | None:
+def intersection(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
     """Warn of crossing traffic that arrives together with the ego (IMA).
 
     Parameters
     ----------
-    ego : EgoView
-        The ego.
-    other : Sighting
+    view : WarningView
+        The ego along its route.
+    other : VehicleInView
         The other vehicle.
     settings : AlertSettings
         Thresholds.
@@ -228,7 +215,7 @@ def intersection(ego: EgoView, other: Sighting, settings: AlertSettings) -> Aler
     Returns
     -------
     alert : Alert or None
-        The warning, None if there is no reason for one.
+        The alert, None if there is no reason for one.
     """
     c = other.conflict
     if c is None or c.t_ego[0] > settings.ima_time or other.crosses_ego_turn:
@@ -238,21 +225,21 @@ def intersection(ego: EgoView, other: Sighting, settings: AlertSettings) -> Aler
     if not together and difference > settings.ima_difference:
         return None
     reason = (
-        f"{other.remote.id} crosses {max(c.distance, 0.0):.0f} m ahead: "
-        f"it arrives in {c.t_other_nominal[0]:.1f} s, the ego in {c.t_ego[0]:.1f} s"
+        f"{other.vehicle.id} crosses {max(c.distance, 0.0):.0f} m ahead: "
+        f"it enters in {c.t_other_nominal[0]:.1f} s, ego in {c.t_ego[0]:.1f} s"
     )
     time = max(c.t_ego[0], c.t_other_nominal[0])
-    return alert(Application.IMA, _stop_level(ego, c.distance, settings), other, time, reason)
+    return make_alert(Application.IMA, _stop_level(view, c.distance, settings), other, time, reason)
 
 
-def left_turn(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert | None:
-    """Warn of oncoming traffic that is too close to turn in front of it (LTA).
+def left_turn(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
+    """Warn of oncoming traffic that is too close for a turn across its lane (LTA).
 
     Parameters
     ----------
-    ego : EgoView
-        The ego.
-    other : Sighting
+    view : WarningView
+        The ego along its route.
+    other : VehicleInView
         The other vehicle.
     settings : AlertSettings
         Thresholds.
@@ -260,7 +247,11 @@ def left_turn(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert |
     Returns
     -------
     alert : Alert or None
-        The warning, None if there is no reason for one. Where traffic keeps left it is a right turn.
+        The alert, None if there is no reason for one.
+
+    Notes
+    -----
+    In left-hand traffic it is a right turn.
     """
     c = other.conflict
     if c is None or c.t_ego[0] > settings.ima_time or not other.crosses_ego_turn:
@@ -269,13 +260,34 @@ def left_turn(ego: EgoView, other: Sighting, settings: AlertSettings) -> Alert |
     if gap >= settings.lta_gap or c.t_ego[0] - c.t_other_nominal[1] > settings.ima_difference:
         return None
     reason = (
-        f"{other.remote.id} comes toward the turning ego: a gap of {gap:.1f} s, "
-        f"{settings.lta_gap:.1f} s are needed"
+        f"{other.vehicle.id} oncoming to the turning ego: "
+        f"time gap {gap:.1f} s (limit {settings.lta_gap:.1f} s)"
     )
     time = max(c.t_ego[0], c.t_other_nominal[0])
-    return alert(Application.LTA, _stop_level(ego, c.distance, settings), other, time, reason)
+    return make_alert(Application.LTA, _stop_level(view, c.distance, settings), other, time, reason)
 
 
-def _stop_level(ego: EgoView, distance: float, settings: AlertSettings) -> Level:
-    """Level of a conflict: in the area already, braking is not the answer."""
-    return level_for(0.5 * ego.v * ego.v / distance, settings) if distance > 0.0 else Level.WARN
+def _time_to_collision(view: WarningView, other: VehicleInView, settings: AlertSettings) -> float:
+    """Time to collision with a lead vehicle [s] at the present speed of the ego."""
+    gap, b, v = max(other.gap, 0.0), -other.vehicle.remote.a_x, max(other.vehicle.v_s, 0.0)
+    closing = view.ego.v_x - v
+    if b < settings.braking or v == 0.0:
+        return gap / closing if closing > 0.0 else math.inf
+    time = (math.sqrt(closing * closing + 2.0 * b * gap) - closing) / b
+    if time <= v / b:
+        return time
+    return (gap + 0.5 * v * v / b) / view.ego.v_x if view.ego.v_x > 0.0 else math.inf
+
+
+def _required_deceleration(view: WarningView, other: VehicleInView, settings: AlertSettings) -> float:
+    """Deceleration with which the ego stays behind a lead vehicle [m/s^2]."""
+    gap, b, v = max(other.gap, 1e-3), -other.vehicle.remote.a_x, max(other.vehicle.v_s, 0.0)
+    required = max(view.ego.v_x - v, 0.0) ** 2 / (2.0 * gap)
+    if b >= settings.braking:
+        required = max(required, max(view.ego.v_x, 0.0) ** 2 / (2.0 * (gap + 0.5 * v * v / b)))
+    return required
+
+
+def _stop_level(view: WarningView, distance: float, settings: AlertSettings) -> Level:
+    """Level of a conflict area at a distance; inside it braking is not the answer."""
+    return level_for(0.5 * view.ego.v_x * view.ego.v_x / distance, settings) if distance > 0.0 else Level.WARN

@@ -1,4 +1,4 @@
-"""Warnings of the V2V applications, for all other vehicles at once."""
+"""Warnings of all V2V applications because of all other vehicles."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -31,45 +31,45 @@ def warn(
     remotes: Iterable[RemoteVehicle],
     *,
     intent: Literal["left", "right"] | None = None,
-    near: float | None = None,
+    s_guess: float | None = None,
     settings: AlertSettings | None = None,
 ) -> tuple[Alert, ...]:
-    """Warn of other vehicles.
+    """Return the warnings that the other vehicles cause.
 
     Parameters
     ----------
     state : VehicleState
         The ego now.
     vehicle : VehicleParams
-        Its body.
+        The ego's body.
     road : Path or Road
         Its route; a path is one lane of 3.5 m.
     remotes : iterable of RemoteVehicle
-        What is known of the others; what cannot be used is left out, of two with one id the younger counts.
+        The other vehicles. Invalid ones are left out; of two with one id the one with the smaller age counts.
     intent : {"left", "right"}, optional
-        Where the ego means to turn or to change lanes, as by its indicator.
-    near : float, optional
-        Path coordinate close to the ego [m], such as last cycle's.
+        Side to which the ego intends to turn or to change lanes, as by its indicator.
+    s_guess : float, optional
+        Station close to the ego [m], such as that of the last cycle.
     settings : AlertSettings, optional
         Thresholds.
 
     Returns
     -------
     alerts : tuple of Alert
-        The most urgent first: by level, then by time. Of one vehicle there may be several.
+        The most urgent first: by level, then by time. One vehicle may cause several.
 
     Raises
     ------
     InputError
-        If `road` is neither a path nor a road, or `intent` or `near` is not what it must be.
+        If `road` is neither a path nor a road, or `intent` or `s_guess` is invalid.
 
     Notes
     -----
-    Distances are along the route and across it, so they hold in bends. The ego keeps its speed. Where the
-    ways of two vehicles cross is found as in `crossing`.
+    Distances are along and across the route, so they hold in curves. The ego keeps its speed. Conflicts are
+    those of `find_conflict`.
     """
     settings = AlertSettings() if settings is None else settings
-    ego, others = warning_view(state, vehicle, road, remotes, intent=intent, near=near, settings=settings)
-    found = [application(ego, other, settings) for other in others for application in _APPLICATIONS]
+    view = warning_view(state, vehicle, road, remotes, intent=intent, s_guess=s_guess, settings=settings)
+    found = [application(view, other, settings) for other in view.vehicles for application in _APPLICATIONS]
     alerts = [alert for alert in found if alert is not None]
     return tuple(sorted(alerts, key=lambda alert: (-alert.level, alert.time_to_conflict, alert.vehicle_id)))

@@ -1,4 +1,4 @@
-"""Run times of the decision with twenty others around."""
+"""Run times of the decision and of the warnings with twenty vehicles around."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,8 +9,9 @@ import pytest
 from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleState
 from cca_core.decide import Action, Candidate, LeadVehicle, choose_action
 from cca_core.path import fit_path
+from cca_core.warnings import warn
 from tests.bench.conftest import Budget, median_us
-from tests.planner.test_planner import ALL_KNOWN, CAR
+from tests.support.planner_drives import ALL_KNOWN, BLOCKED, CAR
 
 Report = Callable[[str, object], None]
 
@@ -35,23 +36,23 @@ def traffic() -> tuple[Planner, VehicleState, list[RemoteVehicle]]:
 
 @pytest.mark.parametrize("free", [True, False])
 def test_choose_action(slowness: float, budget: Budget, record_property: Report, free: bool) -> None:
-    leader = LeadVehicle(id="R0", gap=30.0, v_x=12.0, required_deceleration=1.0, follow_acceleration=-1.0)
-    ways = [
+    lead = LeadVehicle(id="R0", gap=30.0, v_x=12.0, required_deceleration=1.0, follow_acceleration=-1.0)
+    candidates = [
         Candidate(
-            side="left" if i % 2 else "right", rejection="" if free else f"R{i} is in the way",
+            side="left" if i % 2 else "right", rejection=None if free else BLOCKED,
             available_distance=20.0, required_distance=50.0, t_maneuver=6.0, danger_zone=(-40.0, 10.0), cost=3.0 + i,
         )
         for i in range(20)
     ]  # fmt: skip
-    action = choose_action(leader, ways).action
+    action = choose_action(lead, candidates).action
     assert action is (Action.EVADE_RIGHT if free else Action.FOLLOW)
-    took = median_us(lambda: choose_action(leader, ways), 500)
+    took = median_us(lambda: choose_action(lead, candidates), 500)
     record_property("us", round(took, 1))
     budget(took, "µs", most=15.0 * slowness)
 
 
 def test_decision_cycle_of_the_planner(slowness: float, budget: Budget, record_property: Report) -> None:
-    """Every cycle decides: a look at both lanes beside, which are taken."""
+    """Every cycle decides: both adjacent lanes are checked and blocked."""
     planner, ego, others = traffic()
     clock = [0.0]
 
@@ -65,3 +66,10 @@ def test_decision_cycle_of_the_planner(slowness: float, budget: Budget, record_p
     took = median_us(step, 40)
     record_property("us", round(took))
     budget(1e-3 * took, "ms", most=6.0 * slowness)
+
+
+def test_warnings(slowness: float, budget: Budget, record_property: Report) -> None:
+    planner, ego, others = traffic()
+    took = median_us(lambda: warn(ego, CAR, planner.road, others, s_guess=200.0), 100)
+    record_property("us", round(took))
+    budget(1e-3 * took, "ms", most=3.0 * slowness)

@@ -14,6 +14,7 @@ from cca_core import InputError, RemoteVehicle, VehicleParams
 from cca_core.decide import Conflict, CrossingSettings, find_conflict
 from cca_core.geometry import box_gap, boxes, wrap_angle
 from cca_core.path import Path, interpolate_path
+from tests.support.turns import quarter_turn
 
 CAR = VehicleParams(
     m=1500.0, I_z=2500.0, l_f=1.2, l_r=1.4, C_f=1e5, C_r=1e5, length=4.5, width=1.8, box_offset=0.1
@@ -21,16 +22,6 @@ CAR = VehicleParams(
 STRAIGHT = Path([-100.0, 300.0], [[[0, 0, 400, -100], [0, 0, 0, 0]]])
 HORIZON = 8.0
 ENCOUNTERS = 4000 if os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full" else 250
-
-
-def turn(radius: float = 10.0, sign: float = 1.0, before: float = 60.0, after: float = 60.0) -> Path:
-    """Straight along +x, a quarter turn from the origin (left if sign is 1), straight on."""
-    quarter = 0.5 * math.pi * radius
-    s = np.arange(-before, quarter + after, 1.0)
-    phi = np.clip(s / radius, 0.0, 0.5 * math.pi)
-    x = radius * np.sin(phi) + np.minimum(s, 0.0)
-    y = radius * (1.0 - np.cos(phi)) + np.maximum(s - quarter, 0.0)
-    return interpolate_path(np.column_stack((x, sign * y)))
 
 
 def car(x: float, y: float, psi: float, v: float, **more: Any) -> RemoteVehicle:
@@ -81,7 +72,7 @@ class TestScripted:
         assert not found.must_yield
 
     def test_left_turn_across(self) -> None:
-        path = turn()
+        path = quarter_turn()
         s = float(path.project((-20.0, 0.0))[0])
         found = drive(path, s, 6.0, car(60.0, 7.0, math.pi, 16.0))
         assert found is not None
@@ -155,7 +146,7 @@ class TestScripted:
     @pytest.mark.parametrize("direction", [1.0, -1.0])
     def test_parallel_traffic_before_wide_curve_has_no_conflict(self, d: float, direction: float) -> None:
         """The vehicle does not turn yet; straight ahead it would cross the ego lane at a small angle."""
-        path = turn(100.0, before=100.0)
+        path = quarter_turn(100.0, before=100.0)
         for ahead in (5.0, 20.0, 40.0):
             s = 40.0 if direction > 0.0 else 160.0
             x, y = path.to_cartesian(s + ahead, d).tolist()

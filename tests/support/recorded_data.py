@@ -66,7 +66,7 @@ from cca_core.v2x import (
     TrackerSettings,
     UpdateResult,
 )  # fmt: skip
-from cca_core.warnings import Alert, AlertSettings, Application, EgoView, Level, Sighting
+from cca_core.warnings import Alert, AlertSettings, Application, Level, VehicleInView, WarningView
 
 CAR = VehicleParams.bmw_320i()
 ROUTE = fit_path(np.column_stack((np.arange(0.0, 601.0, 5.0), np.zeros(121))), tolerance=0.1)
@@ -102,7 +102,6 @@ def examples() -> dict[str, Any]:
     """One record of each class, by class name."""
     command = driven(Planner(CAR, ROAD, cruise_speed=20.0), range(200))[-1]
     assert command.band is not None
-    view = EgoView(path=ROUTE, s=3.0, d=0.0, v=20.0, half_length=2.3, half_width=0.9, intent="left")
     conflict = Conflict(
         vehicle_id="a", s_enter=20.0, s_exit=30.0, distance=17.0, t_ego=(1.0, 1.5), t_other=(0.5, math.inf),
         t_other_nominal=(0.5, 2.0), min_pet=1.0,
@@ -115,6 +114,9 @@ def examples() -> dict[str, Any]:
         danger_zone=(-10.0, 60.0),
     )
     lead = LeadVehicle(id="a", gap=30.0, v_x=10.0, required_deceleration=2.0, follow_acceleration=-1.0)
+    ego = FrenetEgo(vehicle=CAR, s=1.0, v_x=20.0, v_target=20.0)
+    frenet_vehicle = FrenetVehicle.from_remote(OTHERS[0], 120.0, 0.0, 0.0, 0.0)
+    in_view = VehicleInView(vehicle=frenet_vehicle, gap=5.0, lateral_offset=0.0, conflict=conflict)
     rejection = Rejection(kind=RejectionKind.CLEARANCE, side="left", vehicle_id="a", value=0.6, limit=1.0)
     values = [
         ROUTE, ROAD, ROAD.lanes[1], LocalFrame(41.3, -105.6),
@@ -127,13 +129,9 @@ def examples() -> dict[str, Any]:
         gain_region(CAR, 20.0, 22.0, StabilityRegion()),
         Margins(v_x=20.0, gain=3.0, phase=1.0, delay=0.1, disk=0.8, crossover=2.0),
         choose_action(lead, [candidate]), lead, candidate, CrossingSettings(), conflict, RSS_EGO,
-        AlertSettings(), view,
+        AlertSettings(), WarningView(path=ROUTE, ego=ego, intent="left", vehicles=(in_view,)), in_view,
         Alert(
             application=Application.FCW, level=Level.WARN, vehicle_id="a", time_to_conflict=math.inf, reason="",
-        ),
-        Sighting(
-            remote=OTHERS[0], gap=5.0, lateral_offset=0.0, v=0.0, angle=0.0, half_length=2.0, half_width=1.0,
-            conflict=conflict,
         ),
         EvasionSettings(awareness_range=math.inf),
         ReplanResult(maneuver=None, outcome=Outcome.CANCELED, rejection=rejection), rejection,
@@ -143,8 +141,7 @@ def examples() -> dict[str, Any]:
             side="left", start=1.0, end=99.0, band=relax_band(ROUTE.sample(5.0), vehicle=CAR),
             displacement=np.zeros(20), reference=ROUTE, candidate=candidate,
         ),
-        FrenetEgo(vehicle=CAR, s=1.0, v_x=20.0, v_target=20.0, speed=SpeedSettings()),
-        FrenetVehicle.from_remote(OTHERS[0], 120.0, 0.0, 0.0, 0.0),
+        ego, frenet_vehicle,
         PositionalAccuracy(), BrakeStatus(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
         ChannelSettings(), UpdateResult(accepted=True, kind="new", id="a", t=3.0), PlausibilitySettings(),
         SenderSettings(), TrackerSettings(),
