@@ -1,7 +1,8 @@
-"""Closed loop in software: scenarios, plants, log; and worlds recorded elsewhere."""
+"""Closed loop in software: scenarios, plants, logs and studies; recorded scenarios and messages."""
 
 from cca_core.sim.bsm_log import read_bsm_log
 from cca_core.sim.commonroad.drive import CommonRoadRun, drive_commonroad
+from cca_core.sim.commonroad.goal_route import GoalSettings
 from cca_core.sim.commonroad.read import read_commonroad
 from cca_core.sim.commonroad.scenario import CommonRoadScenario
 from cca_core.sim.handling.gate_run import GateRun, drive_through
@@ -43,6 +44,7 @@ __all__ = [
     "Driver",
     "FixedTimeGap",
     "GateRun",
+    "GoalSettings",
     "LateralShiftAction",
     "Log",
     "MultiBodyPlant",

@@ -1,4 +1,4 @@
-"""Recorded messages as traffic: bytes with the times at which they arrived."""
+"""Recorded Basic Safety Messages with their times of arrival."""
 
 import csv
 import json
@@ -13,9 +13,7 @@ from cca_core.v2x import Bsm, decode_bsm, encode_bsm
 
 __all__ = ["read_bsm_log"]
 
-_HEX = "hex", "uper_hex", "data"
-_TIMES = "t", "time", "t_received"
-_MINUTE = 60.0  # [s]
+_DATA_KEYS = "hex", "uper_hex", "data"
 
 
 def read_bsm_log(
@@ -31,21 +29,21 @@ def read_bsm_log(
         tables have the bytes under ``hex``, ``uper_hex`` or ``data`` and may have a time [s] under ``t``,
         ``time`` or ``t_received``.
     start : float
-        When the first message was made, in the simulation's time [s], not negative.
+        Simulation time of the first message's measurement [s], not negative.
     latency : float
-        From there to its arrival, where no times are recorded [s].
+        From measurement to arrival [s], if no times are recorded; not negative.
 
     Returns
     -------
-    frames : list of (float, bytes)
-        Time of arrival [s] and content, in order. Second marks are moved to the simulation's time, for which
-        messages are encoded again: content beyond Part I and the event flags is lost. What cannot be decoded
-        arrives as it is, with the message before it.
+    bsm_log : list of (float, bytes)
+        Time of arrival [s] and message, in order. Second marks are shifted to the simulation's time. For that
+        the messages are encoded again, without content beyond Part I and the event flags. Bytes that cannot
+        be decoded stay as they are and arrive with the message before them.
 
     Raises
     ------
     InputError
-        If the file cannot be read, has no message, or a line is none.
+        If the file cannot be read, holds no message, or holds a line that is none.
     """
     start = check_real("start", start, ge=0.0)
     latency = check_real("latency", latency, ge=0.0)
@@ -53,28 +51,29 @@ def read_bsm_log(
         text = FilePath(path).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"path must be a readable text file, {path} was not: {error}") from None
-    frames: list[tuple[float, bytes]] = []
-    made, mark_before, first_told = start, None, None
-    for told, digits in _entries(text):
+    bsm_log: list[tuple[float, bytes]] = []
+    t_measured, last_mark, first_recorded = start, None, None
+    for recorded, digits in _entries(text):
         try:
             data = bytes.fromhex(digits)
         except ValueError:
             raise InputError(f"path must hold hexadecimal digits, had {digits[:40]!r}") from None
         bsm = _decoded(data)
         if bsm is not None and bsm.sec_mark is not None:
-            if mark_before is not None:
-                made = max(made + math.remainder(bsm.sec_mark - mark_before, _MINUTE), 0.0)
-            mark_before = bsm.sec_mark
-            mark = round(made % _MINUTE * 1000.0) % 60000 / 1000.0
+            # second marks count milliseconds within a minute
+            if last_mark is not None:
+                t_measured = max(t_measured + math.remainder(bsm.sec_mark - last_mark, 60.0), 0.0)
+            last_mark = bsm.sec_mark
+            mark = round(t_measured % 60.0 * 1000.0) % 60000 / 1000.0
             data = encode_bsm(replace(bsm, sec_mark=mark))
-        arrives = made + latency
-        if told is not None:
-            first_told = told if first_told is None else first_told
-            arrives = start + latency + told - first_told
-        frames.append((max(arrives, frames[-1][0] if frames else 0.0), data))
-    if not frames:
+        t_arrival = t_measured + latency
+        if recorded is not None:
+            first_recorded = recorded if first_recorded is None else first_recorded
+            t_arrival = start + latency + recorded - first_recorded
+        bsm_log.append((max(t_arrival, bsm_log[-1][0] if bsm_log else 0.0), data))
+    if not bsm_log:
         raise InputError(f"path must hold messages, {path} had none")
-    return frames
+    return bsm_log
 
 
 def _decoded(data: bytes) -> Bsm | None:
@@ -85,13 +84,13 @@ def _decoded(data: bytes) -> Bsm | None:
 
 
 def _entries(text: str) -> Iterator[tuple[float | None, str]]:
-    """Time, if there is one, and hexadecimal digits of each message."""
+    """Yield the time, if recorded, and the hexadecimal digits of each message."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     if not lines:
         return
     if lines[0][0] in "[{":
         yield from map(_entry, _objects(text, lines))
-    elif "," in lines[0] and any(name in lines[0].split(",") for name in _HEX):
+    elif "," in lines[0] and any(name in lines[0].split(",") for name in _DATA_KEYS):
         yield from map(_entry, csv.DictReader(lines))
     else:
         for line in lines:
@@ -114,11 +113,11 @@ def _objects(text: str, lines: list[str]) -> Iterable[object]:
 
 def _entry(record: object) -> tuple[float | None, str]:
     content = record if isinstance(record, dict) else {}
-    digits = next((content[name] for name in _HEX if name in content), None)
+    digits = next((content[name] for name in _DATA_KEYS if name in content), None)
     if not isinstance(digits, str):
-        raise InputError(f"path must hold {', '.join(_HEX)} in each record, had {str(record)[:60]}")
-    told = next((content[name] for name in _TIMES if name in content), None)
-    return (None if told is None else _number(told)), digits
+        raise InputError(f"path must hold {', '.join(_DATA_KEYS)} in each record, had {str(record)[:60]}")
+    t = next((content[name] for name in ("t", "time", "t_received") if name in content), None)
+    return (None if t is None else _number(t)), digits
 
 
 def _number(value: object) -> float:

@@ -1,12 +1,13 @@
-"""The road and the speed that lead to the goal of a planning problem."""
+"""The road and the cruise speed that lead to the goal of a planning problem."""
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core._checks import Array, check_real
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings, jerk_limited, profile_acceleration, squared_speed_limit
 from cca_core.geometry import wrap_angle
@@ -14,84 +15,91 @@ from cca_core.path import Lane, Path, Road, fit_path
 from cca_core.sim.commonroad.lanelets import Lanelet, centerline, extend_straight, find_route, inside
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, Goal, PlanningProblem
 
-__all__ = ["cruise_speed", "goal_road"]
+__all__ = ["GoalSettings", "cruise_speed", "goal_road"]
 
-_TOLERANCE = 0.1  # of the route about the lanelets' center lines [m]
-_SPARE = 30.0  # the route goes on behind the goal for this and the way to stop [m]
-_NARROWEST = 2.0  # a strip beside the own lane is a lane if it is as wide [m]
-_LEAST = 0.1  # half width of the own lane, however narrow its lanelets [m]
-_SAMPLES = 50  # places at which lanes are measured
-_TAIL_STEP = 10.0  # between points of the route where the map has ended [m]
-_FASTEST = 36.0  # the ego is not made faster than this to be in time [m/s]
-_SPEED_STEP, _TIME_STEP = 0.5, 0.05  # of the search for a speed [m/s], [s]
-_SPARE_TIME = 0.1  # the ego is planned to be inside the window of time by this [s]
-_SPARE_SPEED = 0.2  # and inside that of speed by this [m/s]
-_LATE = 5.0  # an arrival later than this behind the window is not timed [s]
-_BENDS = 2.5  # lateral acceleration for which speed is cut in bends [m/s^2]
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GoalSettings:
+    """Settings of the road and the cruise speed to a goal; all are positive.
+
+    Parameters
+    ----------
+    route_tolerance : float
+        Maximum distance of the route from the lanelets' centerlines [m].
+    overrun : float
+        Length of the route beyond the goal [m], on top of the comfortable stopping distance.
+    min_lane_width : float
+        Minimum width of an adjacent lane [m].
+    max_speed : float
+        Maximum cruise speed [m/s]; a higher initial speed is kept.
+    lateral_acceleration : float
+        Lateral acceleration in curves [m/s^2].
+    time_margin : float
+        Distance of the planned arrival from both ends of the goal's time window [s], at most a quarter of it.
+    speed_margin : float
+        Distance of the planned speed from both ends of the goal's speed interval [m/s], at most a quarter of
+        it.
+
+    Raises
+    ------
+    InputError
+        If a value is not positive.
+    """
+
+    route_tolerance: float = 0.1
+    overrun: float = 30.0
+    min_lane_width: float = 2.0
+    max_speed: float = 36.0
+    lateral_acceleration: float = 2.5
+    time_margin: float = 0.1
+    speed_margin: float = 0.2
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            check_real(field.name, getattr(self, field.name), gt=0.0)
 
 
 def goal_road(
     scenario: CommonRoadScenario,
     problem: PlanningProblem,
     speed: SpeedSettings,
+    settings: GoalSettings,
     toward: int | None = None,
 ) -> tuple[Road, Goal, float]:
-    """Lay the road from the start of a planning problem to its goal.
-
-    Parameters
-    ----------
-    scenario : CommonRoadScenario
-        The road network.
-    problem : PlanningProblem
-        Start and goals.
-    speed : SpeedSettings
-        Its comfortable deceleration says how far the route goes on behind the goal.
-    toward : int, optional
-        Lanelet [-] to which the route leads if the goal is no place; without it, it goes straight on.
-
-    Returns
-    -------
-    road : Road
-        The route with its lane, and the lanes beside that are there all the way to the goal.
-    goal : Goal
-        The first goal that can be reached on the lanelets.
-    s_goal : float
-        Path coordinate of its center [m]; infinite if it is no place.
-
-    Raises
-    ------
-    InputError
-        If the problem starts on no lanelet or no goal can be reached.
-    """
+    """Return the road to the first reachable goal, that goal, and its station [m] (infinite without a region)."""
     lanelets, state = scenario.lanelets, problem.state
     here = [lane for lane in lanelets.values() if inside(lane.outline, state.x, state.y)]
     off = {lane.id: abs(wrap_angle(lane.heading_at(state.x, state.y) - state.psi)) for lane in here}
     starts = sorted((id_ for id_ in off if off[id_] < 0.5 * math.pi), key=off.__getitem__)
     if not starts:
         raise InputError(f"planningProblem {problem.id} must start on a lanelet, in its direction")
-    tail = _SPARE + 0.5 * max(state.v_x, _FASTEST) ** 2 / speed.b_comfort
+    tail = settings.overrun + 0.5 * max(state.v_x, settings.max_speed) ** 2 / speed.b_comfort
     for goal in problem.goals:
         for start in starts:
-            route, target = _route(scenario, start, goal, toward)
+            route, target = _find_goal_route(scenario, start, goal, toward)
             if not route:
                 continue
             if target is None:
-                way = max(state.v_x, 1.0) * max(goal.t[1] - problem.t, 0.0)
-                route = extend_straight(lanelets, route, way)
-            path = _path(lanelets, extend_straight(lanelets, route, tail), problem, tail)
+                distance = max(state.v_x, 1.0) * max(goal.t[1] - problem.t, 0.0)
+                route = extend_straight(lanelets, route, distance)
+            onward = extend_straight(lanelets, route, tail)
+            path = _fit_route(lanelets, onward, problem, tail, settings.route_tolerance)
             s = float(path.project((state.x, state.y))[0])
             s_goal = math.inf if target is None else float(path.project(target)[0])
             if s_goal > s:
                 end = path.end - tail if target is None else s_goal
-                lanes = _lanes(path, [lanelets[i] for i in route], lanelets, s, end)
+                stations = np.linspace(s, end, 50)  # at which lanes are measured
+                lanes = _lanes(
+                    path, [lanelets[i] for i in route], lanelets, stations, settings.min_lane_width
+                )
                 return Road(path, lanes), goal, s_goal
     raise InputError(f"goalState of planningProblem {problem.id} must be reachable on the lanelets, was not")
 
 
-def _route(
+def _find_goal_route(
     scenario: CommonRoadScenario, start: int, goal: Goal, toward: int | None
 ) -> tuple[tuple[int, ...], tuple[float, float] | None]:
-    """Lanelets to a goal and the center of the region reached; no center if the goal is no place."""
+    """Return the lanelets to a goal and the center of the region reached; no center without a region."""
     if not goal.regions:
         return find_route(scenario.lanelets, start, [start if toward is None else toward]), None
     for region in goal.regions:
@@ -103,46 +111,49 @@ def _route(
     return (), None
 
 
-def _path(
-    lanelets: Mapping[int, Lanelet], route: Sequence[int], problem: PlanningProblem, tail: float
+def _fit_route(
+    lanelets: Mapping[int, Lanelet],
+    route: Sequence[int],
+    problem: PlanningProblem,
+    tail: float,
+    tolerance: float,
 ) -> Path:
-    """Center line of the lanelets, and straight on where the map ends."""
+    """Fit the centerline of the lanelets, extended straight where the map ends."""
     state = problem.state
     line = centerline(lanelets, route, (state.x, state.y), max(state.v_x, 1.0))
     ahead = line[-1] - line[-2]
-    steps = np.arange(_TAIL_STEP, tail + _TAIL_STEP, _TAIL_STEP)[:, None]
-    return fit_path(np.vstack((line, line[-1] + steps * ahead / math.hypot(*ahead))), tolerance=_TOLERANCE)
+    steps = np.arange(10.0, tail + 10.0, 10.0)[:, None]
+    return fit_path(np.vstack((line, line[-1] + steps * ahead / math.hypot(*ahead))), tolerance=tolerance)
 
 
 def _lanes(
-    path: Path, route: Sequence[Lanelet], lanelets: Mapping[int, Lanelet], start: float, end: float
+    path: Path, route: Sequence[Lanelet], lanelets: Mapping[int, Lanelet], stations: Array, min_width: float
 ) -> list[Lane]:
-    """Own lane and those beside it on all lanelets of the route, as wide as at the narrowest."""
+    """Return the ego lane and the lanes adjacent to all lanelets of the route, each with its minimum width."""
     if any(after.id not in lane.successors for lane, after in pairwise(route)):
         return [Lane(d=0.0, width=min(lane.width for lane in route))]
-    at = np.linspace(start, end, _SAMPLES)
 
-    def border(bounds: list[Array]) -> Array:
+    def offsets(bounds: list[Array]) -> Array:
         s, d = path.project(np.vstack(bounds))
         order = np.argsort(s)
-        return np.interp(at, s[order], d[order])
+        return np.interp(stations, s[order], d[order])
 
-    edges = {
-        1: max(float(border([lane.left for lane in route]).min()), _LEAST),
-        -1: min(float(border([lane.right for lane in route]).max()), -_LEAST),
+    edges = {  # by side; the ego lane is at least 0.2 m wide
+        1: max(float(offsets([lane.left for lane in route]).min()), 0.1),
+        -1: min(float(offsets([lane.right for lane in route]).max()), -0.1),
     }
     lanes = [Lane(d=0.5 * (edges[1] + edges[-1]), width=edges[1] - edges[-1])]
     for side, edge in edges.items():
         row, direction = list(route), 1
         while direction == 1:
-            beside = [lane.on_left if side == 1 else lane.on_right for lane in row]
-            known = [pair for pair in beside if pair is not None]
-            if len(known) < len(beside) or len({pair[1] for pair in known}) > 1:
+            adjacent = [lane.on_left if side == 1 else lane.on_right for lane in row]
+            known = [pair for pair in adjacent if pair is not None]
+            if len(known) < len(adjacent) or len({pair[1] for pair in known}) > 1:
                 break
             row, direction = [lanelets[pair[0]] for pair in known], known[0][1]
-            far = border([lane.left if side == direction else lane.right for lane in row])
+            far = offsets([lane.left if side == direction else lane.right for lane in row])
             outer = side * float((side * far).min())
-            if side * (outer - edge) < _NARROWEST:
+            if side * (outer - edge) < min_width:
                 break
             lanes.append(Lane(d=0.5 * (edge + outer), width=side * (outer - edge), direction=direction))
             edge = outer
@@ -150,53 +161,38 @@ def _lanes(
 
 
 def cruise_speed(
-    path: Path, problem: PlanningProblem, goal: Goal, s_goal: float, speed: SpeedSettings
+    path: Path,
+    problem: PlanningProblem,
+    goal: Goal,
+    s_goal: float,
+    speed: SpeedSettings,
+    settings: GoalSettings,
 ) -> float:
-    """Find the speed with which an undisturbed ego is in time at its goal.
-
-    Parameters
-    ----------
-    path : Path
-        The route.
-    problem : PlanningProblem
-        Start.
-    goal : Goal
-        Window of time and speed.
-    s_goal : float
-        Path coordinate of the goal [m]; infinite if it is no place.
-    speed : SpeedSettings
-        How the ego accelerates and brakes.
-
-    Returns
-    -------
-    cruise : float
-        Of 0.5 to 36 m/s, and the initial speed, the wanted speed that misses window and speed at the goal
-        least; among equals the one nearest to the initial speed [m/s]. Bends are driven more slowly.
-    """
-    v_x = problem.state.v_x
+    """Return the cruise speed [m/s] that meets a goal's time and speed, closest to the initial speed."""
+    v_x, step = problem.state.v_x, 0.5
     start = float(path.project((problem.state.x, problem.state.y))[0])
-    spare = min(_SPARE_TIME, 0.25 * (goal.t[1] - goal.t[0]))
-    first, last = goal.t[0] + spare - problem.t, goal.t[1] - spare - problem.t
+    time_margin = min(settings.time_margin, 0.25 * (goal.t[1] - goal.t[0]))
+    first, last = goal.t[0] + time_margin - problem.t, goal.t[1] - time_margin - problem.t
     slowest, fastest = goal.v_x or (-math.inf, math.inf)
-    margin = min(_SPARE_SPEED, 0.25 * (fastest - slowest))
-    slowest, fastest = slowest + margin, fastest - margin
+    speed_margin = min(settings.speed_margin, 0.25 * (fastest - slowest))
+    slowest, fastest = slowest + speed_margin, fastest - speed_margin
 
     def miss(cruise: float) -> tuple[float, float]:
-        t, v = _drive_freely(path, cruise, start, v_x, s_goal, last + _LATE, speed)
+        limit = squared_speed_limit(path, cruise, settings.lateral_acceleration, speed)
+        t, v = _drive_freely(limit, start, v_x, s_goal, last + 5.0, speed)  # farther off is not timed
         late = max(first - t, t - last, 0.0) if math.isfinite(s_goal) else 0.0
         return round(late + max(slowest - v, v - fastest, 0.0), 3), abs(cruise - v_x)
 
-    speeds = np.arange(_SPEED_STEP, _FASTEST + _SPEED_STEP, _SPEED_STEP).tolist()
-    return float(min([max(v_x, _SPEED_STEP), *speeds], key=miss))
+    speeds = np.arange(step, settings.max_speed + step, step).tolist()
+    return float(min([max(v_x, step), *speeds], key=miss))
 
 
 def _drive_freely(
-    path: Path, cruise: float, s: float, v: float, s_goal: float, most: float, speed: SpeedSettings
+    limit: tuple[Array, Array], s: float, v: float, s_goal: float, t_end: float, speed: SpeedSettings
 ) -> tuple[float, float]:
-    """Time and speed at the goal, or at the end of the time, of an ego that meets nobody."""
-    cap = squared_speed_limit(path, cruise, _BENDS, speed)
-    t, a = 0.0, 0.0
-    while s < s_goal and t < most:
-        a = jerk_limited(profile_acceleration(s, v, cap, speed), a, _TIME_STEP, speed)
-        s, v, t = s + v * _TIME_STEP, max(v + a * _TIME_STEP, 0.0), t + _TIME_STEP
+    """Return time and speed at the goal, or at the end of the time, without other vehicles."""
+    t, a, dt = 0.0, 0.0, 0.05
+    while s < s_goal and t < t_end:
+        a = jerk_limited(profile_acceleration(s, v, limit, speed), a, dt, speed)
+        s, v, t = s + v * dt, max(v + a * dt, 0.0), t + dt
     return t, v

@@ -1,4 +1,4 @@
-"""Lanelets: pieces of lane between two bounds, the way through them, and the center line of that way."""
+"""Lanelets, routes along them, and the centerlines of routes."""
 
 import heapq
 import math
@@ -13,12 +13,6 @@ from cca_core.geometry import quintic_step, wrap_angle
 
 __all__ = ["Lanelet", "centerline", "extend_straight", "find_route", "inside"]
 
-_CHANGE = 50.0  # detour that is worth a lane change [m]
-_LATER = 1e-3  # extra cost of a lane change per meter driven before it [-]
-_CHANGE_TIME = 4.0  # duration of a lane change [s]
-_STEP = 2.0  # between points of a lane change [m]
-_REPEATED = 0.1  # points nearer to each other than this are one [m]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lanelet:
@@ -27,13 +21,13 @@ class Lanelet:
     Parameters
     ----------
     id : int
-        Its name in the file [-].
+        Id in the file [-].
     left, right : ndarray, shape (n, 2)
-        Its bounds in driving direction [m], point by point beside each other.
+        Lane boundaries in driving direction [m]; points of equal index face each other.
     predecessors, successors : tuple of int
-        Lanelets from which and into which it leads.
+        Lanelets before and after it.
     on_left, on_right : tuple of (int, int) or None
-        Lanelet beside it and that one's direction, 1 along this one and -1 against it; None for none.
+        Adjacent lanelet and its direction, 1 along this one and -1 against it.
     """
 
     id: int
@@ -46,62 +40,39 @@ class Lanelet:
 
     @property
     def center(self) -> Array:
-        """Center line [m], shape (n, 2)."""
+        """Centerline [m], shape (n, 2)."""
         middle: Array = 0.5 * (self.left + self.right)
         return middle
 
     @property
     def outline(self) -> Array:
-        """Border as a polygon [m], shape (2 n, 2)."""
+        """Outline as a polygon [m], shape (2 n, 2)."""
         return np.vstack((self.left, self.right[::-1]))
 
     @property
     def length(self) -> float:
-        """Length of the center line [m]."""
+        """Length of the centerline [m]."""
         return float(_arc_length(self.center)[-1])
 
     @property
     def width(self) -> float:
-        """Least distance between points of both bounds that lie beside each other [m]."""
+        """Minimum distance between facing points of both boundaries [m]."""
         return float(np.hypot(*(self.left - self.right).T).min())
 
     def heading_at(self, x: float, y: float) -> float:
-        """Direction of the center line beside a point.
-
-        Parameters
-        ----------
-        x, y : float
-            The point [m].
-
-        Returns
-        -------
-        psi : float
-            Heading [rad] of the nearest chord, counter-clockwise from +x.
-        """
+        """Return the heading [rad] of the centerline's chord that is nearest to a point."""
         center = self.center
         chord = np.diff(center, axis=0)
         square = np.maximum(np.sum(chord * chord, axis=1), 1e-12)
-        share = np.clip(np.sum(((x, y) - center[:-1]) * chord, axis=1) / square, 0.0, 1.0)
-        off = center[:-1] + share[:, None] * chord - (x, y)
+        fraction = np.clip(np.sum(((x, y) - center[:-1]) * chord, axis=1) / square, 0.0, 1.0)
+        off = center[:-1] + fraction[:, None] * chord - (x, y)
         i = int(np.argmin(np.sum(off * off, axis=1) + 1e12 * (square <= 1e-12)))
         return math.atan2(chord[i, 1], chord[i, 0])
 
 
 def inside(polygon: Array, x: float, y: float) -> bool:
-    """Whether a point lies in a polygon.
-
-    Parameters
-    ----------
-    polygon : ndarray, shape (n, 2)
-        Its corners in order [m].
-    x, y : float
-        The point [m].
-
-    Returns
-    -------
-    inside : bool
-        True if a ray from the point crosses the border an odd number of times.
-    """
+    """Return whether a point lies in a polygon of corners, shape (n, 2)."""
+    # a ray from the point crosses the outline an odd number of times
     a, b = polygon, np.roll(polygon, -1, axis=0)
     spans = (a[:, 1] > y) != (b[:, 1] > y)
     a, b = a[spans], b[spans]
@@ -109,102 +80,55 @@ def inside(polygon: Array, x: float, y: float) -> bool:
     return bool(np.count_nonzero(at > x) % 2)
 
 
-def find_route(lanelets: Mapping[int, Lanelet], start: int, goals: Sequence[int]) -> tuple[int, ...]:
-    """Find the shortest way from one lanelet to one of several (Dijkstra's search).
-
-    Parameters
-    ----------
-    lanelets : mapping of int to Lanelet
-        The road network.
-    start : int
-        Where it begins.
-    goals : sequence of int
-        Where it may end.
-
-    Returns
-    -------
-    route : tuple of int
-        Lanelets in driving order, each a successor of the one before or beside it with the same direction;
-        empty if there is no way. A lane change costs as much as 50 m, and a little more the later it is.
-    """
+def find_route(
+    lanelets: Mapping[int, Lanelet], start: int, goals: Sequence[int], *, change_cost: float = 50.0
+) -> tuple[int, ...]:
+    """Find the shortest route to one of several lanelets; a lane change costs some meters; empty if none."""
+    # Dijkstra's search
     queue: list[tuple[float, tuple[int, ...]]] = [(0.0, (start,))]
     done: set[int] = set()
     while queue:
-        cost, way = heapq.heappop(queue)
-        here = lanelets[way[-1]]
+        cost, route = heapq.heappop(queue)
+        here = lanelets[route[-1]]
         if here.id in goals:
-            return way
+            return route
         if here.id in done:
             continue
         done.add(here.id)
         steps = [(cost + here.length, after) for after in here.successors]
-        change = (1.0 + _LATER) * cost + _CHANGE
-        steps += [
-            (change, beside[0]) for beside in (here.on_left, here.on_right) if beside and beside[1] == 1
-        ]
+        change = (1.0 + 1e-3) * cost + change_cost  # an early change is cheaper
+        steps += [(change, pair[0]) for pair in (here.on_left, here.on_right) if pair and pair[1] == 1]
         for total, after in steps:
             if after not in done:
-                heapq.heappush(queue, (total, (*way, after)))
+                heapq.heappush(queue, (total, (*route, after)))
     return ()
 
 
 def extend_straight(lanelets: Mapping[int, Lanelet], route: Sequence[int], length: float) -> tuple[int, ...]:
-    """Go on behind a route, always into the successor that turns least.
-
-    Parameters
-    ----------
-    lanelets : mapping of int to Lanelet
-        The road network.
-    route : sequence of int
-        Lanelets so far, at least one.
-    length : float
-        How far to go on behind the last one [m].
-
-    Returns
-    -------
-    route : tuple of int
-        The longer route; it ends early where the map ends or where it would meet itself.
-    """
-    way = list(route)
+    """Extend a route by a length [m] into the straightest successors; it may end early, and never repeats."""
+    extended = list(route)
     while length > 0.0:
-        here = lanelets[way[-1]]
-        onwards = [lanelets[i] for i in here.successors if i not in way]
+        here = lanelets[extended[-1]]
+        onwards = [lanelets[i] for i in here.successors if i not in extended]
         if not onwards:
             break
         along = _direction(here.center[-2:])
         after = min(onwards, key=lambda lane: abs(wrap_angle(_direction(lane.center[-2:]) - along)))
-        way.append(after.id)
+        extended.append(after.id)
         length -= after.length
-    return tuple(way)
+    return tuple(extended)
 
 
 def centerline(
-    lanelets: Mapping[int, Lanelet], route: Sequence[int], start: tuple[float, float], v_x: float
+    lanelets: Mapping[int, Lanelet],
+    route: Sequence[int],
+    start: tuple[float, float],
+    v_x: float,
+    *,
+    change_time: float = 4.0,
 ) -> Array:
-    """Center line of a route, with a gentle change where it goes over to the lane beside.
-
-    Parameters
-    ----------
-    lanelets : mapping of int to Lanelet
-        The road network.
-    route : sequence of int
-        Lanelets as `find_route` gives them.
-    start : tuple of float
-        Where the car is [m]; a change in the first lanelet begins there.
-    v_x : float
-        Its speed [m/s]: a change of one lane takes four seconds, or what the lanelet leaves.
-
-    Returns
-    -------
-    xy : ndarray, shape (n, 2)
-        Points of the line [m], no two neighbors equal.
-
-    Raises
-    ------
-    InputError
-        If fewer than two different points are left.
-    """
-    groups: list[list[Lanelet]] = []  # lanelets beside each other, in the order in which they are driven
+    """Return the centerline of a route [m] with lane changes of `change_time` [s]; the first from `start` on."""
+    groups: list[list[Lanelet]] = []  # adjacent lanelets, in driving order
     for id_ in route:
         lane = lanelets[id_]
         if groups and id_ not in groups[-1][-1].successors:
@@ -216,37 +140,37 @@ def centerline(
         if len(group) == 1:
             parts.append(group[0].center)
         else:
-            parts.append(_change(group, start if i == 0 else None, v_x))
+            parts.append(_change(group, start if i == 0 else None, v_x * change_time))
     points = np.vstack(parts)
     kept = [points[0]]
     for point in points[1:]:
-        if math.dist(point, kept[-1]) > _REPEATED:
+        if math.dist(point, kept[-1]) > 0.1:
             kept.append(point)
     if len(kept) < 2:
         raise InputError(f"route {tuple(route)} must have a length")
     return np.array(kept)
 
 
-def _change(group: list[Lanelet], start: tuple[float, float] | None, v_x: float) -> Array:
-    """Line from the first of some lanelets beside each other to the last."""
+def _change(group: list[Lanelet], start: tuple[float, float] | None, change_length: float) -> Array:
+    """Return a line from the first of some adjacent lanelets to the last, a point every 2 m."""
     length, changes = group[0].length, len(group) - 1
-    share = np.linspace(0.0, 1.0, math.ceil(length / _STEP) + 1)
-    lines = np.array([_resample(lane.center, share) for lane in group])
+    fraction = np.linspace(0.0, 1.0, math.ceil(length / 2.0) + 1)
+    lines = np.array([_resample(lane.center, fraction) for lane in group])
     begin = 0.0
     if start is not None:
-        begin = float(share[np.argmin(np.hypot(*(lines[0] - start).T))])
-    duration = max(min(changes * _CHANGE_TIME * v_x / length, 1.0 - begin), 1e-3)
-    u = np.clip((share - begin) / duration, 0.0, 1.0)
-    place = quintic_step(u, changes)
-    lower = np.minimum(place.astype(np.intp), changes - 1)
-    weight, rows = (place - lower)[:, None], np.arange(len(share))
+        begin = float(fraction[np.argmin(np.hypot(*(lines[0] - start).T))])
+    duration = max(min(changes * change_length / length, 1.0 - begin), 1e-3)
+    u = np.clip((fraction - begin) / duration, 0.0, 1.0)
+    lane_number = quintic_step(u, changes)
+    lower = np.minimum(lane_number.astype(np.intp), changes - 1)
+    weight, rows = (lane_number - lower)[:, None], np.arange(len(fraction))
     line: Array = (1.0 - weight) * lines[lower, rows] + weight * lines[lower + 1, rows]
     return line
 
 
-def _resample(line: Array, share: Array) -> Array:
+def _resample(line: Array, fraction: Array) -> Array:
     s = _arc_length(line)
-    return np.column_stack([np.interp(share * s[-1], s, line[:, i]) for i in (0, 1)])
+    return np.column_stack([np.interp(fraction * s[-1], s, line[:, i]) for i in (0, 1)])
 
 
 def _arc_length(line: Array) -> Array:

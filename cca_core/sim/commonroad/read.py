@@ -27,12 +27,10 @@ from cca_core.vehicle import MAX_SPEED, VehicleState
 
 __all__ = ["read_commonroad"]
 
-_VERSIONS = ("2018b", "2020a")
 _ROLES = {"staticObstacle": "static", "dynamicObstacle": "dynamic", "obstacle": None}
-_LAST = 1e6  # greatest time step [-]
-_TURNS = 100.0  # greatest angle [rad]
-_SMALLEST = 1e-3  # size of a shape [m]
-_CORNERS = 36  # of the polygon that stands for a circular goal
+_MAX_TIME_STEP = 1e6  # [-]
+_MAX_ANGLE = 100.0  # [rad]
+_MIN_SIZE = 1e-3  # of a shape [m]
 
 
 def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
@@ -69,8 +67,8 @@ def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
     if root.tag != "commonRoad":
         raise InputError(f"root element must be commonRoad, was {root.tag[:40]!r}")
     version = root.get("commonRoadVersion")
-    if version not in _VERSIONS:
-        raise InputError(f"commonRoadVersion must be {' or '.join(_VERSIONS)}, was {version!r}")
+    if version not in ("2018b", "2020a"):
+        raise InputError(f"commonRoadVersion must be 2018b or 2020a, was {version!r}")
     dt = read_real("timeStepSize of commonRoad", root.get("timeStepSize"), ge=1e-3, le=10.0)
     bodies = [element for element in root if element.tag in _ROLES]
     named = [*root.iterfind("lanelet"), *bodies, *root.iterfind("planningProblem")]
@@ -79,8 +77,8 @@ def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
         raise InputError(f"id must be unique, {next(i for i in ids if ids.count(i) > 1)} is not")
     lanelets = {lane.id: lane for lane in map(_lanelet, root.iterfind("lanelet"))}
     for lane in lanelets.values():
-        beside = tuple(pair[0] for pair in (lane.on_left, lane.on_right) if pair is not None)
-        check_known((*lane.predecessors, *lane.successors, *beside), lanelets, f"lanelet {lane.id}")
+        adjacent = tuple(pair[0] for pair in (lane.on_left, lane.on_right) if pair is not None)
+        check_known((*lane.predecessors, *lane.successors, *adjacent), lanelets, f"lanelet {lane.id}")
     problems = tuple(_problem(element, dt, lanelets) for element in root.iterfind("planningProblem"))
     if not problems:
         raise InputError("commonRoad must hold a planningProblem, held none")
@@ -109,14 +107,14 @@ def _lanelet(element: Element) -> Lanelet:
         id=_id(element), left=left, right=right,
         predecessors=references(element, "predecessor", name),
         successors=references(element, "successor", name),
-        on_left=_beside(element, "adjacentLeft", name), on_right=_beside(element, "adjacentRight", name),
+        on_left=_adjacent(element, "adjacentLeft", name), on_right=_adjacent(element, "adjacentRight", name),
     )  # fmt: skip
-    if not (lane.width >= _SMALLEST and lane.length >= _SMALLEST):
+    if not (lane.width >= _MIN_SIZE and lane.length >= _MIN_SIZE):
         raise InputError(f"leftBound and rightBound of {name} must be apart and have a length")
     return lane
 
 
-def _beside(element: Element, tag: str, name: str) -> tuple[int, int] | None:
+def _adjacent(element: Element, tag: str, name: str) -> tuple[int, int] | None:
     if element.find(tag) is None:
         return None
     found = child(element, tag, name)
@@ -134,7 +132,7 @@ def _obstacle(element: Element, dt: float) -> RecordedObstacle:
     recorded = [child(element, "initialState", name)]
     if role == "dynamic":
         recorded += child(element, "trajectory", name).findall("state")
-    states = np.array([_state(e, f"{e.tag} of {name}", stands=role == "static") for e in recorded])
+    states = np.array([_state(e, f"{e.tag} of {name}", is_static=role == "static") for e in recorded])
     step, x, y, psi, v_x = states.T
     if not (np.diff(step) > 0.0).all():
         raise InputError(f"time of the states of {name} must increase")
@@ -149,16 +147,18 @@ def _obstacle(element: Element, dt: float) -> RecordedObstacle:
     )  # fmt: skip
 
 
-def _state(element: Element, name: str, *, stands: bool = False) -> tuple[float, float, float, float, float]:
-    """Time step [-], x, y [m], psi [rad], v_x [m/s]; what stands needs no velocity."""
+def _state(
+    element: Element, name: str, *, is_static: bool = False
+) -> tuple[float, float, float, float, float]:
+    """Time step [-], x, y [m], psi [rad], v_x [m/s]; a static obstacle needs no velocity."""
     step = whole(f"time of {name}", child(child(element, "time", name), "exact", f"time of {name}").text)
-    if step > _LAST:
-        raise InputError(f"time of {name} must be at most {_LAST:g}, was {step}")
+    if step > _MAX_TIME_STEP:
+        raise InputError(f"time of {name} must be at most {_MAX_TIME_STEP:g}, was {step}")
     point = child(child(element, "position", name), "point", f"position of {name}")
     x, y = (number(point, axis, f"position of {name}") for axis in ("x", "y"))
-    psi = exact(element, "orientation", name, _TURNS)
-    still = stands and element.find("velocity") is None
-    return step, x, y, psi, 0.0 if still else exact(element, "velocity", name, MAX_SPEED)
+    psi = exact(element, "orientation", name, _MAX_ANGLE)
+    resting = is_static and element.find("velocity") is None
+    return step, x, y, psi, 0.0 if resting else exact(element, "velocity", name, MAX_SPEED)
 
 
 def _box(shape: Element, name: str) -> tuple[tuple[float, float], float, float, float]:
@@ -168,12 +168,12 @@ def _box(shape: Element, name: str) -> tuple[tuple[float, float], float, float, 
     if form.tag == "rectangle":
         return _rectangle(form, where)
     if form.tag == "circle":
-        size = 2.0 * number(form, "radius", where, least=_SMALLEST)
+        size = 2.0 * number(form, "radius", where, ge=_MIN_SIZE)
         return _center(form, where), 0.0, size, size
     if form.tag == "polygon":
         corners = points(form, where, 3)
         (x, y), (length, width) = 0.5 * (corners.min(0) + corners.max(0)), np.ptp(corners, axis=0)
-        if min(length, width) < _SMALLEST:
+        if min(length, width) < _MIN_SIZE:
             raise InputError(f"{where} must enclose an area")
         return (float(x), float(y)), 0.0, float(length), float(width)
     raise InputError(f"shape of {name} must be a rectangle, circle or polygon, was {form.tag!r}")
@@ -188,8 +188,8 @@ def _only(element: Element, name: str) -> Element:
 def _rectangle(form: Element, name: str) -> tuple[tuple[float, float], float, float, float]:
     psi = 0.0
     if form.find("orientation") is not None:
-        psi = number(form, "orientation", name, least=-_TURNS, most=_TURNS)
-    length, width = (number(form, tag, name, least=_SMALLEST) for tag in ("length", "width"))
+        psi = number(form, "orientation", name, ge=-_MAX_ANGLE, le=_MAX_ANGLE)
+    length, width = (number(form, tag, name, ge=_MIN_SIZE) for tag in ("length", "width"))
     return _center(form, name), psi, length, width
 
 
@@ -217,10 +217,10 @@ def _problem(element: Element, dt: float, lanelets: dict[int, Lanelet]) -> Plann
 
 
 def _goal(element: Element, name: str, dt: float, lanelets: dict[int, Lanelet]) -> Goal:
-    first, last = interval(element, "time", name, 0.0, _LAST)
+    first, last = interval(element, "time", name, 0.0, _MAX_TIME_STEP)
     v_x, psi = (
-        None if element.find(tag) is None else interval(element, tag, name, -most, most)
-        for tag, most in (("velocity", MAX_SPEED), ("orientation", _TURNS))
+        None if element.find(tag) is None else interval(element, tag, name, -limit, limit)
+        for tag, limit in (("velocity", MAX_SPEED), ("orientation", _MAX_ANGLE))
     )
     regions: list[Array] = []
     ids: tuple[int, ...] = ()
@@ -242,12 +242,12 @@ def _region(form: Element, name: str) -> Array:
     where = f"{form.tag} of {name}"
     if form.tag == "rectangle":
         center, psi, length, width = _rectangle(form, where)
-        ahead, beside = 0.5 * length * np.exp(1j * psi), 0.5j * width * np.exp(1j * psi)
-        corners = np.array((ahead + beside, beside - ahead, -ahead - beside, ahead - beside))
+        ahead, left = 0.5 * length * np.exp(1j * psi), 0.5j * width * np.exp(1j * psi)
+        corners = np.array((ahead + left, left - ahead, -ahead - left, ahead - left))
     elif form.tag == "circle":
         center = _center(form, where)
-        radius = number(form, "radius", where, least=_SMALLEST)
-        corners = radius * np.exp(2j * np.pi * np.arange(_CORNERS) / _CORNERS)
+        radius = number(form, "radius", where, ge=_MIN_SIZE)
+        corners = radius * np.exp(2j * np.pi * np.arange(36) / 36)
     elif form.tag == "polygon":
         return points(form, where, 3)
     else:

@@ -1,4 +1,4 @@
-"""A recorded world: lanelets, obstacles that move as they did, and what the ego is asked to do."""
+"""A recorded scenario: lanelets, obstacles on their recorded motion, and planning problems of the ego."""
 
 import math
 from collections.abc import Mapping
@@ -12,27 +12,27 @@ from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["CommonRoadScenario", "Goal", "PlanningProblem", "RecordedObstacle"]
 
-_SOON = 1e-6  # tolerance of times [s]
+_TIME_TOLERANCE = 1e-6  # [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RecordedObstacle:
-    """Something that stands or moves as recorded, whatever the ego does.
+    """An obstacle on its recorded motion, whatever the ego does.
 
     Parameters
     ----------
     id : str
-        Its name in the file.
+        Id in the file.
     kind : str
         Type such as ``"car"``.
     length, width : float
-        Box around its body [m].
+        Box around the body [m].
     t : ndarray, shape (n,)
-        Times of its states [s], increasing.
+        Times of the states [s], increasing.
     states : ndarray, shape (n, 4)
         x [m], y [m], psi [rad], v_x [m/s] of the box's center; psi without jumps of a full turn.
     static : bool
-        Whether it stands there all the time; else it is there from its first to its last state.
+        Whether it is there all the time; else from its first to its last state.
     """
 
     id: str
@@ -44,28 +44,16 @@ class RecordedObstacle:
     static: bool
 
     def at(self, t: float) -> RemoteVehicle | None:
-        """Look at it at a time.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-
-        Returns
-        -------
-        vehicle : RemoteVehicle or None
-            Its motion, linear between two states; acceleration and yaw rate are the slopes of speed and
-            heading there. None if it is not there then.
-        """
-        if not self.static and not self.t[0] - _SOON <= t <= self.t[-1] + _SOON:
+        """Return the obstacle at a time [s], interpolated between its states; None before and after them."""
+        if not self.static and not self.t[0] - _TIME_TOLERANCE <= t <= self.t[-1] + _TIME_TOLERANCE:
             return None
-        i, share, span = 0, 0.0, math.inf
+        i, fraction, span = 0, 0.0, math.inf
         if len(self.t) > 1:
-            i = min(max(int(np.searchsorted(self.t, t + _SOON)) - 1, 0), len(self.t) - 2)
+            i = min(max(int(np.searchsorted(self.t, t + _TIME_TOLERANCE)) - 1, 0), len(self.t) - 2)
             span = float(self.t[i + 1] - self.t[i])
-            share = min(max((t - float(self.t[i])) / span, 0.0), 1.0)
+            fraction = min(max((t - float(self.t[i])) / span, 0.0), 1.0)
         here, there = self.states[i].tolist(), self.states[min(i + 1, len(self.t) - 1)].tolist()
-        x, y, psi, v_x = (a + share * (b - a) for a, b in zip(here, there, strict=True))
+        x, y, psi, v_x = (a + fraction * (b - a) for a, b in zip(here, there, strict=True))
         return RemoteVehicle(
             id=self.id, x=x, y=y, psi=psi, v_x=v_x, a_x=(there[3] - here[3]) / span,
             r=(there[2] - here[2]) / span, length=self.length, width=self.width, source="sensor",
@@ -74,18 +62,18 @@ class RecordedObstacle:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Goal:
-    """When, where and how the ego shall arrive.
+    """Time, position, speed and heading of an arrival.
 
     Parameters
     ----------
     t : tuple of float
         First and last time [s].
     regions : tuple of ndarray, each of shape (n, 2)
-        Polygons of which one must hold the ego's reference point [m]; none: anywhere.
+        Polygons of which one must hold the center of the ego's body [m]; empty if any position will do.
     lanelets : tuple of int
         Lanelets that the file names as goal; their outlines are among the regions.
     v_x : tuple of float or None
-        Least and largest speed [m/s].
+        Minimum and maximum speed [m/s].
     psi : tuple of float or None
         Interval of heading, counter-clockwise from the first to the second [rad].
     """
@@ -97,21 +85,8 @@ class Goal:
     psi: tuple[float, float] | None = None
 
     def reached(self, t: float, state: VehicleState) -> bool:
-        """Tell whether the goal is reached.
-
-        Parameters
-        ----------
-        t : float
-            Time [s].
-        state : VehicleState
-            The ego.
-
-        Returns
-        -------
-        reached : bool
-            Whether time, place, speed and heading all fit; the limits belong to the intervals.
-        """
-        if not self.t[0] - _SOON <= t <= self.t[1] + _SOON:
+        """Return whether time, position, speed and heading of a body are within the goal's intervals."""
+        if not self.t[0] - _TIME_TOLERANCE <= t <= self.t[1] + _TIME_TOLERANCE:
             return False
         if self.v_x is not None and not self.v_x[0] <= state.v_x <= self.v_x[1]:
             return False
@@ -122,18 +97,18 @@ class Goal:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlanningProblem:
-    """One ego: where it begins and where it is to go.
+    """Start and goals of one ego.
 
     Parameters
     ----------
     id : int
-        Its name in the file [-].
+        Id in the file [-].
     t : float
-        When it begins [s].
+        Time of the start [s].
     state : VehicleState
-        Its motion then, at its reference point.
+        Motion of the body's center at the start.
     goals : tuple of Goal
-        One of them shall be reached.
+        Goals of which one must be reached.
     """
 
     id: int
@@ -144,20 +119,20 @@ class PlanningProblem:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CommonRoadScenario:
-    """What a CommonRoad file holds.
+    """Contents of a CommonRoad file.
 
     Parameters
     ----------
     name : str
-        Its benchmark id.
+        Benchmark id.
     dt : float
         Time step of the recording [s].
     lanelets : mapping of int to Lanelet
         The road network, read-only.
     obstacles : tuple of RecordedObstacle
-        The others.
+        All other vehicles and obstacles.
     problems : tuple of PlanningProblem
-        At least one.
+        Planning problems, at least one.
     """
 
     name: str

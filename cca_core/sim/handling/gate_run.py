@@ -1,4 +1,4 @@
-"""Drive through the gates of a double lane change, and see how close the body comes to them."""
+"""Run through the gates of a double lane change, with the distances of the body to them."""
 
 import math
 from collections.abc import Callable
@@ -18,19 +18,15 @@ from cca_core.vehicle import VehicleState
 
 __all__ = ["GateRun", "drive_through"]
 
-_REST = 30.0  # of the path that is not driven [m]
-_PARTS = 8  # of a cycle, in which the body is looked at
-_LINEAR_A_Y = 12.0  # what linear tires would give at the largest angle; real ones give about 7 [m/s^2]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GateRun:
-    """One drive through the gates.
+    """One run through the gates.
 
     Parameters
     ----------
     gaps : ndarray, shape (3, 2)
-        Least distance of the body to the right and the left side of each gate [m], negative if touched.
+        Minimum distance of the body to the right and the left side of each gate [m], negative in a collision.
     sideslip : float
         Largest sideslip angle of the center of gravity without sign [rad].
     exit_speed : float
@@ -49,12 +45,12 @@ class GateRun:
 
     @property
     def gap(self) -> float:
-        """Least distance of the body to any gate [m], negative if touched; the run may not be finished."""
+        """Minimum distance of the body to any gate [m], negative in a collision; the run may be unfinished."""
         return float(self.gaps.min())
 
     @property
     def passed(self) -> bool:
-        """Whether the car came through without touching a gate."""
+        """Whether the car reached the end without a collision."""
         return self.run.finished and self.gap > 0.0
 
     @property
@@ -65,7 +61,7 @@ class GateRun:
 
 @dataclass(slots=True)
 class _RecordingPlant:
-    """A plant that remembers its motion and whose throttle is released somewhere."""
+    """A plant that records its motion; its throttle is released at a position."""
 
     plant: Plant
     release: float
@@ -79,7 +75,7 @@ class _RecordingPlant:
         return self.plant.state
 
     def step(self, delta: float, a_x: float, dt: float) -> None:
-        """Drive on for a while."""
+        """Advance by a time step."""
         state = self.plant.state
         self.motion.append(state)
         self.plant.step(delta, -self.drag if state.x > self.release else a_x, dt)
@@ -104,19 +100,19 @@ def drive_through(
     band : Band
         A path through it.
     speed : float
-        Entry speed [m/s], held up to where the throttle is released.
+        Entry speed [m/s], constant up to the release of the throttle.
     plant : callable, optional
-        Makes the car from its initial motion; the default is a single track of the band's vehicle.
+        Makes the plant from its initial motion; the default is a single track of the band's vehicle.
     steer : callable, optional
-        Steering law; the default is the preview controller for the band's vehicle, allowed the angles that
-        tires need near their limit.
+        Steering law; the default is the preview controller for the band's vehicle, with the angles that tires
+        need near their limit.
     drag : float
         Deceleration of the engine after the throttle is released [m/s^2].
 
     Returns
     -------
-    passage : Passage
-        How far the body stayed off the gates.
+    run : GateRun
+        Distances to the gates, and the motion.
 
     Raises
     ------
@@ -130,12 +126,13 @@ def drive_through(
         plant(start) if plant else SingleTrackPlant(car, start),
         course.release - car.front, check_real("drag", drag, ge=0.0),
     )  # fmt: skip
-    law = steer or PreviewController(car, a_y_max=_LINEAR_A_Y).steer
-    run = track_path(driven, law, path, speed, margin=_REST)
+    # 12 m/s^2: what linear tires would give at the largest angle; real ones give about 7
+    law = steer or PreviewController(car, a_y_max=12.0).steer
+    run = track_path(driven, law, path, speed, margin=30.0)
     poses = np.array([(state.x, state.y, state.psi) for state in driven.motion])
     poses[:, 2] = np.unwrap(poses[:, 2])
     cycle = np.arange(len(poses))
-    fine = np.linspace(0.0, cycle[-1], _PARTS * len(cycle))
+    fine = np.linspace(0.0, cycle[-1], 8 * len(cycle))  # 8 poses of the body a cycle
     x, y, psi = (np.interp(fine, cycle, column) for column in poses.T)
     body = car.body_at(x, y, psi)
     gaps = np.array([box_gap(body, block).min() for block in course.obstacles()]).reshape(3, 2)

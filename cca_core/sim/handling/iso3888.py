@@ -1,4 +1,4 @@
-"""The double lane changes of ISO 3888: their tracks, and a path through the gates."""
+"""Double lane changes of ISO 3888: tracks, and a path through the gates."""
 
 import math
 from dataclasses import dataclass
@@ -15,12 +15,7 @@ from cca_core.vehicle import VehicleParams
 __all__ = ["DoubleLaneChange", "Offset", "iso3888_1", "iso3888_2", "plan_gate_path"]
 
 Offset = Literal["center to center", "edge to center", "edge to edge"]
-"""What the 3.5 m of lane offset are measured between in part 1."""
-
-_RUN_IN, _RUN_OUT = 40.0, 60.0  # [m]
-_SPACING = 0.5  # of nodes [m]
-_BESIDE = 10.0  # to the side of a gate the ground is taken up to here [m]
-_FINEST = 0.005  # to which the distance to the gates is maximized [m]
+"""Reference of the lane offset of 3.5 m in part 1."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,38 +25,50 @@ class DoubleLaneChange:
     Parameters
     ----------
     gates : ndarray, shape (3, 4)
-        Beginning, end, right and left edge of each gate [m].
+        Begin, end, right and left edge of each gate [m].
     release : float
-        Where the front of the car is when the throttle is released [m]; infinite if speed is held.
+        Position of the front of the car at which the throttle is released [m]; infinite for constant speed.
     """
 
     gates: Array
     release: float = math.inf
 
-    def nodes(self) -> Array:
-        """Return the centerline of the first gate, from 40 m before the track to 60 m behind it.
+    def nodes(self, *, run_in: float = 40.0, run_out: float = 60.0, spacing: float = 0.5) -> Array:
+        """Return the undeformed route, the centerline of the first gate.
+
+        Parameters
+        ----------
+        run_in, run_out : float
+            Length before and after the track [m].
+        spacing : float
+            Distance of nodes [m].
 
         Returns
         -------
         nodes : ndarray, shape (n, 2)
-            Points of the undeformed route, half a meter apart [m].
+            Points of the route [m].
         """
-        x = np.arange(-_RUN_IN, self.gates[-1, 1] + _RUN_OUT + 0.5 * _SPACING, _SPACING)
+        x = np.arange(-run_in, self.gates[-1, 1] + run_out + 0.5 * spacing, spacing)
         return np.column_stack((x, np.full(len(x), 0.5 * (self.gates[0, 2] + self.gates[0, 3]))))
 
-    def obstacles(self) -> list[Boxes]:
-        """Return the ground beside the gates.
+    def obstacles(self, *, depth: float = 10.0) -> list[Boxes]:
+        """Return the ground outside the gates.
+
+        Parameters
+        ----------
+        depth : float
+            Lateral extent of the ground on each side [m].
 
         Returns
         -------
         blocks : list of Boxes
             To the right and to the left of the first gate, of the second and of the third.
         """
-        ground = []
-        for start, end, right, left in self.gates.tolist():
-            for y in (right - 0.5 * _BESIDE, left + 0.5 * _BESIDE):
-                ground.append(boxes(0.5 * (start + end), y, 0.0, end - start, _BESIDE))
-        return ground
+        return [
+            boxes(0.5 * (start + end), y, 0.0, end - start, depth)
+            for start, end, right, left in self.gates.tolist()
+            for y in (right - 0.5 * depth, left + 0.5 * depth)
+        ]
 
 
 def iso3888_1(width: float, *, offset: Offset = "center to center") -> DoubleLaneChange:
@@ -70,17 +77,16 @@ def iso3888_1(width: float, *, offset: Offset = "center to center") -> DoubleLan
     Parameters
     ----------
     width : float
-        Of the car without its mirrors [m].
+        Width of the car without its mirrors [m].
     offset : {"center to center", "edge to center", "edge to edge"}
-        What the 3.5 m of lane offset are measured between: the centerlines of the first two gates; the
-        centerline of the first and the right edge of the second (the longest way, as in Project Chrono); or
-        the left edge of the first and the right edge of the second less 2.5 m, which leaves 1 m between them
-        (the shortest).
+        Reference of the lane offset of 3.5 m: between the centerlines of the first two gates; between the
+        centerline of the first and the right edge of the second (the largest, as in Project Chrono); or 1 m
+        between the left edge of the first and the right edge of the second (the smallest).
 
     Returns
     -------
     course : DoubleLaneChange
-        Gates 15 m, 25 m and 30 m long (the last with its tail), 30 m and 25 m apart; speed is held.
+        Gates 15 m, 25 m and 30 m long (the last with its tail), 30 m and 25 m apart; constant speed.
 
     Raises
     ------
@@ -89,8 +95,8 @@ def iso3888_1(width: float, *, offset: Offset = "center to center") -> DoubleLan
 
     Notes
     -----
-    The standard [1]_ was not at hand: the dimensions are those of public programs, which read the lane offset
-    differently. The tail, the last 15 m, is unconfirmed.
+    The standard [1]_ was not available: the dimensions are those of public programs, which interpret the lane
+    offset differently. The tail, the last 15 m, is unconfirmed.
 
     References
     ----------
@@ -113,13 +119,13 @@ def iso3888_2(width: float) -> DoubleLaneChange:
     Parameters
     ----------
     width : float
-        Of the car without its mirrors [m].
+        Width of the car without its mirrors [m].
 
     Returns
     -------
     course : DoubleLaneChange
         Gates 12 m, 11 m and 12 m long, 13.5 m and 12.5 m apart, the second 1 m to the left of the first, the
-        third at least 3 m wide; the throttle is released 2 m behind the entry.
+        third at least 3 m wide; the throttle is released 2 m after the entry.
 
     Raises
     ------
@@ -128,9 +134,9 @@ def iso3888_2(width: float) -> DoubleLaneChange:
 
     Notes
     -----
-    The standard [1]_ was not at hand but for its total length; the other dimensions are those of public
-    programs. They disagree on the width of the third gate: that 3 m is its least width is unconfirmed, and
-    so is where the throttle is released.
+    Of the standard [1]_ only the total length was available; the other dimensions are those of public
+    programs. They disagree on the width of the third gate: its minimum of 3 m is unconfirmed, and so is the
+    position of the throttle release.
 
     References
     ----------
@@ -144,9 +150,15 @@ def iso3888_2(width: float) -> DoubleLaneChange:
 
 
 def plan_gate_path(
-    course: DoubleLaneChange, vehicle: VehicleParams, speed: float, *, a_y: float = 6.6, jerk: float = 20.0
+    course: DoubleLaneChange,
+    vehicle: VehicleParams,
+    speed: float,
+    *,
+    a_y: float = 6.6,
+    jerk: float = 20.0,
+    tolerance: float = 0.005,
 ) -> Band:
-    """Smoothest path through the gates with as much room to them as the limits allow.
+    """Plan the smoothest path through the gates with the largest clearance that the limits allow.
 
     Parameters
     ----------
@@ -155,16 +167,18 @@ def plan_gate_path(
     vehicle : VehicleParams
         The car, whose body is swept along the path.
     speed : float
-        Entry speed, taken to be held [m/s].
+        Constant speed that the limits refer to [m/s].
     a_y : float
-        Largest lateral acceleration [m/s^2].
+        Maximum lateral acceleration [m/s^2].
     jerk : float
-        Largest change of lateral acceleration [m/s^3].
+        Maximum rate of change of the lateral acceleration [m/s^3].
+    tolerance : float
+        Tolerance of the maximized clearance [m].
 
     Returns
     -------
     band : Band
-        The path; its clearance is the least distance of the body to a gate. Not OK if there is none.
+        The path; its clearance is the minimum distance of the body to a gate. Not OK if there is none.
 
     Raises
     ------
@@ -175,33 +189,35 @@ def plan_gate_path(
 
     Notes
     -----
-    The ground beside the gates is what the band keeps clear of: edges of a corridor begin and end at nodes,
-    and with them the car driven through part 2 is left 3 cm instead of 7 cm. The band is bent once without
-    limits and then becomes the route to be bent again, on which the heading in the gates is known well enough
-    for hard limits; the distance asked grows until there is no path.
+    The band keeps clear of the ground outside the gates. The edges of a corridor begin and end at nodes; with
+    them the car driven through part 2 has a clearance of 3 cm instead of 7 cm. The band is planned first
+    without limits. The result is the route of the next bands: on it the heading in the gates is known well
+    enough for hard limits. The clearance grows until there is no path.
     """
     speed = check_real("speed", speed, gt=0.0)
     limit = check_real("a_y", a_y, gt=0.0) / speed**2
     rate = check_real("jerk", jerk, gt=0.0) / speed**3
+    tolerance = check_real("tolerance", tolerance, gt=0.0)
     blocks = course.obstacles()
 
-    def bent(nodes: Array, room: float, limit: float, rate: float) -> Band:
+    def plan(nodes: Array, clearance: float, limit: float, rate: float) -> Band:
         band = relax_band(
-            nodes, blocks, side=["left", "right"] * 3, vehicle=vehicle, clearance=room, curvature_limit=limit
-        )
+            nodes, blocks, side=["left", "right"] * 3, vehicle=vehicle, clearance=clearance,
+            curvature_limit=limit,
+        )  # fmt: skip
         return smooth_band(band, curvature_rate_limit=rate)
 
-    best = bent(course.nodes(), 0.0, math.inf, math.inf)
-    room, step = 0.0, 16.0 * _FINEST
-    while step >= _FINEST:
+    best = plan(course.nodes(), 0.0, math.inf, math.inf)
+    clearance, step = 0.0, 16.0 * tolerance
+    while step >= tolerance:
         path = best.path()
         nodes = path.position(np.linspace(path.start, path.end, len(best)))
-        band = bent(nodes, room, limit, rate)
+        band = plan(nodes, clearance, limit, rate)
         if band.ok:
             best = band
-        elif room == 0.0:
+        elif clearance == 0.0:
             return band
         else:
-            room, step = room - step, 0.5 * step
-        room += step
+            clearance, step = clearance - step, 0.5 * step
+        clearance += step
     return best

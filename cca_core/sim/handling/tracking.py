@@ -1,4 +1,4 @@
-"""How well a car keeps to a path: tracks, one closed steering loop, and its errors."""
+"""Path tracking: a lane change as path, a closed steering loop, and its errors."""
 
 import math
 from collections.abc import Callable
@@ -8,17 +8,13 @@ import numpy as np
 
 from cca_core._checks import Array, check_real
 from cca_core.follow import PoseEstimator, SpeedSettings, profile_acceleration
+from cca_core.geometry import quintic_step
 from cca_core.path import Path, interpolate_path
 from cca_core.sim.plants.plant import Plant
+from cca_core.sim.world.traffic import CYCLE_TIME
 from cca_core.vehicle import VehicleState
 
 __all__ = ["TrackingRun", "lane_change_path", "track_path"]
-
-_SPEED = SpeedSettings()
-_CYCLE = 0.02  # [s]
-_FIXES = 5  # cycles between two position fixes
-_LOST = 5.0  # a run ends when the car is this far from its path [m]
-
 
 Steering = Callable[[VehicleState, Path], float]
 """A steering law: road-wheel angle [rad] from the motion of the car and the path to follow."""
@@ -26,7 +22,7 @@ Steering = Callable[[VehicleState, Path], float]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TrackingRun:
-    """One drive along a path.
+    """One run along a path.
 
     Parameters
     ----------
@@ -37,7 +33,7 @@ class TrackingRun:
     a_y : ndarray, shape (n,)
         Lateral acceleration [m/s^2].
     finished : bool
-        Whether the end was reached without leaving the path by more than 5 m.
+        Whether the end was reached within the maximum lateral error.
     """
 
     s: Array
@@ -65,14 +61,14 @@ def lane_change_path(width: float, length: float, *, before: float = 80.0, after
     width : float
         Lateral offset [m].
     length : float
-        Distance over which it is made [m].
+        Length of the lane change [m].
     before, after : float
-        Straight road before and after it [m].
+        Length of the straight road before and after it [m].
 
     Returns
     -------
     path : Path
-        The track, beginning at the origin along +x. Its peak lateral acceleration at a speed v is
+        The path, from the origin along +x. Its peak lateral acceleration at a speed v is
         5.7735 width v^2 / length^2.
 
     Raises
@@ -84,8 +80,8 @@ def lane_change_path(width: float, length: float, *, before: float = 80.0, after
     length = check_real("length", length, gt=0.0)
     total = check_real("before", before, gt=0.0) + length + check_real("after", after, gt=0.0)
     x = np.linspace(0.0, total, math.ceil(total) + 1)
-    share = np.clip((x - before) / length, 0.0, 1.0)
-    y = width * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    fraction = np.clip((x - before) / length, 0.0, 1.0)
+    y = quintic_step(fraction, width)
     return interpolate_path(np.column_stack((x, y)), start_tangent=(1.0, 0.0), end_tangent=(1.0, 0.0))
 
 
@@ -99,46 +95,50 @@ def track_path(
     fix_sigma: float = 0.0,
     seed: int = 1,
     margin: float = 60.0,
+    max_error: float = 5.0,
 ) -> TrackingRun:
     """Drive along a path.
 
     Parameters
     ----------
     plant : Plant
-        The car, standing on or near the path with its initial speed.
+        The car, on or near the path, with its initial speed.
     steer : callable
         Steering law, called every 20 ms.
     path : Path
-        The path; driven up to `margin` before its end.
+        The path.
     speed : float or tuple of ndarray
-        Wanted speed [m/s], or arc lengths [m] and squares of speeds [m^2/s^2] as `squared_speed_limit`
+        Target speed [m/s], or arc lengths [m] and squares of speeds [m^2/s^2] as `squared_speed_limit`
         gives them.
     delay : float
         Dead time between steering command and car [s].
     fix_sigma : float
         Standard deviation of position fixes at 10 Hz, which are filtered with speed and yaw rate
-        (`PoseEstimator`) [m]; 0 gives the law the true motion.
+        (`PoseEstimator`) [m]; with 0 the law gets the true motion.
     seed : int
         Seed of the noise [-].
     margin : float
-        What is left of the path at the end of the run [m].
+        Length of the path that is left at the end of the run [m].
+    max_error : float
+        Lateral error at which the run ends [m].
 
     Returns
     -------
     run : TrackingRun
-        True errors of the center of gravity, whatever the law was told.
+        True errors of the center of gravity, whatever the law got.
 
     Raises
     ------
     InputError
-        If `delay`, `fix_sigma` or `margin` is negative.
+        If `delay`, `fix_sigma` or `margin` is negative, or `max_error` not positive.
     """
     delay = check_real("delay", delay, ge=0.0)
     fix_sigma = check_real("fix_sigma", fix_sigma, ge=0.0)
     end = path.end - check_real("margin", margin, ge=0.0)
+    max_error = check_real("max_error", max_error, gt=0.0)
     rng = np.random.default_rng(seed)
     estimator = PoseEstimator(plant.state, fix_sigma=max(fix_sigma, 1e-3))
-    waiting = [plant.state.delta] * round(delay / _CYCLE)
+    queue = [plant.state.delta] * round(delay / CYCLE_TIME)
     s = float(path.project((plant.state.x, plant.state.y))[0])
     rows: list[tuple[float, float, float, float]] = []
     k = 0
@@ -146,16 +146,16 @@ def track_path(
         state = plant.state
         s, d, _, _ = path.foot_point(state.x, state.y, s)
         rows.append((s, d, state.delta, plant.a_y))
-        if abs(d) > _LOST or (state.v_x < 0.05 and k > 500):
+        if abs(d) > max_error or (state.v_x < 0.05 and k > 500):
             break
-        told = state
+        estimate = state
         if fix_sigma > 0.0:
-            told = estimator.predict(state, _CYCLE) if k else state
-            if k % _FIXES == 0:
+            estimate = estimator.predict(state, CYCLE_TIME) if k else state
+            if k % 5 == 0:
                 x, y = rng.normal((state.x, state.y), fix_sigma)
-                told = estimator.correct(float(x), float(y))
-        waiting.append(steer(replace(told, delta=state.delta), path))
-        plant.step(waiting.pop(0), _acceleration(state.v_x, s, speed), _CYCLE)
+                estimate = estimator.correct(float(x), float(y))
+        queue.append(steer(replace(estimate, delta=state.delta), path))
+        plant.step(queue.pop(0), _acceleration(state.v_x, s, speed), CYCLE_TIME)
         k += 1
     columns = np.array(rows).T
     return TrackingRun(s=columns[0], d=columns[1], delta=columns[2], a_y=columns[3], finished=s >= end)
@@ -163,5 +163,5 @@ def track_path(
 
 def _acceleration(v_x: float, s: float, speed: float | tuple[Array, Array]) -> float:
     if isinstance(speed, tuple):
-        return profile_acceleration(s, v_x, speed, _SPEED)
+        return profile_acceleration(s, v_x, speed, SpeedSettings())
     return min(max(1.5 * (speed - v_x), -3.0), 2.0)

@@ -1,4 +1,4 @@
-"""A 29-state multi-body car as plant (extra ``plant``): the stand-in for a high-fidelity simulation."""
+"""A 29-state multi-body car as plant (extra ``plant``)."""
 
 import math
 from dataclasses import replace
@@ -11,11 +11,13 @@ from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.vehicle import VehicleState
 
-__all__ = ["MultiBodyPlant"]
+__all__ = ["MIN_MULTI_BODY_SPEED", "MultiBodyPlant"]
 
-_STEP = 0.001  # [s]; stable for the wheel dynamics above about 2 m/s
-_SLOWEST = 2.0  # below this the car is brought to rest by rolling [m/s]
-_HARDEST = {1: 8.0, 2: 8.0, 3: 6.5}  # braking beyond this locks the wheels: the model has no ABS [m/s^2]
+MIN_MULTI_BODY_SPEED = 2.0
+"""Speed of the model below which the car rolls to rest along its heading [m/s]."""
+
+# [m/s^2] by vehicle; braking beyond it locks the wheels: the model has no anti-lock brakes
+_MAX_DECELERATION = {1: 8.0, 2: 8.0, 3: 6.5}
 
 
 class MultiBodyPlant:
@@ -24,7 +26,7 @@ class MultiBodyPlant:
     Parameters
     ----------
     state : VehicleState
-        Where it starts.
+        Motion of the center of gravity at the start.
     vehicle : {1, 2, 3}
         Ford Escort, BMW 320i or VW Vanagon [-].
     friction : float
@@ -47,7 +49,7 @@ class MultiBodyPlant:
     their commands with a first-order lag. Its fastest eigenvalue is about -4700/v, so it is integrated with
     1 ms steps of the classical Runge-Kutta scheme above 2 m/s; below, the car rolls to rest along its
     heading. It has no anti-lock brakes: commands are limited to what it holds without locking. A car that
-    has spun round is beyond the model; it stays where it was.
+    spins is beyond the model; it stops where it was.
 
     References
     ----------
@@ -67,7 +69,7 @@ class MultiBodyPlant:
         steering_lag: float = 0.1,
         drive_lag: float = 0.1,
     ) -> None:
-        if vehicle not in _HARDEST:
+        if vehicle not in _MAX_DECELERATION:
             raise InputError(f"vehicle must be 1, 2 or 3, was {vehicle!r}")
         friction = check_real("friction", friction, gt=0.0)
         mass = check_real("mass", mass, gt=0.0)
@@ -82,12 +84,12 @@ class MultiBodyPlant:
         self._p.tire.p_dy1 *= friction
         for name in ("m", "m_s", "I_Phi_s", "I_y_s", "I_z", "I_xz_s"):
             setattr(self._p, name, getattr(self._p, name) * mass)
-        start = [state.x, state.y, state.delta, max(state.v_x, _SLOWEST), state.psi, state.r, 0.0]
+        start = [state.x, state.y, state.delta, max(state.v_x, MIN_MULTI_BODY_SPEED), state.psi, state.r, 0.0]
         init = require_extra("vehiclemodels.init_mb", "plant").init_mb
         self._x = np.array(init(start, self._p), dtype=np.float64)
         self._x[10] = state.v_y
         self._a_x = state.a_x
-        self._hardest = _HARDEST[vehicle]
+        self._max_deceleration = _MAX_DECELERATION[vehicle]
         self._stopped: VehicleState | None = None
         self.a_y = 0.0
 
@@ -100,7 +102,7 @@ class MultiBodyPlant:
         return VehicleState(x=x[0], y=x[1], psi=x[4], v_x=x[3], v_y=x[10], r=x[5], delta=x[2], a_x=self._a_x)
 
     def step(self, delta: float, a_x: float, dt: float) -> None:
-        """Drive on for a while.
+        """Advance by a time step.
 
         Parameters
         ----------
@@ -109,23 +111,23 @@ class MultiBodyPlant:
         a_x : float
             Commanded acceleration [m/s^2].
         dt : float
-            Duration [s].
+            Time step [s].
         """
-        a_x = min(max(a_x, -self._hardest), self._hardest)
-        if self._stopped is not None or self._x[3] < _SLOWEST:
+        a_x = min(max(a_x, -self._max_deceleration), self._max_deceleration)
+        if self._stopped is not None or self._x[3] < MIN_MULTI_BODY_SPEED:
             self._roll(a_x, dt)
             return
         before = self.state
         try:
             self._integrate(delta, a_x, dt)
-        except (ArithmeticError, ValueError):  # spun round: the model's tires divide by the forward speed
+        except (ArithmeticError, ValueError):  # in a spin: the model's tires divide by the forward speed
             self._x[3] = math.nan
         if not np.isfinite(self._x).all():
             self._stopped = replace(before, v_x=0.0, v_y=0.0, r=0.0, a_x=0.0)
             self.a_y = 0.0
 
     def _integrate(self, delta: float, a_x: float, dt: float) -> None:
-        n = max(1, math.ceil(dt / _STEP - 1e-9))
+        n = max(1, math.ceil(dt / 0.001 - 1e-9))
         h = dt / n
         for _ in range(n):
             rate = min(max((delta - self._x[2]) / self._lags[0], -0.4), 0.4)
@@ -143,7 +145,7 @@ class MultiBodyPlant:
         return np.array(self._dynamics(x.tolist(), u, self._p))  # a list is a copy: the model writes into it
 
     def _roll(self, a_x: float, dt: float) -> None:
-        """Below the model's limit: along the heading, down to standstill; no moving off again."""
+        """Roll along the heading to standstill, without moving off again."""
         old = self.state
         v = max(old.v_x + min(a_x, 0.0) * dt, 0.0)
         distance = 0.5 * (old.v_x + v) * dt

@@ -1,4 +1,4 @@
-"""What the closed loop asks of a plant."""
+"""Interface of a plant."""
 
 from typing import Protocol
 
@@ -8,13 +8,14 @@ __all__ = ["Plant"]
 
 
 class Plant(Protocol):
-    """A car that can be driven."""
+    """The ego as the closed loop drives it."""
 
     a_y: float
+    """Lateral acceleration of the center of gravity now [m/s^2], left positive."""
 
     @property
     def state(self) -> VehicleState:
         """Motion of the center of gravity now."""
 
     def step(self, delta: float, a_x: float, dt: float) -> None:
-        """Drive on for a while."""
+        """Advance by a time step [s] with a commanded road-wheel angle [rad] and acceleration [m/s^2]."""

@@ -1,13 +1,11 @@
-"""The car that is driven in simulation: a single track on tires that can slide."""
+"""A single-track car on tires that can slide, as plant."""
 
 import math
 
 from cca_core._checks import check_real
 from cca_core.vehicle import GRAVITY, VehicleParams, VehicleState
 
-_STEP = 0.01  # integration step at speed [s]
-_SLOW = 5.0  # below this the step is halved [m/s]
-_KINEMATIC = 1.0  # below this the car rolls without slip [m/s]
+_MIN_SLIP_SPEED = 1.0  # below this the car rolls without slip [m/s]
 
 
 class SingleTrackPlant:
@@ -18,7 +16,7 @@ class SingleTrackPlant:
     vehicle : VehicleParams
         Geometry, inertia, tires, friction and steering actuator.
     state : VehicleState
-        Where it starts.
+        Motion of the center of gravity at the start.
     drive_lag : float
         Time constant of drive and brakes [s].
 
@@ -67,7 +65,7 @@ class SingleTrackPlant:
         return VehicleState(x=x, y=y, psi=psi, v_x=v_x, v_y=v_y, r=r, delta=delta, a_x=a_x)
 
     def step(self, delta: float, a_x: float, dt: float) -> None:
-        """Drive on for a while.
+        """Advance by a time step.
 
         Parameters
         ----------
@@ -76,14 +74,15 @@ class SingleTrackPlant:
         a_x : float
             Commanded acceleration [m/s^2].
         dt : float
-            Duration [s].
+            Time step [s].
         """
         limit = self.vehicle.delta_max
         delta = min(max(delta, -limit), limit)
         if self._x[3] == 0.0 and a_x <= 0.0 and self._x[7] <= 0.0:
-            self._stand(delta, dt)
+            self._rest(delta, dt)
             return
-        n = max(1, math.ceil(dt / (_STEP if self._x[3] > _SLOW else 0.5 * _STEP) - 1e-9))
+        # the lateral dynamics are faster at low speed: half the step below 5 m/s
+        n = max(1, math.ceil(dt / (0.01 if self._x[3] > 5.0 else 0.5 * 0.01) - 1e-9))
         h = dt / n
         for _ in range(n):
             x, y, psi, v, w, r, angle, force = self._x
@@ -109,20 +108,20 @@ class SingleTrackPlant:
                 angle + m * (aa + 2.0 * ba + 2.0 * ca + da),
                 force + m * (af + 2.0 * bf + 2.0 * cf + df),
             ]
-            if self._x[3] < _KINEMATIC:
+            if self._x[3] < _MIN_SLIP_SPEED:
                 self._roll()
         _, _, psi, v, w, r, angle, force = self._x
         self.a_y = self._derivative(psi, v, w, r, angle, force, delta, a_x)[4] + v * r
 
-    def _stand(self, delta: float, dt: float) -> None:
-        """Hold the brakes: only the wheels turn."""
+    def _rest(self, delta: float, dt: float) -> None:
+        """Stand with the brakes applied; only the steering moves."""
         turn = (delta - self._x[6]) * -math.expm1(-dt / self._actuators[1])
-        most = self.vehicle.delta_rate_max * dt
-        self._x[6] += min(max(turn, -most), most)
+        limit = self.vehicle.delta_rate_max * dt
+        self._x[6] += min(max(turn, -limit), limit)
         self._x[4] = self._x[5] = self._x[7] = self.a_y = 0.0
 
     def _roll(self) -> None:
-        """Below walking speed: no slip, no reversing."""
+        """Remove slip and reversing at low speed."""
         v = self._x[3] = max(self._x[3], 0.0)
         if v == 0.0:
             self._x[7] = max(self._x[7], 0.0)
@@ -140,14 +139,14 @@ class SingleTrackPlant:
         delta: float,
         a_x: float,
     ) -> tuple[float, float, float, float, float, float, float, float]:
-        """Rates of change of the eight states; the first two, the place, do not matter for them."""
+        """Rates of change of the eight states; they do not depend on the position."""
         front, load_f, load_r, grip, hardest, m, i_z, l_f, l_r, c_f, c_r = self._constants
         fastest, steering_lag, drive_lag = self._actuators
         rate = (delta - angle) / steering_lag
         rate = min(max(rate, -fastest), fastest)
         drive = (min(max(a_x, -hardest), hardest) - force) / drive_lag
         cos, sin = math.cos(psi), math.sin(psi)
-        if v_x < _KINEMATIC:
+        if v_x < _MIN_SLIP_SPEED:
             return v_x * cos - v_y * sin, v_x * sin + v_y * cos, r, force, 0.0, 0.0, rate, drive
         side = math.sqrt(max(grip * grip - force * force, (0.1 * grip) ** 2))
         cos_d, sin_d = math.cos(angle), math.sin(angle)
