@@ -1,4 +1,4 @@
-"""Three textbook steering laws to compare with: pure pursuit, Stanley, LQR."""
+"""Three textbook steering laws: pure pursuit, Stanley, LQR."""
 
 import math
 from typing import Any
@@ -14,8 +14,6 @@ from cca_core.vehicle import VehicleParams, VehicleState
 
 __all__ = ["LqrSteering", "PurePursuit", "Stanley"]
 
-_CYCLE = 0.02  # of the discrete LQR [s]
-_SLOWEST = 2.0  # below this speed the LQR keeps the gains it has there [m/s]
 _SPEED_STEP = 0.25  # LQR gains are computed once for each step of speed [m/s]
 
 
@@ -29,7 +27,7 @@ class PurePursuit:
     look_ahead_time : float
         Distance of the goal point per speed [s].
     min_look_ahead : float
-        Its distance at low speed [m].
+        Its smallest distance [m], at low speed.
 
     Raises
     ------
@@ -38,9 +36,9 @@ class PurePursuit:
 
     Notes
     -----
-    delta = atan(L 2 y_g / D^2) with the goal point's lateral offset y_g in the axes of the car and its
-    distance D, both from the rear axle [1]_. The goal lies on the path, `look_ahead` of arc length beyond
-    the foot point of the rear axle.
+    delta = atan(L 2 y_g / D^2) with lateral offset y_g and distance D of the goal point in the axes of the
+    car, both from the rear axle [1]_. The goal point lies on the path, the look-ahead distance beyond the
+    foot point of the rear axle.
 
     References
     ----------
@@ -56,10 +54,10 @@ class PurePursuit:
         self.vehicle = vehicle
         self.look_ahead_time = check_real("look_ahead_time", look_ahead_time, gt=0.0)
         self.min_look_ahead = check_real("min_look_ahead", min_look_ahead, gt=0.0)
-        self._near = _Near()
+        self._foot = _FootPoint()
 
     def steer(self, state: VehicleState, path: Path) -> float:
-        """Road-wheel angle for this cycle.
+        """Compute the road-wheel angle for this cycle.
 
         Parameters
         ----------
@@ -76,12 +74,12 @@ class PurePursuit:
         p = self.vehicle
         cos, sin = math.cos(state.psi), math.sin(state.psi)
         x, y = state.x - p.l_r * cos, state.y - p.l_r * sin
-        s, _, _, _ = self._near.foot_point(x, y, path)
-        ahead = max(self.look_ahead_time * state.v_x, self.min_look_ahead)
-        goal_x, goal_y = path.position(s + ahead).tolist()
+        s, _, _, _ = self._foot.on(x, y, path)
+        distance = max(self.look_ahead_time * state.v_x, self.min_look_ahead)
+        goal_x, goal_y = path.position(s + distance).tolist()
         dx, dy = goal_x - x, goal_y - y
-        side = cos * dy - sin * dx
-        return _limited(math.atan(2.0 * p.wheelbase * side / (dx * dx + dy * dy)), p)
+        lateral = cos * dy - sin * dx
+        return _limited(math.atan(2.0 * p.wheelbase * lateral / (dx * dx + dy * dy)), p)
 
 
 class Stanley:
@@ -131,10 +129,10 @@ class Stanley:
         self.gain = check_real("gain", gain, ge=0.0)
         self.softening = check_real("softening", softening, ge=0.0)
         self.yaw_damping = check_real("yaw_damping", yaw_damping, ge=0.0)
-        self._near = _Near()
+        self._foot = _FootPoint()
 
     def steer(self, state: VehicleState, path: Path) -> float:
-        """Road-wheel angle for this cycle.
+        """Compute the road-wheel angle for this cycle.
 
         Parameters
         ----------
@@ -150,7 +148,7 @@ class Stanley:
         """
         p, v = self.vehicle, max(state.v_x, 0.0)
         x, y = state.x + p.l_f * math.cos(state.psi), state.y + p.l_f * math.sin(state.psi)
-        _, e, heading, kappa = self._near.foot_point(x, y, path)
+        _, e, heading, kappa = self._foot.on(x, y, path)
         slip = p.m * v * v * kappa * p.l_r / (p.C_f * p.wheelbase)
         approach = math.atan2(self.gain * e, self.softening + v) if e else 0.0
         damping = self.yaw_damping * (state.r - v * kappa)
@@ -165,24 +163,28 @@ class LqrSteering:
     vehicle : VehicleParams
         Geometry, mass, inertia, tires and the limit of the steering angle.
     q_d : float
-        Weight of the squared lateral error, that of the squared steering angle being 1 [rad^2/m^2].
+        Weight of the squared lateral error over that of the squared steering angle [rad^2/m^2].
     q_rate : float
-        Weight of the square of its rate [rad^2 s^2/m^2].
+        Weight of its squared rate [rad^2 s^2/m^2].
     q_psi : float
         Weight of the squared heading error [-].
+    cycle_time : float
+        Time between two steering commands [s], for which the gains are computed.
+    min_speed : float
+        Speed below which the gains stay as they are there [m/s].
 
     Raises
     ------
     InputError
-        If a weight is negative, or that of the lateral error zero.
+        If a weight is negative, or the weight of the lateral error, the cycle time or the speed not positive.
 
     Notes
     -----
     States, model and feed-forward of [1]_, chapters 2 and 3: the single-track model in the lateral error of
     the center of gravity, its rate, the heading error and its rate. With the steady turn
     (beta_ss, v kappa, -beta_ss, 0) and delta_ss = kappa (L + K v^2) the law is
-    delta = delta_ss - k (x - x_ss). The gains k come from the discrete Riccati equation for a cycle of
-    20 ms, once for every quarter of a meter per second.
+    delta = delta_ss - k (x - x_ss). The gains k solve the discrete Riccati equation, once for each step of
+    0.25 m/s.
 
     References
     ----------
@@ -192,13 +194,22 @@ class LqrSteering:
     name = "LQR"
 
     def __init__(
-        self, vehicle: VehicleParams, *, q_d: float = 0.01, q_rate: float = 0.0, q_psi: float = 1.0
+        self,
+        vehicle: VehicleParams,
+        *,
+        q_d: float = 0.01,
+        q_rate: float = 0.0,
+        q_psi: float = 1.0,
+        cycle_time: float = 0.02,
+        min_speed: float = 2.0,
     ) -> None:
         self.vehicle = vehicle
         self.q_d = check_real("q_d", q_d, gt=0.0)
         self.q_rate = check_real("q_rate", q_rate, ge=0.0)
         self.q_psi = check_real("q_psi", q_psi, ge=0.0)
-        self._near = _Near()
+        self.cycle_time = check_real("cycle_time", cycle_time, gt=0.0)
+        self.min_speed = check_real("min_speed", min_speed, gt=0.0)
+        self._foot = _FootPoint()
         self._gains: dict[int, list[float]] = {}
 
     def gains(self, v_x: float) -> Array:
@@ -217,7 +228,7 @@ class LqrSteering:
         return np.array(self._gains_at(v_x))
 
     def steer(self, state: VehicleState, path: Path) -> float:
-        """Road-wheel angle for this cycle.
+        """Compute the road-wheel angle for this cycle.
 
         Parameters
         ----------
@@ -231,8 +242,8 @@ class LqrSteering:
         delta : float
             Road-wheel angle [rad], left positive, within the limit of the angle.
         """
-        p, v = self.vehicle, max(state.v_x, _SLOWEST)
-        _, d, heading, kappa = self._near.foot_point(state.x, state.y, path)
+        p, v = self.vehicle, max(state.v_x, self.min_speed)
+        _, d, heading, kappa = self._foot.on(state.x, state.y, path)
         beta_ss = float(steady_sideslip(kappa, v, p))
         k_beta, k_r, k_psi, k_d = self._gains_at(v)
         delta = float(steady_steering(kappa, v, p))
@@ -241,10 +252,11 @@ class LqrSteering:
         return _limited(delta, p)
 
     def _gains_at(self, v_x: float) -> list[float]:
-        step = round(max(v_x, _SLOWEST) / _SPEED_STEP)
+        """Gains of the step of speed."""
+        step = round(max(v_x, self.min_speed) / _SPEED_STEP)
         if step not in self._gains:
             v = step * _SPEED_STEP
-            model = discretized(single_track(self.vehicle, v, 0.0), _CYCLE)
+            model = discretized(single_track(self.vehicle, v, 0.0), self.cycle_time)
             rate = np.array([v, 0.0, v, 0.0])  # of the lateral error
             Q = self.q_rate * np.outer(rate, rate) + np.diag([0.0, 0.0, self.q_psi, self.q_d])
             A, B = model.A, model.B[:, None]
@@ -253,20 +265,21 @@ class LqrSteering:
         return self._gains[step]
 
 
-class _Near:
-    """Foot point on a path, sought near the last one."""
+class _FootPoint:
+    """Foot point on a path, searched from the last one."""
 
     def __init__(self) -> None:
         self._last: tuple[Path, float] | None = None
 
-    def foot_point(self, x: float, y: float, path: Path) -> tuple[float, float, float, float]:
+    def on(self, x: float, y: float, path: Path) -> tuple[float, float, float, float]:
         """Arc length [m], lateral offset [m], heading [rad] and curvature [1/m] at the foot point."""
         same = self._last is not None and self._last[0] is path
-        near = self._last[1] if same and self._last is not None else float(path.project((x, y))[0])
-        found = path.foot_point(x, y, near)
+        s_guess = self._last[1] if same and self._last is not None else float(path.project((x, y))[0])
+        found = path.foot_point(x, y, s_guess)
         self._last = path, found[0]
         return found
 
 
 def _limited(delta: float, vehicle: VehicleParams) -> float:
+    """Limit a steering angle."""
     return min(max(delta, -vehicle.delta_max), vehicle.delta_max)

@@ -125,13 +125,13 @@ class Rrt:
         space = RoadSpace.of(problem, self.cell_width, self.heading_step, self.max_heading)
         if space.message:
             return Plan(status=Status.INFEASIBLE, message=space.message)
-        ompl = {part: require_extra(f"ompl.{part}", "rrt") for part in ("base", "geometric", "util")}
-        level = ompl["util"].getLogLevel()
-        ompl["util"].setLogLevel(ompl["util"].LogLevel.LOG_NONE)
+        base, geometric, util = _ompl()
+        level = util.getLogLevel()
+        util.setLogLevel(util.LogLevel.LOG_NONE)
         try:
-            poses, message = self._grow(problem, space, begun, ompl["base"], ompl["geometric"])
+            poses, message = self._grow(problem, space, begun, base, geometric)
         finally:
-            ompl["util"].setLogLevel(level)
+            util.setLogLevel(level)
         if message:
             return Plan(status=Status.NOT_CONVERGED, message=message)
         return _plan_of(problem, poses)
@@ -172,6 +172,11 @@ class Rrt:
             return np.empty((0, 3)), f"the goal was not reached by {budget.sampled} samples"
         states = _shortened(definition.getSolutionPath().getStates(), info.checkMotion)
         return _sampled(dubins, states), ""
+
+
+def _ompl() -> tuple[ModuleType, ...]:
+    """Return the modules base, geometric and util of OMPL."""
+    return tuple(require_extra(f"ompl.{part}", "rrt") for part in ("base", "geometric", "util"))
 
 
 @dataclass(slots=True)

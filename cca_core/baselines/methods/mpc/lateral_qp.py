@@ -1,4 +1,4 @@
-"""The quadratic program of the linear predictive controller, set up once and changed in place."""
+"""Quadratic program of the linear predictive controller, set up once and changed in place."""
 
 import math
 from typing import Any
@@ -11,13 +11,12 @@ from cca_core._optional import require_extra
 from cca_core.baselines.methods.mpc.horizon import MpcSettings
 from cca_core.errors import Status
 
-_ELASTIC = 1e5  # weight of the square of what a corridor is left by [1/m^2]
-_FREE = 1e3  # a bound that never holds
+_UNBOUNDED = 1e3  # bound of a variable without one
 _STATUS = {"PIQP_SOLVED": Status.OK, "PIQP_PRIMAL_INFEASIBLE": Status.INFEASIBLE}
 
 
 def exponentials(c: Array, h: Array | float) -> tuple[Array, Array, Array, Array]:
-    """exp(c h) and its first three integrals over h, for small c h."""
+    """Return exp(c h) and its first three integrals over h, for small c h."""
     z = c * h
     return (
         1.0 + z * (1.0 + z * (0.5 + z * (1.0 / 6.0 + z / 24.0))),
@@ -28,7 +27,7 @@ def exponentials(c: Array, h: Array | float) -> tuple[Array, Array, Array, Array
 
 
 class LateralQp:
-    """The quadratic program in d, w, a (n + 1 each), j and the elastic way out of the corridor (n each)."""
+    """Quadratic program in d, w, a (n + 1 each), j and the distance e outside the corridor (n each)."""
 
     def __init__(self, settings: MpcSettings) -> None:
         self._piqp: Any = require_extra("piqp", "qp")
@@ -51,17 +50,17 @@ class LateralQp:
             np.concatenate([*[k] * 3, *[k + n] * 3]), np.concatenate([d[1:], w[1:], e] * 2), 5 * n + 3
         )
         self._motion, self._corridor = motion, corridor
-        self._low, self._high = np.full(5 * n + 3, -_FREE), np.full(5 * n + 3, _FREE)
+        self._low, self._high = np.full(5 * n + 3, -_UNBOUNDED), np.full(5 * n + 3, _UNBOUNDED)
         self._now = np.zeros(3 * n + 3)
         self._given: Array | None = None
 
     def solve(
-        self, h: float, stretch: Array, levers: Array, now: tuple[float, float, float],
+        self, h: float, growth: Array, levers: Array, now: tuple[float, float, float],
         corridor: tuple[Array, Array], a: tuple[Array, Array], rate: Array,
     ) -> tuple[tuple[Array, Array, Array, Array], Status, float]:  # fmt: skip
         """Lateral coordinate, rate and acceleration at the nodes, jerk between them; status; cost."""
         n = self._n
-        self._set(h, stretch, levers)
+        self._set(h, growth, levers)
         low, high = corridor[0].ravel(), corridor[1].ravel()
         middle, crossed = 0.5 * (low + high), low > high
         low, high = np.where(crossed, middle, low), np.where(crossed, middle, high)
@@ -76,26 +75,26 @@ class LateralQp:
         parts = x[: n + 1], x[n + 1 : 2 * n + 2], x[2 * n + 2 : 3 * n + 3], x[3 * n + 3 : 4 * n + 3]
         return parts, status, float(self._solver.result.info.primal_obj)
 
-    def _set(self, h: float, stretch: Array, levers: Array) -> None:
-        """Lay a step and speeds into the matrices, if they have changed."""
-        given = np.concatenate(([h], stretch, levers.ravel()))
+    def _set(self, h: float, growth: Array, levers: Array) -> None:
+        """Set a step and speeds in the matrices if they have changed."""
+        given = np.concatenate(([h], growth, levers.ravel()))
         if self._given is not None and np.array_equal(given, self._given):
             return
         one, own, n = np.ones(self._n), self.settings, self._n
-        grow, p1, p2, p3 = exponentials(stretch, h)
+        p0, p1, p2, p3 = exponentials(growth, h)
         A = self._motion.set(
-            np.concatenate([np.ones(3), -one, one, p1, p2, p3, -one, grow, p1, p2, -one, one, h * one])
+            np.concatenate([np.ones(3), -one, one, p1, p2, p3, -one, p0, p1, p2, -one, one, h * one])
         )
         G = self._corridor.set(np.concatenate([one, levers[0, 1:], -one, one, levers[1, 1:], -one]))
         P = sparse.diags(
             2.0 * h * np.concatenate(
                 [np.full(n + 1, own.weight_d), np.zeros(n + 1), np.full(n + 1, own.weight_a),
-                 np.full(n, own.weight_jerk), np.full(n, _ELASTIC)]
+                 np.full(n, own.weight_jerk), np.full(n, own.corridor_penalty)]
             ), format="csc",
         )  # fmt: skip
         if self._given is None:
             self._solver.setup(
-                P, np.zeros(5 * n + 3), A, self._now, G, np.full(2 * n, -_FREE), np.full(2 * n, _FREE),
+                P, np.zeros(5 * n + 3), A, self._now, G, np.full(2 * n, -_UNBOUNDED), np.full(2 * n, _UNBOUNDED),
                 self._low, self._high,
             )  # fmt: skip
         else:
@@ -104,12 +103,13 @@ class LateralQp:
 
 
 class _Pattern:
-    """Places of the entries of a sparse matrix, so that new values can be laid into it."""
+    """Sparse matrix of a fixed pattern, whose values can be set."""
 
     def __init__(self, rows: Index, columns: Index, width: int) -> None:
         self._order = np.lexsort((rows, columns))
         self.matrix = sparse.csc_matrix((np.ones(len(rows)), (rows, columns)), shape=(rows.max() + 1, width))
 
     def set(self, values: Array) -> Any:
+        """Set the values in the order of the pattern, and return the matrix."""
         self.matrix.data[:] = values[self._order]
         return self.matrix

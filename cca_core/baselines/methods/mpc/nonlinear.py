@@ -1,4 +1,4 @@
-"""Nonlinear model predictive control: a bicycle on the route, steering rate and jerk as inputs, by CasADi."""
+"""Nonlinear model predictive control by CasADi: steering rate and jerk of a bicycle on the route."""
 
 from dataclasses import replace
 
@@ -6,27 +6,22 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core._optional import require_extra
-from cca_core.baselines.methods.mpc.horizon import FrenetState, Horizon, MpcSettings
+from cca_core.baselines.methods.mpc.horizon import SAMPLES, FrenetState, Horizon, MpcSettings
 from cca_core.baselines.methods.mpc.linear import LinearMpc
-from cca_core.baselines.methods.mpc.nonlinear_program import FINE, NU, NX, NonlinearProgram, cached_program
+from cca_core.baselines.methods.mpc.nonlinear_program import NU, NX, NonlinearProgram, cached_program
 from cca_core.baselines.methods.mpc.trajectory import Trajectory, violated_limit
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.errors import Status
 
 __all__ = ["NonlinearMpc"]
 
-_SLOTS = (0, 1, 2, 3, 4, 6, 8)  # numbers of others for which a program is built
-_LONGER, _WIDER = 1.22, 1.03  # of the body around which the rounded one is laid: 1.22^-8 + 1.03^-8 = 1
-_ROOM = 0.03  # kept beyond the clearance [m]
-_SPARE = 0.2  # clearance that the guess keeps in addition [m]
-_FAR = 1e3  # of a vehicle that is not there [m]
-_ALIGNED = 0.05  # at the end [rad]
-_EXACTLY = 1e-3  # likewise, where the plan ends on the route [rad]
-_BRAKES, _DRIVE, _JERK = 7.0, 2.0, 12.0  # longitudinal limits [m/s^2, m/s^3]
+_SLOTS = (0, 1, 2, 3, 4, 6, 8)  # numbers of vehicles for which a program is built
+# half axes of a rounded box over those of the box that it surrounds: 1.22^-8 + 1.03^-8 = 1
+_ROUND_LENGTH, _ROUND_WIDTH = 1.22, 1.03
 
 
 class NonlinearMpc:
-    """Steering and speed at once.
+    """Nonlinear controller of steering and speed.
 
     Parameters
     ----------
@@ -40,13 +35,14 @@ class NonlinearMpc:
 
     Notes
     -----
-    A bicycle in path coordinates that turns as in the steady state, kappa = delta / (L + K v^2):
+    A bicycle in Frenet coordinates that turns as in the steady state, kappa = delta / (L + K v^2):
     s' = v cos(angle) / (1 - d kappa_r), d' = v sin(angle), angle' = v kappa - kappa_r s', v' = a_x, with the
-    rates of delta and a_x as inputs; one Runge-Kutta step an interval, multiple shooting, exact derivatives.
-    Each other is a rounded box (x/a)^8 + (y/b)^8 = 1 around all places where the bodies, their clearance and
-    their motion within half an interval meet; it and the lane at the end may be left at an exact linear
-    penalty on the farthest way out. A program is built once for a number of intervals and others, all
-    else being parameters. It is begun at what the linear controller finds, which chooses the sides.
+    rates of delta and a_x as inputs. One Runge-Kutta step per interval, multiple shooting, exact derivatives.
+    Each vehicle is a rounded box (x/a)^8 + (y/b)^8 = 1 around the positions at which the bodies, their
+    clearance and their motion within half an interval overlap. The largest violation of these boxes and of
+    the lane at the end has an exact linear penalty. A program is built once for a number of intervals and
+    vehicles; everything else is a parameter. It starts from the result of the linear controller, which
+    chooses the sides.
     """
 
     name = "nonlinear MPC"
@@ -62,97 +58,119 @@ class NonlinearMpc:
         Parameters
         ----------
         problem : Problem
-            What is to be driven.
+            The problem.
 
         Returns
         -------
         plan : Plan
-            The way of the center of gravity, five times as fine as the intervals; it reaches the goal in the
-            time that the wanted speed takes.
+            Five samples per interval; it reaches the goal in the time that the wanted speed takes.
         """
         path = problem.road.path
         horizon = Horizon.of(problem, self.settings.intervals)
         start = FrenetState(s=problem.start, v=problem.v_x, kappa=path.curvature_at(problem.start))
         v = np.full(len(horizon.t), problem.v_x)
-        wider = replace(horizon, clearance=problem.clearance + _SPARE)
+        wider = replace(horizon, clearance=problem.clearance + self.settings.guess_margin)
         guess = self._linear.solve(wider, start, problem.start + v * horizon.t, v)
         return self.solve(horizon, start, *guess.nodes(len(v)), v).plan(path)
 
-    def prepare(self, others: int) -> None:
-        """Build the program for a number of others ahead of its use: it takes a tenth of a second, once.
+    def prepare(self, vehicles: int) -> None:
+        """Build the program for a number of other vehicles ahead of its use, which takes 0.1 s once.
 
         Parameters
         ----------
-        others : int
-            How many there is to be room for [-]; of more than eight the nearest count.
+        vehicles : int
+            Largest number of vehicles [-]; of more than eight the nearest ones count.
         """
-        self._built(others)
+        self.program(vehicles)
 
-    def _built(self, others: int) -> NonlinearProgram:
-        slots, own = next((m for m in _SLOTS if m >= others), _SLOTS[-1]), self.settings
-        return cached_program(own.intervals, slots, own.solver, own.iterations, own.cpu_time)
+    def program(self, vehicles: int) -> NonlinearProgram:
+        """Program for a number of other vehicles.
+
+        Parameters
+        ----------
+        vehicles : int
+            Largest number of vehicles [-].
+
+        Returns
+        -------
+        program : NonlinearProgram
+            The same one for the same settings.
+        """
+        slots, own = next((m for m in _SLOTS if m >= vehicles), _SLOTS[-1]), self.settings
+        return cached_program(
+            own.intervals, slots, own.solver, own.iterations, own.cpu_time, own.vehicle_penalty
+        )
 
     def solve(self, horizon: Horizon, start: FrenetState, s: Array, d: Array, v: Array) -> Trajectory:
-        """Trajectory near a guess.
+        """Find the local optimum near a guess.
 
         Parameters
         ----------
         horizon : Horizon
-            Limits and all others; as many intervals as the settings say.
+            Limits and all other vehicles, with the intervals of the settings.
         start : FrenetState
             The ego now.
         s, d : ndarray, shape (n + 1,)
-            The guess: path coordinates at the times of the horizon [m], which choose on which side of whom.
+            The guess: stations and offsets at the times of the horizon [m], which choose the sides.
         v : ndarray, shape (n + 1,)
             Wanted speeds then [m/s].
 
         Returns
         -------
         trajectory : Trajectory
-            The local optimum, five times as fine as the intervals.
+            Five samples per interval.
         """
-        own, vehicle, n = self.settings, horizon.vehicle, self.settings.intervals
+        own, vehicle = self.settings, horizon.vehicle
         near = _nearest(horizon, s)
-        built = self._built(len(near))
-        gain, grip = vehicle.wheelbase, vehicle.understeer_gradient
+        program = self.program(len(near))
         guess = _guess(horizon, start, s, d)
-        places = np.full((n + 1, built.slots, 4), [-_FAR, 0.0, 1.0, 1.0])
-        every, swept = horizon.places(), horizon.swept()
-        for i, k in enumerate(near):
-            other = horizon.others[k]
-            places[:, i, 0], places[:, i, 1] = every[k] - vehicle.box_offset - start.s, other.d
-            places[:, i, 2] = _LONGER * (swept[k] + 0.5 * vehicle.length + horizon.clearance)
-            places[:, i, 3] = _WIDER * (other.half_width + 0.5 * vehicle.width + horizon.clearance + _ROOM)
+        understeer = vehicle.understeer_gradient
         common = np.array(
-            [horizon.step, gain, grip, own.weight_d, own.weight_a, own.weight_jerk, own.weight_v,
-             own.weight_a_x]
+            [horizon.step, vehicle.wheelbase, understeer, own.weight_d, own.weight_a, own.weight_jerk,
+             own.weight_v, own.weight_a_x]
         )  # fmt: skip
         road = horizon.road.path.curvature(s)
-        given = np.concatenate((common, road, v, places.ravel()))
+        boxes = _rounded_boxes(horizon, start.s, near, program.slots, own.vehicle_margin)
         low, high = _bounds(horizon, start, guess, own)
-        z, cost, failure = built.run(guess, low, high, given, horizon)
-        sampled = built.sampled(guess if failure else z, common, road)
-        v, delta = sampled[3], sampled[4]
-        t = np.append(np.add.outer(horizon.t[:-1], horizon.step / FINE * np.arange(FINE)), horizon.t[-1])
+        given = np.concatenate((common, road, v, boxes.ravel()))
+        z, cost, failure = program.run(guess, low, high, given, horizon)
+        motion = program.sampled(guess if failure else z, common, road)
+        v, delta = motion[3], motion[4]
+        fine = horizon.step / SAMPLES * np.arange(SAMPLES)
         trajectory = Trajectory(
-            status=Status.OK, message="", t=t, s=start.s + sampled[0], d=sampled[1], angle=sampled[2], v=v,
-            kappa=delta / (gain + grip * v * v), delta=delta, a_x=sampled[5], cost=cost,
+            status=Status.OK, message="", t=np.append(np.add.outer(horizon.t[:-1], fine), horizon.t[-1]),
+            s=start.s + motion[0], d=motion[1], angle=motion[2], v=v,
+            kappa=delta / (vehicle.wheelbase + understeer * v * v), delta=delta, a_x=motion[5], cost=cost,
         )  # fmt: skip
         if failure:
-            return replace(trajectory, status=Status.NOT_CONVERGED, message=f"the solver gave up: {failure}")
-        missed = violated_limit(trajectory, horizon)
-        return trajectory if not missed else replace(trajectory, status=Status.INFEASIBLE, message=missed)
+            return replace(trajectory, status=Status.NOT_CONVERGED, message=f"the solver failed: {failure}")
+        violated = violated_limit(trajectory, horizon)
+        return trajectory if not violated else replace(trajectory, status=Status.INFEASIBLE, message=violated)
 
 
 def _nearest(horizon: Horizon, s: Array) -> list[int]:
-    """Others that come nearest along the route, as many as there is room for."""
-    apart = [float(np.abs(row - s).min()) for row in horizon.places()]
-    near = [i for i in np.argsort(apart) if apart[i] < 60.0]
+    """Vehicles that come within 60 m along the route, nearest first, as many as there are slots."""
+    distance = [float(np.abs(row - s).min()) for row in horizon.stations()]
+    near = [i for i in np.argsort(distance) if distance[i] < 60.0]
     return near[: _SLOTS[-1]]
 
 
+def _rounded_boxes(horizon: Horizon, s_start: float, near: list[int], slots: int, margin: float) -> Array:
+    """Center and half axes (n + 1, slots, 4) of the rounded boxes; those of empty slots are far away."""
+    vehicle = horizon.vehicle
+    found = np.full((len(horizon.t), slots, 4), [-1e3, 0.0, 1.0, 1.0])
+    stations, swept = horizon.stations(), horizon.swept_half_lengths()
+    for i, k in enumerate(near):
+        other = horizon.others[k]
+        found[:, i, 0], found[:, i, 1] = stations[k] - vehicle.box_offset - s_start, other.d
+        found[:, i, 2] = _ROUND_LENGTH * (swept[k] + 0.5 * vehicle.length + horizon.clearance)
+        half_width = other.half_width + 0.5 * vehicle.width + horizon.clearance + margin
+        found[:, i, 3] = _ROUND_WIDTH * half_width
+    return found
+
+
 def _guess(horizon: Horizon, start: FrenetState, s: Array, d: Array) -> Array:
-    """States and inputs, stage by stage, that drive about through a guess; shape (n + 1, 8)."""
+    """States and inputs (n + 1, 8) that approximate the motion of a guess."""
     h, vehicle = horizon.step, horizon.vehicle
     z = np.zeros((len(s), NX + NU))
     v = np.maximum(np.gradient(s, h), 0.5)
@@ -167,21 +185,22 @@ def _guess(horizon: Horizon, start: FrenetState, s: Array, d: Array) -> Array:
 
 
 def _bounds(horizon: Horizon, start: FrenetState, guess: Array, own: MpcSettings) -> tuple[Array, Array]:
-    """Least and largest values of all variables, shape as the guess."""
+    """Smallest and largest values of all variables, shape as the guess."""
     vehicle = horizon.vehicle
     right, left = horizon.edges
-    fast = max(1.1 * horizon.v_wanted, start.v + 1.0)
+    v_max = max(1.1 * horizon.v_wanted, start.v + 1.0)
     turn, rate = vehicle.delta_max, vehicle.delta_rate_max
     low, high = np.empty_like(guess), np.empty_like(guess)
-    low[:] = [-np.inf, right, -np.inf, 0.0, -turn, -_BRAKES, -rate, -_JERK]
-    high[:] = [np.inf, left, np.inf, fast, turn, _DRIVE, rate, _JERK]
-    back = np.exp(-horizon.t / 1.0)  # an ego beside the road has time to return
+    low[:] = [-np.inf, right, -np.inf, 0.0, -turn, -own.b_max, -rate, -own.jerk_max]
+    high[:] = [np.inf, left, np.inf, v_max, turn, own.a_max, rate, own.jerk_max]
+    back = np.exp(-horizon.t / 1.0)  # an ego off the road has time to return
     low[:, 1] -= np.maximum(right - start.d, 0.0) * back * 1.5
     high[:, 1] += np.maximum(start.d - left, 0.0) * back * 1.5
     low[-1, 0] = horizon.goal - start.s
-    straight = _ALIGNED if horizon.final[0] < horizon.final[1] else _EXACTLY
+    # a plan ends on the route and along it
+    straight = own.heading_tolerance if horizon.final_d[0] < horizon.final_d[1] else 1e-3
     low[-1, 2], high[-1, 2] = -straight, straight
-    if own.solver == "ipopt":  # the other has a constraint for that
+    if own.solver == "ipopt":  # FATROP has a constraint for the start
         low[0, :NX] = high[0, :NX] = guess[0, :NX]
         low[-1, NX:] = high[-1, NX:] = 0.0
     else:
