@@ -5,6 +5,7 @@ from cca_core.baselines.methods.mpc.horizon import MpcSettings
 from cca_core.baselines.methods.mpc.linear import LinearMpc
 from cca_core.baselines.methods.mpc.nonlinear import NonlinearMpc
 from cca_core.baselines.methods.mpc.planner import MpcPlanner
+from cca_core.baselines.methods.mpc.planner_settings import MpcPlannerSettings
 from cca_core.baselines.methods.primitives import MotionPrimitives
 from cca_core.baselines.methods.rrt import Rrt
 from cca_core.baselines.problems.compare import ComparisonRow, compare
@@ -22,6 +23,7 @@ __all__ = [
     "Method",
     "MotionPrimitives",
     "MpcPlanner",
+    "MpcPlannerSettings",
     "MpcSettings",
     "NonlinearMpc",
     "OneShotBand",

@@ -185,7 +185,7 @@ def test_linear_motion_without_limits_is_that_of_least_squares() -> None:
     n, h = 20, 0.25
     horizon = Horizon(
         road=Road(LINE, (Lane(d=0.0, width=40.0),)), vehicle=CAR, t=h * np.arange(n + 1), others=(),
-        v_wanted=V, clearance=0.3, a_y_max=100.0, final=(-20.0, 20.0),
+        v_wanted=V, clearance=0.3, a_y_max=100.0, final_d=(-20.0, 20.0),
     )  # fmt: skip
     v = np.full(n + 1, V)
     way = LinearMpc(settings).solve(horizon, FrenetState(s=100.0, d=1.0, v=V), 100.0 + V * horizon.t, v)

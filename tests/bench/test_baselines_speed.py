@@ -29,7 +29,7 @@ def task(name: str) -> Problem:
 
 def solving(planner: NonlinearMpc, given: Problem) -> Any:
     """The part of a plan that the peers' rows are: the solver, begun at a guess that has chosen the sides."""
-    built, kept = planner._built(len(given.others)), []
+    built, kept = planner.program(len(given.others)), []
     run = built.run
 
     def noted(*arguments: Any) -> Any:

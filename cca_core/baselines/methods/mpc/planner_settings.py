@@ -35,7 +35,7 @@ class MpcPlannerSettings:
         Deceleration without a solution [m/s^2].
     drive_lag, yaw_lag : float
         Lags of the drive and of the yaw rate behind the steering angle, by which commands lead [s].
-    prepared_vehicles : float
+    prepared_vehicles : int
         Number of vehicles up to which all programs are built before the first cycle [-].
 
     Raises
@@ -56,7 +56,7 @@ class MpcPlannerSettings:
     stop_deceleration: float = 4.0
     drive_lag: float = 0.1
     yaw_lag: float = 0.1
-    prepared_vehicles: float = 4
+    prepared_vehicles: int = 4
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -10,7 +10,7 @@ from cca_core.baselines.problems.problem import Plan
 from cca_core.errors import Status
 from cca_core.follow import steady_sideslip
 from cca_core.geometry import Boxes, box_gap
-from cca_core.path import Path
+from cca_core.path import Path, interpolate_path
 from cca_core.vehicle import VehicleParams
 
 __all__ = ["Trajectory", "violated_limit"]
@@ -43,6 +43,13 @@ class Trajectory:
         if self.status is Status.NOT_CONVERGED:
             return Plan(status=self.status, message=self.message)
         return Plan(status=self.status, message=self.message, t=self.t, xy=self.xy(path), v_x=self.v)
+
+    def path(self, route: Path) -> Path:
+        """Path with nodes every 2 m, for figures and logs; the route if it is shorter than three nodes."""
+        nodes = np.flatnonzero(np.diff(np.floor((self.s - self.s[0]) / 2.0), prepend=-1.0) > 0.0)
+        if len(nodes) < 3:
+            return route
+        return interpolate_path(self.xy(route)[nodes], start=float(self.s[0]))
 
     def nodes(self, n: int) -> tuple[Array, Array]:
         """Stations and offsets at n equidistant times, as a guess for another solver [m]."""
