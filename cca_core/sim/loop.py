@@ -90,7 +90,7 @@ def simulate(
     radio, recorded = Radio(scenario, np.random.default_rng(seed)), deque(bsm_log)
     tailgating = None if scenario.fixed_gap is None else Tailgating(scenario, scenario.fixed_gap)
     log = LogBuilder(scenario, plant, seed)
-    s, visible, missed_deadlines = scenario.start, [False] * len(traffic.movers), 0
+    s, visible, missed_deadlines = scenario.start, [False] * len(traffic.agents), 0
     begin = time.perf_counter()
     for k in range(log.max_cycles):
         t, state, rows = k * CYCLE_TIME, car.state, traffic.rows()

@@ -56,7 +56,7 @@ class EventRecorder:
             if remote.source == "v2v":
                 self._note(t, "first_received", remote.id)
                 self._note(t, "hazard_received", remote.id, "hard_braking" in remote.events)
-        for agent in traffic.movers:
+        for agent in traffic.agents:
             vehicle_id = agent.user.id
             stopped = agent.v <= self._standstill_speed and vehicle_id in self._initially_moving
             self._note(t, "brakes", vehicle_id, agent.a <= self._braking)
@@ -112,8 +112,8 @@ class LogBuilder:
             t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x, plant.a_y,
             command.delta, command.a_x, *ego_frenet, self._tracking_error(state, command, ego_frenet),
         )  # fmt: skip
-        if traffic.movers:
-            self._users[k], self._user_frenet[k] = traffic.rows(), traffic.places()
+        if traffic.agents:
+            self._users[k], self._user_frenet[k] = traffic.rows(), traffic.frenet()
         self._visible[k], self._gap_held[k], self._cycle_us[k] = visible, gap_held, cycle_us
         self._degraded[k] = command.status is not Status.OK
         self._received += [(k, data) for data in messages]

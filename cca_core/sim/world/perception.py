@@ -1,4 +1,4 @@
-"""What the ego knows of others, from bytes and by sight; a run and its replay share it."""
+"""Perception of the ego: messages and sensor, shared by a run and its replay."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -11,146 +11,86 @@ from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["Perception"]
 
-_PRECISE = 0.1  # deviation up to which a sender's own word on its place is taken [m]
-_CREDIBLE = 3.0  # deviations beyond which an error is not one of a receiver, and is not counted on
-_LASTING = 30.0  # time in which the error of a receiver's position forgets itself [s]
+_MAX_PRECISE_SIGMA = 0.1  # reported standard deviation up to which a position is not corrected [m]
+_BIAS_TIME = 30.0  # correlation time of the error of a GNSS receiver [s]
 
 
 @dataclass(frozen=True, slots=True)
 class _SenderBias:
-    """What a sender was wrong by when it was last in sight.
+    """Position error of a sender when it was last visible."""
 
-    Parameters
-    ----------
-    t : float
-        When that was [s].
-    x, y : float
-        From where it said to be to where it was [m].
-    along, across : float
-        Deviations that it was held capable of [m].
-    """
-
-    t: float
-    x: float
+    t: float  # time of that [s]
+    x: float  # true minus reported position [m]
     y: float
-    along: float
+    along: float  # reported standard deviations then [m]
     across: float
 
-    def correct(self, heard: RemoteVehicle, t: float) -> RemoteVehicle:
-        """Correct what the sender says now by what is left of the error, and grow what is not known."""
-        left = math.exp((self.t - t) / _LASTING)
+    def correct(self, reported: RemoteVehicle, t: float) -> RemoteVehicle:
+        """Subtract the remaining error from a reported position, and enlarge its uncertainty."""
+        left = math.exp((self.t - t) / _BIAS_TIME)
         return replace(
-            heard, x=heard.x + left * self.x, y=heard.y + left * self.y,
-            sigma_along=_remaining_sigma(heard.sigma_along, left * self.along),
-            sigma_across=_remaining_sigma(heard.sigma_across, left * self.across),
+            reported, x=reported.x + left * self.x, y=reported.y + left * self.y,
+            sigma_along=_remaining_sigma(reported.sigma_along, left * self.along),
+            sigma_across=_remaining_sigma(reported.sigma_across, left * self.across),
         )  # fmt: skip
 
 
 class Perception:
-    """Receiver and sensor of the ego.
+    """Receiver and sensor of the ego."""
 
-    With V2V it knows what it hears. Who does not send, and whose message is older than what the sensor tells,
-    is known by the sensor while in sight; the events that were heard of stay. Of who knows its own place
-    less well than the sensor does the place is the sensor's; out of sight it is what messages say, corrected
-    by what they were last wrong by. Without V2V it knows what it sees.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Road users, and who drives.
-    """
+    # With V2V, messages count. A visible vehicle comes from the sensor if it sends nothing or its last message
+    # is older than the sensor delay; its reported events stay. If a sender is less precise than the sensor,
+    # the sensor's position counts while it is visible. While it is occluded, its reported position is
+    # corrected by the error found before. Without V2V, the sensor alone counts.
 
     def __init__(self, scenario: Scenario) -> None:
-        self._hears = scenario.v2v
-        self._sight_alone = not all(user.connected and self._hears for user in scenario.road_users)
+        self._has_v2v = scenario.v2v
+        self._sensor_only = not all(user.connected and self._has_v2v for user in scenario.road_users)
         self._receiver, self._sensor = Receiver(scenario), Sensor(scenario)
-        self._errors: dict[str, _SenderBias] = {}
+        self._biases: dict[str, _SenderBias] = {}
 
     @property
     def needs_every_cycle(self) -> bool:
-        """Whether somebody is known by sight alone, so that every cycle counts."""
-        return self._sight_alone
+        """Whether a road user is known by the sensor alone, so that every cycle counts."""
+        return self._sensor_only
 
     def awareness_range(self, t: float) -> float:
-        """Tell up to which distance silence means that nobody is there.
-
-        Parameters
-        ----------
-        t : float
-            Now [s].
-
-        Returns
-        -------
-        awareness_range : float
-            0 while there are too many senders, else infinity: then the planner's own settings count [m].
-        """
-        return 0.0 if self._hears and self._receiver.tracker.is_saturated(t) else math.inf
+        """Return the awareness range at a time [m]: 0 while the tracker is saturated, else infinity."""
+        return 0.0 if self._has_v2v and self._receiver.tracker.is_saturated(t) else math.inf
 
     def visible(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
-        """Tell who is in sight.
-
-        Parameters
-        ----------
-        rows : sequence of sequence of float
-            x, y [m], psi [rad], ... of each road user.
-        ego : VehicleState
-            The ego now.
-
-        Returns
-        -------
-        seen : list of bool
-            One for each road user.
-        """
+        """Return which road users are visible."""
         return self._sensor.visible(rows, ego)
 
     def remotes(
         self,
         t: float,
         rows: Sequence[Sequence[float]],
-        seen: Sequence[bool],
+        visible: Sequence[bool],
         messages: Iterable[bytes],
         ego: VehicleState,
     ) -> list[RemoteVehicle]:
-        """Tell what the ego knows now.
-
-        Parameters
-        ----------
-        t : float
-            Now [s].
-        rows : sequence of sequence of float
-            x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user.
-        seen : sequence of bool
-            Who is in sight.
-        messages : iterable of bytes
-            What has arrived.
-        ego : VehicleState
-            The ego now.
-
-        Returns
-        -------
-        remotes : list of RemoteVehicle
-            For the planner; the source is ``"sensor"`` where nothing has been heard.
-        """
-        heard = {v.id: v for v in self._receiver.take(t, messages, ego)} if self._hears else {}
-        in_sight = {v.id: v for v in self._sensor.detections(t, rows, seen)}
-        self._errors = {name: error for name, error in self._errors.items() if name in heard}
-        for name, told in heard.items():
-            v = in_sight.pop(name, None)
-            recent, precise = told.age <= self._sensor.delay, told.sigma_across <= _PRECISE
+        """Return the remote vehicles known now; their source is "sensor" if there was no message."""
+        reported = {v.id: v for v in self._receiver.take(t, messages, ego)} if self._has_v2v else {}
+        detected = {v.id: v for v in self._sensor.detections(t, rows, visible)}
+        self._biases = {name: bias for name, bias in self._biases.items() if name in reported}
+        for name, report in reported.items():
+            v = detected.pop(name, None)
+            recent, precise = report.age <= self._sensor.delay, report.sigma_across <= _MAX_PRECISE_SIGMA
             if v is not None and not recent:
-                heard[name] = replace(v, events=told.events, source="v2v")
+                reported[name] = replace(v, events=report.events, source="v2v")
             elif v is not None and not precise:
-                off = v.x - told.x, v.y - told.y
-                if math.hypot(*off) <= _CREDIBLE * math.hypot(told.sigma_along, told.sigma_across):
-                    self._errors[name] = _SenderBias(t, *off, told.sigma_along, told.sigma_across)
-                else:
-                    self._errors.pop(name, None)
-                heard[name] = replace(told, x=v.x, y=v.y, sigma_along=0.0, sigma_across=0.0)
-            elif not precise and name in self._errors:
-                heard[name] = self._errors[name].correct(told, t)
-        return [*heard.values(), *in_sight.values()]
+                off = v.x - report.x, v.y - report.y
+                if math.hypot(*off) <= 3.0 * math.hypot(report.sigma_along, report.sigma_across):
+                    self._biases[name] = _SenderBias(t, *off, report.sigma_along, report.sigma_across)
+                else:  # beyond three standard deviations it is not the error of a receiver
+                    self._biases.pop(name, None)
+                reported[name] = replace(report, x=v.x, y=v.y, sigma_along=0.0, sigma_across=0.0)
+            elif not precise and name in self._biases:
+                reported[name] = self._biases[name].correct(report, t)
+        return [*reported.values(), *detected.values()]
 
 
 def _remaining_sigma(sigma: float, known: float) -> float:
-    """Deviation that is left of one [m] when a part of it is known."""
+    """Return the standard deviation that remains when a part of it is known [m]."""
     return math.sqrt(max(sigma * sigma - known * known, 0.0))

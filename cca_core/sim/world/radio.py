@@ -1,4 +1,4 @@
-"""What is sent and heard: message bytes from everybody through lossy channels."""
+"""Radio: message bytes of all vehicles through lossy channels."""
 
 import math
 from collections import Counter
@@ -16,61 +16,36 @@ from cca_core.vehicle import GRAVITY, RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Radio", "Receiver"]
 
-_HARD = 0.4 * GRAVITY  # deceleration from which on hard braking is announced [m/s^2]
-_BRAKING = frozenset({"hard_braking"})
-_ACCURACY = 1.5  # up to which it is believed how well a sender knows its place [m]
-_EGO = "ffffffff"
-_SILENT = 0.075  # after a message no other can be due for this time [s]: their interval, less a cycle
+_MIN_INTERVAL = 0.075  # no other message can be due for this time after one [s]: their interval, less a cycle
 
 
 class Receiver:
-    """The ego's receiver: bytes in, vehicles under the names of the road users out.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Road users.
-    """
+    """Receiver of the ego: bytes in, vehicles with the ids of road users out."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._names = {sender_id(i): user.id for i, user in enumerate(scenario.road_users)}
-        self.tracker = Tracker(LocalFrame(*scenario.origin), TrackerSettings(max_reported_accuracy=_ACCURACY))
+        self.tracker = Tracker(LocalFrame(*scenario.origin), TrackerSettings(max_reported_accuracy=1.5))
 
     def take(self, t: float, messages: Iterable[bytes], ego: VehicleState) -> list[RemoteVehicle]:
-        """Take messages in and tell where all senders are.
-
-        Parameters
-        ----------
-        t : float
-            Now [s].
-        messages : iterable of bytes
-            What has arrived.
-        ego : VehicleState
-            The receiver.
-
-        Returns
-        -------
-        remotes : list of RemoteVehicle
-            All that are tracked; senders that are no road users keep their own ids.
-        """
+        """Process messages and return all tracked vehicles."""
         for data in messages:
             self.tracker.update(data, t)
         return list(self.tracker.vehicles(t, ego, self._names))
 
 
 class Radio:
-    """Everybody sends its state as bytes ten times a second, the ego too.
+    """Every vehicle sends its state as bytes ten times per second, the ego too.
 
-    Each road user is its own sender to the channel, or, with one modem, all are one: then a burst of loss
-    goes through the messages of all in the order of sending. A road user that is warned by messages has a
-    channel of its own from its leader. What the ego sends goes through a channel to all others.
+    Each road user is a sender of its own, or, with one modem, all are one: a burst of loss then affects the
+    messages of all in the order of sending. A road user that reacts to messages has a channel of its own from
+    its lead. The ego's messages go through one channel to all others.
 
     Parameters
     ----------
     scenario : Scenario
         Road users and channel.
     rng : numpy.random.Generator
-        Source of chance: phases of the senders, losses and delays of the channels.
+        Source of randomness: phases of the senders, losses and delays of the channels.
 
     Attributes
     ----------
@@ -88,99 +63,70 @@ class Radio:
         ]
         self._channel = Channel(channel, rng)
         back, *others = rng.spawn(1 + len(scenario.road_users))
-        self._own, self._back = Sender(_EGO, frame, settings, back), Channel(channel, back)
-        self._ears = [
+        self._ego_sender, self._ego_channel = (
+            Sender("ffffffff", frame, settings, back),
+            Channel(channel, back),
+        )
+        self._listeners = [
             (user.id, act.lead_id, Channel(channel, own))
             for user, own in zip(scenario.road_users, others, strict=True)
             for act in user.actions
             if isinstance(act, ReactToLeadAction) and math.isfinite(act.warning_delay)
         ]
-        self._asleep = [-math.inf] * (
+        self._next_due = [-math.inf] * (
             1 + len(scenario.road_users)
-        )  # until when each sends nothing, the ego last
+        )  # earliest next message of each, the ego last
         self.counts: Counter[str] = Counter(sent=0, delivered=0, ego_sent=0, ego_delivered=0)
 
     @property
     def is_needed(self) -> bool:
         """Whether any road user listens."""
-        return bool(self._ears)
+        return bool(self._listeners)
 
     def exchange(self, t: float, traffic: Traffic, ego: VehicleState, *, ego_sends: bool) -> list[bytes]:
-        """Let all send, and give what has arrived at the ego.
-
-        Parameters
-        ----------
-        t : float
-            Now [s].
-        traffic : Traffic
-            The road users; those that listen are warned.
-        ego : VehicleState
-            The ego now.
-        ego_sends : bool
-            Whether it has a modem.
-
-        Returns
-        -------
-        messages : list of bytes
-            In order of arrival.
-        """
-        for i, (sender, mover) in enumerate(zip(self._senders, traffic.movers, strict=True)):
-            if sender is None or t < self._asleep[i]:
+        """Let all vehicles send; return the bytes that have arrived at the ego."""
+        for i, (sender, agent) in enumerate(zip(self._senders, traffic.agents, strict=True)):
+            if sender is None or t < self._next_due[i]:
                 continue
-            user, (x, y, psi, r) = mover.user, mover.pose
-            data = sender.poll(t, _bsm_of(user.id, (x, y, psi, mover.v, mover.a, r), user, user.events))
+            user, (x, y, psi, r) = agent.user, agent.pose
+            data = sender.poll(t, _bsm_of(user.id, (x, y, psi, agent.v, agent.a, r), user, user.events))
             if data is None:
                 continue
-            self._asleep[i] = t + _SILENT
+            self._next_due[i] = t + _MIN_INTERVAL
             self.counts["sent"] += 1
             self._channel.send(t, (x, y), data, sender="others" if self._one_modem else sender.id)
-            for _, leader, ear in self._ears:
-                if leader == user.id:
-                    ear.send(t, (x, y), data, sender=leader)
-        for name, _, ear in self._ears:
+            for _, lead_id, channel in self._listeners:
+                if lead_id == user.id:
+                    channel.send(t, (x, y), data, sender=lead_id)
+        for name, _, channel in self._listeners:
             listener = traffic.by_id[name]
             if not listener.warning_received:
-                for arrival in ear.receive(t, listener.pose[:2]):
+                for arrival in channel.receive(t, listener.pose[:2]):
                     if "hard_braking" in decode_bsm(arrival.data).events:
                         listener.deliver_warning(t)
-        if ego_sends and t >= self._asleep[-1]:
-            self._send_own(t, traffic, ego)
+        if ego_sends and t >= self._next_due[-1]:
+            self._send_ego(t, traffic, ego)
         arrivals = [arrival.data for arrival in self._channel.receive(t, (ego.x, ego.y))]
         self.counts["delivered"] += len(arrivals)
         return arrivals
 
-    def _send_own(self, t: float, traffic: Traffic, ego: VehicleState) -> None:
+    def _send_ego(self, t: float, traffic: Traffic, ego: VehicleState) -> None:
+        """Send the ego's state."""
         car = self._vehicle
         center = car.center_at(ego.x, ego.y, ego.psi)
         motion = (*center, ego.psi, max(ego.v_x, 0.0), ego.a_x, ego.r)
-        data = self._own.poll(t, _bsm_of("ego", motion, car, frozenset()))
+        data = self._ego_sender.poll(t, _bsm_of("ego", motion, car, frozenset()))
         if data is None:
             return
-        self._asleep[-1] = t + _SILENT
+        self._next_due[-1] = t + _MIN_INTERVAL
         self.counts["ego_sent"] += 1
-        self._back.send(t, center, data)
-        if traffic.movers:
-            self.counts["ego_delivered"] += len(self._back.receive(t, traffic.movers[0].pose[:2]))
+        self._ego_channel.send(t, center, data)
+        if traffic.agents:
+            self.counts["ego_delivered"] += len(self._ego_channel.receive(t, traffic.agents[0].pose[:2]))
 
 
 def sender_id(i: int) -> str:
-    """Identity in messages of a road user by its place in the scenario.
-
-    Parameters
-    ----------
-    i : int
-        Its index [-].
-
-    Returns
-    -------
-    id : str
-        8 hexadecimal digits.
-
-    Raises
-    ------
-    InputError
-        If `i` is negative.
-    """
+    """Return the temporary identity of a road user by its index."""
     if i < 0:
         raise InputError(f"i must be at least 0, was {i}")
     return f"{i + 1:08x}"
@@ -189,9 +135,9 @@ def sender_id(i: int) -> str:
 def _bsm_of(
     name: str, motion: Sequence[float], body: RoadUser | VehicleParams, events: frozenset[str]
 ) -> RemoteVehicle:
-    """Put in words what a vehicle says of itself: motion, body, and whether it brakes hard."""
+    """Return the vehicle that a message reports: motion, body, and hard braking."""
     x, y, psi, v, a, r = motion
     return RemoteVehicle(
         id=name, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, length=body.length, width=body.width,
-        events=events | _BRAKING if a <= -_HARD else events,
+        events=events | {"hard_braking"} if a <= -0.4 * GRAVITY else events,  # SAE J2735: more than 0.4 g
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What can be seen from the ego: range, field of view, and bodies that hide others."""
+"""Sensor of the ego: range, field of view and occlusion."""
 
 import cmath
 import math
@@ -15,15 +15,13 @@ __all__ = ["Sensor", "visible_fraction"]
 
 _Body = tuple[float, float, float, float, float]
 _CORNERS = (complex(0.5, 0.5), complex(-0.5, 0.5), complex(-0.5, -0.5), complex(0.5, -0.5))
-_RECOGNIZED = 0.5  # share of a face that must be seen
-_EYE = 0.25  # share of the ego's length that the eye is ahead of the middle of the body
 
 
 class Sensor:
-    """Line of sight to each road user, and what a sensor reports of it.
+    """Line of sight to each road user, and detections of the visible ones.
 
-    It reports true states with a delay, under the road users' own ids (perfect association), dead-reckoned to
-    now; the eye is behind the windscreen, a quarter of the ego's length ahead of its middle.
+    Detections are true states with a delay, dead-reckoned to now, under the road users' own ids (perfect
+    association). The eye is behind the windscreen, a quarter of the ego's length ahead of its center.
 
     Parameters
     ----------
@@ -33,7 +31,7 @@ class Sensor:
     Attributes
     ----------
     delay : float
-        Age of what it reports [s]; 0 for a driver, whose reaction is elsewhere.
+        Age of detections [s]; 0 for a driver, whose reaction time is modeled elsewhere.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -45,86 +43,86 @@ class Sensor:
         self._frames: deque[tuple[float, Sequence[Sequence[float]], Sequence[bool]]] = deque()
 
     def visible(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
-        """Tell who is seen.
+        """Return which road users are visible.
 
         Parameters
         ----------
         rows : sequence of sequence of float
-            x, y [m], psi [rad], ... of the middle of each road user.
+            x, y [m], psi [rad], ... of the center of each road user.
         ego : VehicleState
             The ego now.
 
         Returns
         -------
-        seen : list of bool
-            Whether half of the face of each is in sight, in the field of view and within range.
+        visible : list of bool
+            Whether half of the angular width of each is not occluded, in the field of view and within range.
         """
         vehicle, ahead = self._vehicle, cmath.exp(1j * ego.psi)
         middle = complex(*vehicle.center_at(ego.x, ego.y, ego.psi))
-        eye = middle + _EYE * vehicle.length * ahead
+        eye = middle + 0.25 * vehicle.length * ahead
         bodies = [(r[0], r[1], r[2], u.length, u.width) for r, u in zip(rows, self._users, strict=True)]
-        seen = []
+        visible = []
         for i, body in enumerate(bodies):
             to = complex(body[0], body[1])
             if abs(to - middle) >= self._range:
-                seen.append(False)
+                visible.append(False)
                 continue
-            hiding = bodies[:i] + bodies[i + 1 :] + self._occluders
-            seen.append(visible_fraction(eye, ego.psi, self._half, body, hiding) >= _RECOGNIZED)
-        return seen
+            occluders = bodies[:i] + bodies[i + 1 :] + self._occluders
+            visible.append(visible_fraction(eye, ego.psi, self._half, body, occluders) >= 0.5)
+        return visible
 
     def detections(
-        self, t: float, rows: Sequence[Sequence[float]], seen: Sequence[bool]
+        self, t: float, rows: Sequence[Sequence[float]], visible: Sequence[bool]
     ) -> list[RemoteVehicle]:
-        """Take in what is seen now, and report what was seen a delay ago.
+        """Record the states now, and return the detections of a delay ago.
 
         Parameters
         ----------
         t : float
             Now [s].
         rows : sequence of sequence of float
-            x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user; kept,
-            so that they must not change afterward.
-        seen : sequence of bool
-            Who is seen, as by `look`; kept likewise.
+            x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user; stored:
+            do not change them afterward.
+        visible : sequence of bool
+            Result of `visible`; stored likewise.
 
         Returns
         -------
         remotes : list of RemoteVehicle
             Vehicles with source ``"sensor"`` and the delay as age.
         """
-        self._frames.append((t, rows, seen))
+        self._frames.append((t, rows, visible))
         while len(self._frames) > 1 and self._frames[1][0] <= t - self.delay + 1e-9:
             self._frames.popleft()
-        then, rows, seen = self._frames[0]
+        then, rows, visible = self._frames[0]
         if then > t - self.delay + 1e-9:
             return []
-        users = zip(self._users, rows, seen, strict=True)
-        return [_moved(u, row, then, t) for u, row, is_seen in users if is_seen]
+        users = zip(self._users, rows, visible, strict=True)
+        return [_moved(u, row, then, t) for u, row, is_visible in users if is_visible]
 
 
 def visible_fraction(
     eye: complex, psi: float, half_angle: float, body: _Body, others: Sequence[_Body]
 ) -> float:
-    """Share of the face of a body that can be seen.
+    """Visible fraction of the angular width of a body.
 
     Parameters
     ----------
     eye : complex
         x + iy of the eye [m].
     psi : float
-        Direction in which it looks [rad].
+        Direction of view [rad].
     half_angle : float
         Half its field of view [rad].
     body : tuple of float
-        x, y [m], psi [rad], length, width [m] of the body looked at.
+        x, y [m], psi [rad], length, width [m] of the body.
     others : sequence of tuple of float
-        The bodies that may hide it, likewise; those that overlap it do not.
+        Bodies that may occlude it, likewise; those that overlap it do not.
 
     Returns
     -------
-    share : float
-        Of the angle under which the body appears, the part that is in the field of view and not hidden [-].
+    fraction : float
+        Part of the angle of the body that is in the field of view and not occluded [-].
     """
     to = cmath.phase(complex(body[0], body[1]) - eye)
     low, high = _outline(eye, to, body)
@@ -132,7 +130,7 @@ def visible_fraction(
     if size <= 0.0 or size >= math.pi:
         return 1.0
     off = wrap_angle(to - psi)
-    hidden = [(low, min(-half_angle - off, high)), (max(half_angle - off, low), high)]
+    occluded = [(low, min(-half_angle - off, high)), (max(half_angle - off, low), high)]
     for other in others:
         apart = wrap_angle(cmath.phase(complex(other[0], other[1]) - eye) - to)
         if abs(apart) > 0.75 * math.pi:
@@ -142,9 +140,9 @@ def visible_fraction(
         if start < end:
             ray = cmath.exp(1j * (to + 0.5 * (start + end)))
             if _distance(eye, ray, other) < _distance(eye, ray, body):
-                hidden.append((start, end))
+                occluded.append((start, end))
     covered, until = 0.0, low
-    for start, end in sorted(hidden):
+    for start, end in sorted(occluded):
         if end > max(start, until):
             covered += end - max(start, until)
             until = end
@@ -152,7 +150,7 @@ def visible_fraction(
 
 
 def _outline(eye: complex, to: float, body: _Body) -> tuple[float, float]:
-    """Angles of the outermost corners of a body, relative to the direction `to` of its middle."""
+    """Return the angles of the outermost corners of a body, relative to the direction of its center."""
     x, y, psi, length, width = body
     turn, middle = cmath.exp(1j * psi), complex(x, y) - eye
     back = cmath.exp(-1j * to)
@@ -163,12 +161,12 @@ def _outline(eye: complex, to: float, body: _Body) -> tuple[float, float]:
 
 
 def _distance(eye: complex, ray: complex, body: _Body) -> float:
-    """Distance along a ray at which it enters a body; infinite if it misses it."""
+    """Return the distance along a ray to a body; infinite if it misses."""
     x, y, psi, length, width = body
     back = cmath.exp(-1j * psi)
-    start, way = (eye - complex(x, y)) * back, ray * back
+    start, course = (eye - complex(x, y)) * back, ray * back
     first, last = 0.0, math.inf
-    for at, speed, half in ((start.real, way.real, 0.5 * length), (start.imag, way.imag, 0.5 * width)):
+    for at, speed, half in ((start.real, course.real, 0.5 * length), (start.imag, course.imag, 0.5 * width)):
         if abs(speed) < 1e-12:
             if abs(at) > half:
                 return math.inf
@@ -179,7 +177,7 @@ def _distance(eye: complex, ray: complex, body: _Body) -> float:
 
 
 def _moved(user: RoadUser, row: Sequence[float], then: float, t: float) -> RemoteVehicle:
-    """Dead-reckon what was seen."""
+    """Dead-reckon a detection."""
     fix = dead_reckon(Fix(then, *row), t)
     return RemoteVehicle(
         id=user.id, x=fix.x, y=fix.y, psi=fix.psi, v_x=fix.v, a_x=fix.a, r=fix.r, length=user.length,

@@ -1,4 +1,4 @@
-"""Tailgating: the gap that the ego keeps until it knows of a hazard."""
+"""Tailgating: fixed time gap of the ego until it knows of a hazard."""
 
 from collections.abc import Iterable
 
@@ -11,68 +11,43 @@ from cca_core.vehicle import RemoteVehicle
 
 __all__ = ["Tailgating"]
 
-_BRAKES = -1.0  # acceleration that tells of a hazard [m/s^2]
-_STIFF, _DAMPED, _GENTLE = 0.2, 0.8, 1.0  # [1/s^2], [1/s], [m/s^2]
+_HAZARD_ACCELERATION = -1.0  # of another vehicle, from which on it is a hazard [m/s^2]
 
 
 class Tailgating:
-    """Holds the time gap to a vehicle, then hands over to the planner or the driver.
+    """Fixed time gap to the lead, until the planner or the driver takes over."""
 
-    The gap is held until a vehicle that brakes, or announces hard braking, is known to the planner, or the
-    driver brakes. While the leader brakes and the ego does not know it yet, it keeps its speed. At the
-    handover the acceleration changes no faster than brakes do.
+    # They take over when a vehicle that brakes or reports hard braking is known to the planner, or the driver
+    # brakes. While the lead brakes and the ego does not know, its speed stays constant. At the handover the
+    # acceleration changes no faster than brakes allow.
 
-    Parameters
-    ----------
-    scenario : Scenario
-        With a pinned gap.
-    pinned : FixedTimeGap
-        That gap.
-    """
-
-    def __init__(self, scenario: Scenario, pinned: FixedTimeGap) -> None:
-        self._pinned, self._vehicle, self._speed = pinned, scenario.vehicle, scenario.speed
-        self._by_sight = scenario.ego_type == "driver"
+    def __init__(self, scenario: Scenario, gap: FixedTimeGap) -> None:
+        self._time_gap, self._vehicle, self._speed = gap.time_gap, scenario.vehicle, scenario.speed
+        self._is_driver = scenario.ego_type == "driver"
         self._a_x = 0.0
         self._handed_over = False
         self.released = False
 
     def acceleration(
-        self, remotes: Iterable[RemoteVehicle], command: Command, s: float, v_x: float, leader: TrafficAgent
+        self, remotes: Iterable[RemoteVehicle], command: Command, s: float, v_x: float, lead: TrafficAgent
     ) -> float:
-        """Acceleration to drive with.
-
-        Parameters
-        ----------
-        remotes : iterable of RemoteVehicle
-            What the ego knows.
-        command : Command
-            What the planner or the driver wants.
-        s, v_x : float
-            Path coordinate of the ego's center of gravity [m] and its speed [m/s].
-        leader : Mover
-            The vehicle in front.
-
-        Returns
-        -------
-        a_x : float
-            Acceleration [m/s^2].
-        """
+        """Return the acceleration of the ego [m/s^2]."""
         if not self.released:
             self.released = (
                 command.decision.action is Action.BRAKE
-                if self._by_sight
-                else any("hard_braking" in r.events or r.a_x <= _BRAKES for r in remotes)
+                if self._is_driver
+                else any("hard_braking" in r.events or r.a_x <= _HAZARD_ACCELERATION for r in remotes)
             )
         if self._handed_over:
             return command.a_x
         if self.released:
             self._a_x = jerk_limited(command.a_x, self._a_x, CYCLE_TIME, self._speed, emergency=True)
             self._handed_over = self._a_x == command.a_x
-        elif leader.a <= _BRAKES:
+        elif lead.a <= _HAZARD_ACCELERATION:
             self._a_x = 0.0
         else:
             front = s + self._vehicle.front
-            error = leader.s - 0.5 * leader.user.length - front - self._pinned.time_gap * v_x
-            self._a_x = min(max(_STIFF * error + _DAMPED * (leader.v - v_x), -_GENTLE), _GENTLE)
+            error = lead.s - 0.5 * lead.user.length - front - self._time_gap * v_x
+            # gently: 0.2 1/s^2 and 0.8 1/s have a damping ratio of 0.9
+            self._a_x = min(max(0.2 * error + 0.8 * (lead.v - v_x), -1.0), 1.0)
         return self._a_x
