@@ -17,7 +17,7 @@ __all__ = ["QpSolution", "solve_smoothing_qp"]
 
 QPSolver = Literal["piqp", "osqp"]
 
-_SETTINGS: dict[str, dict[str, Any]] = {
+SOLVER_OPTIONS: dict[str, dict[str, Any]] = {
     "piqp": {"max_iter": 100, "preconditioner_iter": 2},  # 8 to 15 iterations are usual
     "osqp": {"max_iter": 4000, "eps_abs": 1e-5, "eps_rel": 1e-5, "polishing": True},
 }
@@ -67,7 +67,7 @@ def solve_smoothing_qp(
     # minimizes integral w_1 c^2 + w_2 c'^2 ds with c = u'' + kappa_0^2 u, the linear change of curvature by
     # an offset u. Unknowns are u and its second difference: all limits but those of c' are plain bounds.
     # curvature_error, true minus linear curvature, makes repeated calls converge to limits on the true one.
-    if solver not in _SETTINGS:
+    if solver not in SOLVER_OPTIONS:
         raise InputError(f"solver must be 'piqp' or 'osqp', was {solver!r}")
     n = len(lower)
     u = np.zeros(n)
@@ -106,7 +106,7 @@ def solve_smoothing_qp(
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # infeasibility is a result
-        solution = qpsolvers.solve_problem(problem, solver, initvals=guess, **_SETTINGS[solver])
+        solution = qpsolvers.solve_problem(problem, solver, initvals=guess, **SOLVER_OPTIONS[solver])
     info = solution.extras["info"]
     message = _words(solver, str(getattr(info.status, "name", info.status)))
     violation = solution.primal_residual()

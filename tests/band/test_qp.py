@@ -155,7 +155,7 @@ def test_infeasible_problem_is_reported(problem: dict[str, Any], solver: Any) ->
 
 @both
 def test_iteration_limit_is_reported(solver: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(quadratic._SETTINGS[solver], "max_iter", 3)
+    monkeypatch.setitem(quadratic.SOLVER_OPTIONS[solver], "max_iter", 3)
     band = solve_smoothing_qp(**passing(60), solver=solver)
     assert not band.solved
     assert "max" in band.message.lower()

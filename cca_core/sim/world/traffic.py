@@ -129,7 +129,7 @@ class Traffic:
         self._stations: dict[str, float] = {}
 
     def rows(self) -> list[tuple[float, float, float, float, float, float]]:
-        """Return x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user."""
+        """Return x, y [m], psi [rad], speed, acceleration and yaw rate of each road user, in SI units."""
         return [(*m.pose[:3], m.v, m.a, m.pose[3]) for m in self.agents]
 
     def frenet(self) -> list[tuple[float, float]]:
