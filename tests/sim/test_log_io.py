@@ -1,6 +1,7 @@
 """Logs as files and run again: nothing may change by a bit."""
 
 import dataclasses
+import json
 from pathlib import Path as FilePath
 
 import numpy as np
@@ -71,6 +72,35 @@ def test_a_loaded_scenario_gives_the_same_run(log: Log, tmp_path: FilePath) -> N
     save_log(log, tmp_path / "run.npz")
     again = simulate(load_log(tmp_path / "run.npz").scenario, seed=3)
     assert again.ego.tobytes() == log.ego.tobytes()
+
+
+def test_version_1_is_read_with_new_names() -> None:
+    """A file of version 1: eebl case C for 3 s, with one event of each kind."""
+    path = FilePath(__file__).parent / "data" / "log_version_1.npz"
+    log = load_log(path)
+    assert [kind for _, kind, _ in log.events] == [
+        "first_visible", "first_received", "hazard_received", "brakes", "stopped", "lateral_shift",
+        "gap_released", "collision",
+    ]  # fmt: skip
+    with np.load(path) as file:
+        for old, new in (
+            ("place", "ego_frenet"), ("users", "road_users"), ("user_places", "user_frenet"),
+            ("seen", "visible"), ("heard", "tracked"), ("held", "gap_held"), ("fallback", "degraded"),
+        ):  # fmt: skip
+            assert np.array_equal(file[old], getattr(log, new)), old
+    assert log.missed_deadlines == 0
+    assert (log.scenario.name, log.scenario.ego_type, log.scenario.reaction_time) == ("eebl", "v2v", 1.25)
+
+
+def test_unknown_version_raises(log: Log, tmp_path: FilePath) -> None:
+    save_log(log, tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as file:
+        content = dict(file)
+    meta = json.loads(content["meta"].tobytes()) | {"version": 3}
+    content["meta"] = np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8)
+    np.savez(tmp_path / "next.npz", **content)
+    with pytest.raises(InputError, match="version 1 or 2"):
+        load_log(tmp_path / "next.npz")
 
 
 def test_replay_notices_other_bytes() -> None:
