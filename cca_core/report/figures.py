@@ -24,17 +24,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ReportFigure", "report_figures", "tuning_figure"]
 
-# numbers of the paper's figures by scenario or case: layout, frames
-_PAPER_FIGURES = {
-    "eebl": ("fig05", "fig06"),
-    "ima": ("fig08", ""),
-    "curbside": ("fig10", "fig11"),
-    "1-fast": ("", "fig13_14"),
-    "1-smooth": ("", "fig13_14"),
-    "2": ("", "fig16_17"),
-    "3": ("", "fig18_19"),
-}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReportFigure:
@@ -81,10 +70,11 @@ def report_figures(group: Sequence[Log]) -> Iterator[ReportFigure]:
     has_case = len({log.scenario.case for log in group}) == 1 and scenario.case is not None
     slug = f"{scenario.name}_{scenario.case}" if has_case else scenario.name
     slug = re.sub(r"\W", "_", slug, flags=re.ASCII).lower()
-    layout, _ = _PAPER_FIGURES.get(scenario.name, ("", ""))
-    _, frames = _PAPER_FIGURES.get(scenario.case or "") or _PAPER_FIGURES.get(scenario.name, ("", ""))
+    # the paper shows a layout of each scenario but maneuvering, and no comparison there
+    n_layouts = 0 if scenario.name == "maneuver" else 1
+    frames = scenario.paper_figures[n_layouts:2]
     yield ReportFigure(
-        name=_file_name(layout, slug, "layout"), figure=plot_layout(scenario),
+        name=_file_name(scenario.paper_figures[:n_layouts], slug, "layout"), figure=plot_layout(scenario),
         caption="The start. The dotted line is the ego's route; arrows show the distance driven in one second.",
     )  # fmt: skip
     yield from _comparison(one_run_per_ego(group), pair, slug)
@@ -106,16 +96,17 @@ def report_figures(group: Sequence[Log]) -> Iterator[ReportFigure]:
 def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator[ReportFigure]:
     """Figures of several runs at once."""
     scenario = pair[-1].scenario
+    numbers = scenario.paper_figures[1:]
     if scenario.name == "eebl":
         yield ReportFigure(
-            name="fig06_07_eebl_bumper_to_bumper",
+            name=_file_name(numbers, slug, "bumper_to_bumper"),
             figure=plot_braking(runs, outcomes=list(map(summarize_outcome, runs))),
             caption="Each band reaches from the rear to the front bumper of a vehicle. Where two bands meet, "
             "the vehicles collide. Below: speeds and decelerations. Counterpart of Figs 6 and 7.",
         )  # fmt: skip
     elif scenario.other_roads and scenario.road_users:
         yield ReportFigure(
-            name=f"fig09_{slug}_from_above",
+            name=_file_name(numbers, slug, "from_above"),
             figure=plot_crossing(pair, outcomes=list(map(summarize_outcome, pair))),
             caption="Bodies each second, numbered by the time in seconds; below, the ego's station over time. "
             "In the red area the ego would collide with another vehicle. Counterpart of Fig 9.",
@@ -123,15 +114,16 @@ def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator
     parked = next((user.id for user in scenario.road_users if user.v_x == 0.0 and user.route is None), None)
     if parked is not None:
         yield ReportFigure(
-            name=f"fig11_12_{slug}_paths",
+            name=_file_name(numbers, slug, "paths"),
             figure=plot_passing(runs, parked, outcomes=list(map(summarize_outcome, runs))),
             caption=f"How the ego passes {parked}: bodies each half second, to scale, then the ego's "
             "paths with the width drawn larger. Counterpart of Figs 11 and 12.",
         )  # fmt: skip
 
 
-def _file_name(*parts: str) -> str:
-    return "_".join(filter(None, parts))
+def _file_name(numbers: Sequence[int], *parts: str) -> str:
+    prefix = ["fig" + "_".join(f"{number:02d}" for number in numbers)] if numbers else []
+    return "_".join([*prefix, *parts])
 
 
 def tuning_figure(logs: Sequence[Log]) -> ReportFigure | None:
