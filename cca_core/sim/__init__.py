@@ -8,7 +8,7 @@ from cca_core.sim.commonroad.scenario import CommonRoadScenario
 from cca_core.sim.handling.gate_run import GateRun, drive_through
 from cca_core.sim.handling.iso3888 import DoubleLaneChange, iso3888_1, iso3888_2, plan_gate_path
 from cca_core.sim.handling.tracking import TrackingRun, lane_change_path, track_path
-from cca_core.sim.human_driver import Driver
+from cca_core.sim.human_driver import Driver, DriverSettings
 from cca_core.sim.log import Log
 from cca_core.sim.log_io import load_log, save_log
 from cca_core.sim.loop import make_driver, make_planner, simulate
@@ -42,6 +42,7 @@ __all__ = [
     "CommonRoadScenario",
     "DoubleLaneChange",
     "Driver",
+    "DriverSettings",
     "FixedTimeGap",
     "GateRun",
     "GoalSettings",

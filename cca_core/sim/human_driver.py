@@ -1,10 +1,12 @@
-"""A human at the wheel, without messages: sees, reacts late, and brakes as hard as the car can."""
+"""Human driver without V2V: sees a hazard, reacts late, and brakes fully."""
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
+from cca_core._checks import check_real
 from cca_core.decide import Action, CrossingSettings, Decision, find_conflict
 from cca_core.errors import Status
 from cca_core.follow import (
@@ -16,40 +18,67 @@ from cca_core.follow import (
 )
 from cca_core.frenet import FrenetVehicle, to_frenet
 from cca_core.path import Road
-from cca_core.planner.command import Command
+from cca_core.planner import Command
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
-__all__ = ["CURVE_ACCELERATION", "Driver"]
+__all__ = ["CURVE_ACCELERATION", "Driver", "DriverSettings"]
 
 CURVE_ACCELERATION = 2.5
-"""Lateral acceleration for which the driver slows down in bends [m/s^2], as the planner does."""
+"""Lateral acceleration that limits the speed in curves [m/s^2], as that of the planner."""
 
-_LIGHTS = -0.25  # acceleration at which brake lights are on [m/s^2]
-_LOOKS = 6.0  # time to contact within which something in the way alarms [s]
-_HORIZON = 6.0  # of crossing traffic [s]
-_PERIOD = 0.1  # between two looks at crossing traffic [s]
-_CROSSING = CrossingSettings(a_max=0.0, b_max=0.0, min_pet=0.5)
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriverSettings:
+    """What a driver takes for a hazard.
+
+    Parameters
+    ----------
+    brake_light_deceleration : float
+        Deceleration above which brake lights are on [m/s^2].
+    alarm_time : float
+        Time to collision below which a vehicle ahead is a hazard [s].
+    crossing_horizon : float
+        Time within which crossing vehicles are considered [s].
+    min_pet : float
+        Post-encroachment time below which a crossing vehicle is a hazard [s].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    brake_light_deceleration: float = 0.25
+    alarm_time: float = 6.0
+    crossing_horizon: float = 6.0
+    min_pet: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            check_real(name, getattr(self, name), ge=0.0)
 
 
 class Driver:
-    """Alert driver: keeps his lane and speed until he sees a danger, then brakes fully to a standstill.
+    """Alert human driver: keep lane and speed until they see a hazard, then brake fully to standstill.
 
-    A danger is a body in his way that brakes, or would be reached within 6 s, or one that crosses his way at
-    the same time as he. Once he has seen one he brakes, a reaction time later.
+    A hazard is a vehicle ahead that brakes or is closer than 6 s, or one that crosses at the same time as
+    the ego. The brakes follow one reaction time later.
 
     Parameters
     ----------
     vehicle : VehicleParams
-        His car.
+        The ego.
     road : Road
-        His way.
+        Route and lanes.
     cruise_speed : float
-        The speed that he keeps [m/s].
+        Target speed [m/s].
     speed : SpeedSettings
         Brakes: `b_max` and `jerk_emergency`.
-    reaction : float
-        From the first sight of a danger to the brakes [s]; 1.25 s is that of an alert driver to brake
+    reaction_time : float
+        Time from the first sight of a hazard to the brakes [s]; 1.25 s is that of an alert driver to brake
         lights.
+    settings : DriverSettings, optional
+        What is a hazard.
     """
 
     def __init__(
@@ -59,18 +88,21 @@ class Driver:
         *,
         cruise_speed: float,
         speed: SpeedSettings | None = None,
-        reaction: float = 1.25,
+        reaction_time: float = 1.25,
+        settings: DriverSettings | None = None,
     ) -> None:
         self.vehicle, self.road, self.cruise_speed = vehicle, road, cruise_speed
-        self.speed, self.reaction = speed or SpeedSettings(), reaction
+        self.speed, self.reaction_time = speed or SpeedSettings(), reaction_time
+        self.settings = settings or DriverSettings()
+        self._crossing = CrossingSettings(a_max=0.0, b_max=0.0, min_pet=self.settings.min_pet)
         self._controller = PreviewController(vehicle)
         limit = min(cruise_speed, road.speed_limit)
-        self._cap = squared_speed_limit(road.path, limit, CURVE_ACCELERATION, self.speed)
+        self._speed_profile = squared_speed_limit(road.path, limit, CURVE_ACCELERATION, self.speed)
         self._s: float | None = None
-        self._places: dict[str, float] = {}
-        self._alarmed = math.inf
-        self._danger = ""
-        self._looked = -math.inf
+        self._last_s: dict[str, float] = {}
+        self._t_alarmed = math.inf
+        self._hazard = ""
+        self._t_crossing = -math.inf
         self._t, self._a_x = -math.inf, 0.0
 
     def step(
@@ -88,62 +120,64 @@ class Driver:
         t : float
             Time [s].
         state : VehicleState
-            The car now.
+            The ego's motion now.
         remotes : iterable of RemoteVehicle
-            Those whom he sees.
+            The visible vehicles.
         awareness_range : float
-            Of the messages, which he does not hear [m].
+            Awareness range of V2V [m], which has no effect here.
 
         Returns
         -------
         command : Command
-            KEEP, or BRAKE once he has reacted.
+            KEEP, or BRAKE from the reaction on.
         """
         path = self.road.path
-        near = self._s if self._s is not None else float(path.project((state.x, state.y))[0])
-        s = self._s = path.foot_point(state.x, state.y, near)[0]
+        s_guess = self._s if self._s is not None else float(path.project((state.x, state.y))[0])
+        s = self._s = path.foot_point(state.x, state.y, s_guess)[0]
         dt, self._t = min(t - self._t, 0.1), t
-        if math.isinf(self._alarmed):
-            self._danger = self._look(t, s, state, remotes)
-            if self._danger:
-                self._alarmed = t
-        brakes = t >= self._alarmed + self.reaction - 1e-9
-        wanted = -self.speed.b_max if brakes else profile_acceleration(s, state.v_x, self._cap, self.speed)
-        self._a_x = jerk_limited(wanted, self._a_x, dt, self.speed, emergency=brakes)
-        if brakes:
-            reason = f"{self._danger}, seen {self.reaction:g} s ago"
+        if math.isinf(self._t_alarmed):
+            self._hazard = self._find_hazard(t, s, state, remotes)
+            if self._hazard:
+                self._t_alarmed = t
+        braking = t >= self._t_alarmed + self.reaction_time - 1e-9
+        cruise = profile_acceleration(s, state.v_x, self._speed_profile, self.speed)
+        wanted = -self.speed.b_max if braking else cruise
+        self._a_x = jerk_limited(wanted, self._a_x, dt, self.speed, emergency=braking)
+        if braking:
+            reason = f"braking for {self._hazard} (seen {self.reaction_time:g} s ago)"
             decision = Decision(action=Action.BRAKE, reason=reason)
         else:
-            decision = Decision(action=Action.KEEP, reason="no danger seen")
+            decision = Decision(action=Action.KEEP, reason="keeping lane: no hazard seen")
         return Command(
             delta=self._controller.steer(state, path, dt), a_x=float(self._a_x), decision=decision, band=None,
             reference=path, status=Status.OK,
         )  # fmt: skip
 
-    def _look(self, t: float, s: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> str:
-        """Name a danger in words; empty if there is none."""
-        neighbors, _ = to_frenet(remotes, self.road.path, self._places)
-        front = s + self.vehicle.front
-        for n in neighbors:
-            gap = n.s - n.half_length - front
-            if gap < -self.vehicle.length or abs(n.d) >= 0.5 * self.vehicle.width + n.half_width:
+    def _find_hazard(self, t: float, s: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> str:
+        """Vehicle and kind of a hazard in words; empty if there is none."""
+        vehicles, _ = to_frenet(remotes, self.road.path, self._last_s)
+        front, half_width = s + self.vehicle.front, 0.5 * self.vehicle.width
+        for n in vehicles:
+            gap = n.rear - front
+            if gap < -self.vehicle.length or abs(n.d) >= half_width + n.half_width:
                 continue
-            if n.remote.a_x <= _LIGHTS and n.v_s >= 0.0:
-                return f"{n.remote.id} brakes"
-            if gap < _LOOKS * (state.v_x - n.v_s):
-                return f"{n.remote.id} is in the way"
-        if t - self._looked >= _PERIOD - 1e-6:
-            self._looked = t
-            return self._crosses(s, state.v_x, neighbors)
+            if n.remote.a_x <= -self.settings.brake_light_deceleration and n.v_s >= 0.0:
+                return f"{n.id}: brake lights"
+            if gap < self.settings.alarm_time * (state.v_x - n.v_s):
+                return f"{n.id}: {max(gap, 0.0):.0f} m ahead"
+        if t - self._t_crossing >= 0.1 - 1e-6:  # ten times a second suffices
+            self._t_crossing = t
+            return self._find_crossing(s, max(state.v_x, 1.0), vehicles)
         return ""
 
-    def _crosses(self, s: float, v_x: float, neighbors: list[FrenetVehicle]) -> str:
-        v = max(v_x, 1.0)
-        for n in neighbors:
+    def _find_crossing(self, s: float, v: float, vehicles: list[FrenetVehicle]) -> str:
+        """Vehicle that crosses at the same time as the ego in words; empty if there is none."""
+        horizon = self.settings.crossing_horizon
+        for n in vehicles:
             conflict = find_conflict(
-                self.road.path, s, np.array([s, s + _HORIZON * v]), np.array([0.0, _HORIZON]), self.vehicle,
-                n.remote, horizon=_HORIZON, settings=_CROSSING,
+                self.road.path, s, np.array([s, s + horizon * v]), np.array([0.0, horizon]), self.vehicle,
+                n.remote, horizon=horizon, settings=self._crossing,
             )  # fmt: skip
             if conflict is not None and not conflict.is_clear:
-                return f"{n.remote.id} crosses"
+                return f"{n.id}: crossing"
         return ""

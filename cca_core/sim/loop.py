@@ -168,7 +168,7 @@ def make_driver(scenario: Scenario) -> Driver:
     """
     return Driver(
         scenario.vehicle, scenario.road, cruise_speed=scenario.cruise_speed, speed=scenario.speed,
-        reaction=scenario.reaction_time,
+        reaction_time=scenario.reaction_time,
     )  # fmt: skip
 
 
