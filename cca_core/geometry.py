@@ -53,6 +53,10 @@ def quintic_step(z: float | Array, height: float = 1.0) -> float | Array:
     return height * z**3 * (10.0 - 15.0 * z + 6.0 * z * z)
 
 
+QUINTIC_PEAK = 5.7735
+"""Largest second derivative of the quintic step [-]."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Boxes:
     """Oriented rectangles; the fields broadcast against each other.

@@ -9,11 +9,10 @@ from cca_core._checks import Array
 from cca_core.decide import Rejection
 from cca_core.errors import Status
 from cca_core.frenet import FrenetEgo
-from cca_core.geometry import quintic_step
+from cca_core.geometry import QUINTIC_PEAK, quintic_step
 from cca_core.path import Road, splice_path
 from cca_core.planner.maneuver import Maneuver
 from cca_core.planner.tuning import AbortSettings
-from cca_core.planner.window import QUINTIC_PEAK
 
 __all__ = ["return_length", "return_maneuver"]
 

@@ -10,6 +10,7 @@ from cca_core._checks import Array
 from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.frenet import FrenetEgo, FrenetVehicle
+from cca_core.geometry import QUINTIC_PEAK
 from cca_core.path import Lane, Road
 from cca_core.planner.settings import EvasionSettings
 
@@ -17,9 +18,6 @@ __all__ = ["HORIZON", "Window", "assumed_interval", "plan_window"]
 
 HORIZON = 600.0
 """Longest maneuver [m]."""
-
-QUINTIC_PEAK = 5.7735
-"""Peak of the second derivative of the quintic step [-]."""
 
 _START_OFFSET = 2.0  # a window begins this far behind the ego, whose place between nodes may err [m]
 _DISTANCES = np.arange(-_START_OFFSET, HORIZON, 1.0)  # at which the ego is compared with vehicles [m]

@@ -9,7 +9,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.errors import InputError, Status
-from cca_core.geometry import quintic_step
+from cca_core.geometry import QUINTIC_PEAK, quintic_step
 from cca_core.path import Lane, Path, Road, interpolate_path
 from cca_core.vehicle import RemoteVehicle, VehicleParams
 
@@ -20,8 +20,6 @@ Kind = Literal["one car", "slalom", "curve", "moving", "narrow gap", "blocked"]
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 """All kinds."""
-
-_PEAK_QUINTIC = 5.7735  # largest second derivative of the quintic step
 
 Gate = tuple[float, float, float]  # first and last station with this lateral offset of the proof [m]
 Car = tuple[float, float, float]  # station, lateral offset [m], speed along the road [m/s]
@@ -157,7 +155,7 @@ def _shift_length(
 ) -> float:
     """Length of a quintic shift at a random fraction of the remaining lateral acceleration [m]."""
     a_y = rng.uniform(*own.a_y_fraction) * (own.a_y_max - a_y_used)
-    return v * math.sqrt(_PEAK_QUINTIC * max(abs(offset), 0.3) / a_y)
+    return v * math.sqrt(QUINTIC_PEAK * max(abs(offset), 0.3) / a_y)
 
 
 def _one(
