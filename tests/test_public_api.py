@@ -35,3 +35,12 @@ def test_package_names_are_unique_and_exist(package: str) -> None:
 
 def test_top_level_names_shadow_no_package() -> None:
     assert not set(cca_core.__all__) & set(PACKAGES)
+
+
+def test_packages_share_no_name() -> None:
+    names = [
+        name
+        for package in PACKAGES
+        for name in getattr(importlib.import_module(f"cca_core.{package}"), "__all__", [])
+    ]
+    assert sorted(names) == sorted(set(names))

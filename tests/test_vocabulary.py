@@ -1,5 +1,6 @@
-"""The words of docs/notation.md: identifiers and pages use the terms of the field."""
+"""The words of docs/notation.md in identifiers and pages; names and imports of tests."""
 
+import ast
 import io
 import re
 import tokenize
@@ -11,6 +12,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = sorted(p for d in ("cca_core", "tests", "examples", "docs") for p in (ROOT / d).rglob("*.py"))
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+TESTS = [path for path in SOURCES if path.name.startswith("test_")]
 GENERATED = {"docs/changelog.md", "docs/performance.md", "docs/table1.md", "docs/validation.md"}
 
 REFUSED = frozenset(
@@ -25,6 +27,7 @@ PROSE = re.compile(
     re.IGNORECASE,
 )
 LONGEST = 40  # words in a sentence
+LONGEST_NAME = 60  # characters of a test's name
 
 
 def identifiers(path: Path) -> Iterator[tuple[int, str]]:
@@ -78,6 +81,15 @@ def test_page_uses_glossary_terms(path: Path) -> None:
         assert path.exists()
         return
     assert refused_prose(path) == []
+
+
+@pytest.mark.parametrize("path", TESTS, ids=lambda p: p.relative_to(ROOT).as_posix())
+def test_tests_have_short_names_and_no_imports_of_tests(path: Path) -> None:
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    names = [node.name for node in nodes if isinstance(node, ast.FunctionDef)]
+    assert [name for name in names if name.startswith("test_") and len(name) > LONGEST_NAME] == []
+    modules = [node.module or "" for node in nodes if isinstance(node, ast.ImportFrom)]
+    assert [name for name in modules if name.rpartition(".")[2].startswith("test_")] == []
 
 
 def test_words_split_at_underscores_and_capitals() -> None:
