@@ -66,6 +66,11 @@ def test_api_reference_names_exist() -> None:
     assert missing == []
 
 
+def test_api_reference_documents_public_modules_only() -> None:
+    public = {module.__name__ for module in public_modules()}
+    assert {module for module, _ in DOCUMENTED} - public == set()
+
+
 def test_public_name_is_documented_once() -> None:
     seen: dict[tuple[str, int], str] = {}
     for module, name in sorted(DOCUMENTED):
