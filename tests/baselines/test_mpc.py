@@ -1,4 +1,4 @@
-"""Predictive controllers: model, optimum, limits, symmetry, honesty about failure."""
+"""Predictive controllers: model, optimum, limits, symmetry, status of failures."""
 
 import dataclasses
 import math
@@ -49,13 +49,13 @@ STANDING = problem(car("a", 50.0, 0.0), goal=100.0)
 SLALOM = problem(car("a", 35.0, 0.0), car("b", 60.0, 3.5), car("c", 85.0, 0.0))
 SLOW = problem(car("a", 40.0, 0.0, 12.0), goal=200.0)
 ONCOMING = problem(car("a", 50.0, 0.0), car("o", 330.0, 3.5, 20.0, math.pi))
-FOUND = pytest.mark.parametrize(
+PROBLEM = pytest.mark.parametrize(
     "given", [STANDING, SLALOM, SLOW, ONCOMING], ids=["a", "slalom", "slow", "on"]
 )
 BOTH = pytest.mark.parametrize("planner", PLANNERS, ids=["linear", "ipopt", "fatrop"])
 
 
-def bend(radius: float) -> Path:
+def curve(radius: float) -> Path:
     phi = np.linspace(0.0, 400.0 / abs(radius), 201)
     nodes = np.column_stack((abs(radius) * np.sin(phi), radius * (1.0 - np.cos(phi))))
     return interpolate_path(nodes, start_tangent=[1.0, 0.0])
@@ -70,8 +70,8 @@ def motion(plan: Plan) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @BOTH
-@FOUND
-def test_limits_hold_when_looked_at_from_outside(planner: Any, given: Problem) -> None:
+@PROBLEM
+def test_plan_keeps_limits_and_clearance(planner: Any, given: Problem) -> None:
     plan = planner(COARSE).plan(given)
     assert plan.status is Status.OK, plan.message
     assert plan.t[0] == 0.0
@@ -93,7 +93,7 @@ def test_limits_hold_when_looked_at_from_outside(planner: Any, given: Problem) -
 
 
 @BOTH
-def test_empty_road_is_driven_straight_at_the_wanted_speed(planner: Any) -> None:
+def test_plan_on_empty_road_is_straight_at_wanted_speed(planner: Any) -> None:
     plan = planner(COARSE).plan(problem())
     assert plan.status is Status.OK
     assert np.abs(plan.xy[:, 1]).max() < 1e-4
@@ -102,8 +102,8 @@ def test_empty_road_is_driven_straight_at_the_wanted_speed(planner: Any) -> None
 
 @BOTH
 @pytest.mark.parametrize("radius", [300.0, -300.0])
-def test_empty_bend_is_followed(planner: Any, radius: float) -> None:
-    path = bend(radius)
+def test_plan_on_empty_curve_follows_route(planner: Any, radius: float) -> None:
+    path = curve(radius)
     plan = planner(COARSE).plan(problem(path=path))
     assert plan.status is Status.OK, plan.message
     _, d = path.project(plan.xy)
@@ -111,7 +111,7 @@ def test_empty_bend_is_followed(planner: Any, radius: float) -> None:
 
 
 @BOTH
-def test_mirrored_world_gives_the_mirrored_plan(planner: Any) -> None:
+def test_mirrored_problem_gives_mirrored_plan(planner: Any) -> None:
     given = problem(car("a", 45.0, 0.3), goal=100.0)
     mirrored = problem(car("a", 45.0, -0.3), goal=100.0, lanes=RIGHT)
     one, other = planner(COARSE).plan(given), planner(COARSE).plan(mirrored)
@@ -120,14 +120,14 @@ def test_mirrored_world_gives_the_mirrored_plan(planner: Any) -> None:
 
 
 @BOTH
-def test_blocked_road_is_not_called_free(planner: Any) -> None:
+def test_blocked_road_is_not_ok(planner: Any) -> None:
     plan = planner(COARSE).plan(problem(car("a", 60.0, 0.0), car("b", 60.0, 3.5)))
     assert plan.status is not Status.OK
     assert plan.message
 
 
 @BOTH
-def test_out_of_iterations_is_a_status(planner: Any) -> None:
+def test_iteration_limit_is_not_converged(planner: Any) -> None:
     plan = planner(MpcSettings(intervals=24, iterations=1)).plan(SLALOM)
     assert plan.status is Status.NOT_CONVERGED
     assert plan.message
@@ -135,7 +135,7 @@ def test_out_of_iterations_is_a_status(planner: Any) -> None:
 
 
 @BOTH
-def test_same_call_gives_the_same_plan_whatever_was_planned_before(planner: Any) -> None:
+def test_plan_does_not_depend_on_earlier_plans(planner: Any) -> None:
     again = planner(COARSE)
     first = again.plan(STANDING)
     again.plan(SLOW)
@@ -143,7 +143,7 @@ def test_same_call_gives_the_same_plan_whatever_was_planned_before(planner: Any)
     assert np.abs(first.xy - second.xy).max() < 1e-6
 
 
-def test_begun_at_its_own_solution_the_nonlinear_one_stays_there() -> None:
+def test_nonlinear_solution_is_fixed_point() -> None:
     planner = NonlinearMpc(COARSE)
     horizon = Horizon.of(STANDING, COARSE.intervals)
     v = np.full(len(horizon.t), V)
@@ -157,30 +157,32 @@ def test_begun_at_its_own_solution_the_nonlinear_one_stays_there() -> None:
 
 
 @pytest.mark.parametrize("radius", [math.inf, 200.0])
-def test_nonlinear_plan_obeys_a_bicycle_in_the_plane(radius: float) -> None:
-    """Steering and acceleration of the plan, integrated in x, y, psi, lead where it says."""
-    path = LINE if math.isinf(radius) else bend(radius)
+def test_nonlinear_plan_is_motion_of_bicycle(radius: float) -> None:
+    """Its steering and acceleration, integrated in x, y and psi, reproduce its positions."""
+    path = LINE if math.isinf(radius) else curve(radius)
     x, y = path.to_cartesian(45.0, 0.0).tolist()
     given = problem(car("a", x, y, 0.0, float(path.heading(45.0))), goal=100.0, path=path)
     horizon = Horizon.of(given, COARSE.intervals)
     start = FrenetState(s=0.0, v=V, kappa=path.curvature_at(0.0))
     v = np.full(len(horizon.t), V)
     guess = LinearMpc(COARSE).solve(horizon, start, V * horizon.t, v)
-    way = NonlinearMpc(COARSE).solve(horizon, start, *guess.nodes(len(v)), v)
-    assert way.status is not Status.NOT_CONVERGED
+    trajectory = NonlinearMpc(COARSE).solve(horizon, start, *guess.nodes(len(v)), v)
+    assert trajectory.status is not Status.NOT_CONVERGED
 
     def rate(t: float, z: np.ndarray) -> list[float]:
-        delta, a_x = np.interp(t, way.t, way.delta), np.interp(t, way.t, way.a_x)
+        delta, a_x = np.interp(t, trajectory.t, trajectory.delta), np.interp(t, trajectory.t, trajectory.a_x)
         gain = CAR.wheelbase + CAR.understeer_gradient * z[3] ** 2
         return [z[3] * math.cos(z[2]), z[3] * math.sin(z[2]), z[3] * delta / gain, a_x]
 
-    driven = solve_ivp(rate, (0.0, way.t[-1]), [0.0, 0.0, 0.0, V], t_eval=way.t, rtol=1e-8, max_step=0.05).y
+    driven = solve_ivp(
+        rate, (0.0, trajectory.t[-1]), [0.0, 0.0, 0.0, V], t_eval=trajectory.t, rtol=1e-8, max_step=0.05
+    ).y
     # the curvature of the road is held at each node over an interval
-    assert np.abs(way.xy(path).T - driven[:2]).max() < (2e-3 if math.isinf(radius) else 0.1)
+    assert np.abs(trajectory.xy(path).T - driven[:2]).max() < (2e-3 if math.isinf(radius) else 0.1)
 
 
-def test_linear_motion_without_limits_is_that_of_least_squares() -> None:
-    """From 1 m beside the route: cost |W z|^2 over the jerks alone, d, w, a by double sums."""
+def test_unlimited_linear_motion_is_quadratic_optimum() -> None:
+    """From 1 m off the route: cost |W z|^2 over the jerks alone, d, w, a by double sums."""
     settings = MpcSettings(intervals=20)
     n, h = 20, 0.25
     horizon = Horizon(
@@ -188,7 +190,9 @@ def test_linear_motion_without_limits_is_that_of_least_squares() -> None:
         v_wanted=V, clearance=0.3, a_y_max=100.0, final_d=(-20.0, 20.0),
     )  # fmt: skip
     v = np.full(n + 1, V)
-    way = LinearMpc(settings).solve(horizon, FrenetState(s=100.0, d=1.0, v=V), 100.0 + V * horizon.t, v)
+    trajectory = LinearMpc(settings).solve(
+        horizon, FrenetState(s=100.0, d=1.0, v=V), 100.0 + V * horizon.t, v
+    )
     step = np.array([[1.0, h, h * h / 2], [0.0, 1.0, h], [0.0, 0.0, 1.0]])
     push = np.array([h**3 / 6, h * h / 2, h])
     free, driven = np.empty((n + 1, 3)), np.zeros((n + 1, 3, n))
@@ -201,13 +205,13 @@ def test_linear_motion_without_limits_is_that_of_least_squares() -> None:
     rows = np.vstack((rows, math.sqrt(settings.weight_jerk) * np.eye(n)))
     right = -np.concatenate((scale[0] * free[:, 0], scale[1] * free[:, 2], np.zeros(n)))
     jerk = np.linalg.lstsq(rows, right, rcond=None)[0]
-    assert np.abs(way.d[::5] - (free + driven @ jerk)[:, 0]).max() < 1e-3
+    assert np.abs(trajectory.d[::5] - (free + driven @ jerk)[:, 0]).max() < 1e-3
 
 
-def test_all_choices_of_sides_are_offered_and_the_easiest_first() -> None:
+def test_side_choices_are_free_of_contradiction() -> None:
     horizon = Horizon.of(SLALOM, 24)
     found = side_choices(horizon, V * horizon.t, np.full(25, V), 0.0)
-    assert len(found) == 1  # left, right, left: all else leaves the road or contradicts itself
+    assert len(found) == 1  # left, right, left: all others leave the road or contradict themselves
     assert found[0].overlap == 0.0
     wide = dataclasses.replace(horizon, road=Road(LINE, (Lane(d=0.0, width=14.0),)))
     found = side_choices(wide, V * horizon.t, np.full(25, V), 0.0)
@@ -215,13 +219,13 @@ def test_all_choices_of_sides_are_offered_and_the_easiest_first() -> None:
     assert all((p.lower <= p.upper + 1e-9).all() for p in found)
 
 
-def test_both_solvers_find_the_same_way() -> None:
-    ways = [planner(COARSE).plan(STANDING) for planner in (NonlinearMpc, by_fatrop)]
-    assert np.abs(ways[0].xy - ways[1].xy).max() < 0.05
+def test_both_solvers_find_same_trajectory() -> None:
+    plans = [planner(COARSE).plan(STANDING) for planner in (NonlinearMpc, by_fatrop)]
+    assert np.abs(plans[0].xy - plans[1].xy).max() < 0.05
 
 
 @BOTH
-def test_missing_package_is_named(planner: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_extra_is_named(planner: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("cca_core._optional.find_spec", lambda name: None)
     with pytest.raises(MissingExtraError, match="pip install"):
         planner(COARSE)
@@ -230,27 +234,28 @@ def test_missing_package_is_named(planner: Any, monkeypatch: pytest.MonkeyPatch)
 @pytest.mark.parametrize(
     "wrong",
     [{"intervals": 4}, {"intervals": 20.0}, {"iterations": 0}, {"horizon": 0.0}, {"a_y_max": -1.0},
-     {"clearance": math.nan}, {"solver": "other"}, {"weight_d": 0.0}, {"weight_v": -1.0}, {"cpu_time": 0.0}],
+     {"clearance": math.nan}, {"solver": "other"}, {"weight_d": 0.0}, {"weight_v": -1.0}, {"cpu_time": 0.0},
+     {"corridor_margins": ()}, {"a_y_fraction": 1.5}, {"max_side_choices": 0}, {"vehicle_penalty": 0.0}],
 )  # fmt: skip
-def test_settings_are_checked(wrong: dict[str, Any]) -> None:
+def test_error_names_setting(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(wrong))):
         MpcSettings(**wrong)
 
 
-def test_ends_of_the_body_are_kept_where_their_corridor_is() -> None:
-    """The bound begins where the front meets the other, half an interval early, and the ends stay in it."""
+def test_body_ends_stay_in_corridor() -> None:
+    """The bound starts half an interval before the front is alongside the other vehicle."""
     horizon = Horizon.of(STANDING, 40)
     v, s = np.full(41, V), V * horizon.t
-    passage = side_choices(horizon, s, v, 0.0)[0]
+    choice = side_choices(horizon, s, v, 0.0)[0]
     reach = 0.5 * 4.5 + STANDING.clearance + 0.5 * V * horizon.step
-    for bound, offset in zip(passage.lower, (-2.25, 2.25), strict=True):
-        beside = np.abs(s + offset - 50.0) <= reach
-        assert beside.any()
-        assert np.allclose(bound[beside], 1.8 + STANDING.clearance)
-        assert np.allclose(bound[~beside][:-1], horizon.edges[0])
+    for bound, offset in zip(choice.lower, (-2.25, 2.25), strict=True):
+        alongside = np.abs(s + offset - 50.0) <= reach
+        assert alongside.any()
+        assert np.allclose(bound[alongside], 1.8 + STANDING.clearance)
+        assert np.allclose(bound[~alongside][:-1], horizon.edges[0])
     start = FrenetState(s=0.0, v=V)
-    way = LinearMpc(MpcSettings()).solve(horizon, start, s, v)
-    d, tan = way.d[::5], np.tan(way.angle[::5])
-    for bound, offset in zip(passage.lower, (-2.25, 2.25), strict=True):
+    trajectory = LinearMpc(MpcSettings()).solve(horizon, start, s, v)
+    d, tan = trajectory.d[::5], np.tan(trajectory.angle[::5])
+    for bound, offset in zip(choice.lower, (-2.25, 2.25), strict=True):
         assert (d + offset * tan - bound)[1:].min() > -1e-3
-    assert min((d + o * tan - b).min() for b, o in zip(passage.lower, (-2.25, 2.25), strict=True)) < 0.1
+    assert min((d + o * tan - b).min() for b, o in zip(choice.lower, (-2.25, 2.25), strict=True)) < 0.1

@@ -1,4 +1,4 @@
-"""Predictive control in closed loop: passes, waits, and never raises."""
+"""Predictive control in closed loop: it passes, follows, waits, and never raises."""
 
 import dataclasses
 import math
@@ -36,8 +36,14 @@ def is_usable(command: Command) -> bool:
 
 
 @METHODS
-@pytest.mark.parametrize(("s", "v"), [(100.0, 0.0), (60.0, 10.0)], ids=["standing", "slow"])
-def test_one_car_is_passed_without_contact(method: str, s: float, v: float) -> None:
+@pytest.mark.parametrize(
+    ("s", "v"),
+    [
+        pytest.param(100.0, 0.0, id="stationary", marks=pytest.mark.slow),
+        pytest.param(60.0, 10.0, id="slow"),
+    ],
+)
+def test_planner_passes_one_car_without_collision(method: str, s: float, v: float) -> None:
     log = drive(method, RoadUser(id="a", s=20.0 + s, d=0.0, v_x=v), duration=14.0)
     assert log.t[-1] == pytest.approx(14.0)
     assert log.gaps().min() > 0.3
@@ -49,7 +55,7 @@ def test_one_car_is_passed_without_contact(method: str, s: float, v: float) -> N
 
 
 @METHODS
-def test_without_a_second_lane_it_follows(method: str) -> None:
+def test_planner_follows_on_single_lane(method: str) -> None:
     log = drive(method, RoadUser(id="a", s=80.0, d=0.0, v_x=12.0), duration=12.0, road=Road(LINE))
     assert log.gaps().min() > 2.0
     assert np.abs(log.ego_frenet[:, 1]).max() < 0.2
@@ -58,7 +64,7 @@ def test_without_a_second_lane_it_follows(method: str) -> None:
 
 
 @METHODS
-def test_waits_for_oncoming_traffic(method: str) -> None:
+def test_planner_waits_for_oncoming_vehicle(method: str) -> None:
     road = Road(LINE, (Lane(d=0.0), Lane(d=3.5, direction=-1)))
     slow = RoadUser(id="a", s=70.0, d=0.0, v_x=10.0)
     other = RoadUser(id="o", s=300.0, d=3.5, v_x=20.0, direction=-1)
@@ -68,7 +74,7 @@ def test_waits_for_oncoming_traffic(method: str) -> None:
 
 
 @METHODS
-def test_nothing_in_the_way_changes_nothing(method: str) -> None:
+def test_empty_road_needs_no_control(method: str) -> None:
     log = drive(method, duration=2.0)
     assert np.abs(log.ego_frenet[:, 1]).max() < 1e-2
     assert np.abs(log.ego[:, 3] - 20.0).max() < 0.05
@@ -76,7 +82,7 @@ def test_nothing_in_the_way_changes_nothing(method: str) -> None:
 
 
 @METHODS
-def test_misuse_of_a_step_brakes(method: Any) -> None:
+def test_invalid_input_brakes(method: Any) -> None:
     planner = MpcPlanner(CAR, ROAD, cruise_speed=20.0, method=method)
     assert planner.step(0.0, STATE, []).status is Status.OK
     bad: list[tuple[Any, Any]] = [
@@ -95,7 +101,7 @@ def test_misuse_of_a_step_brakes(method: Any) -> None:
 
 
 @METHODS
-def test_without_solution_the_last_one_is_driven_on_and_then_it_brakes(method: Any) -> None:
+def test_missing_solution_continues_last_one_then_brakes(method: Any) -> None:
     planner = MpcPlanner(CAR, ROAD, cruise_speed=20.0, method=method, settings=MpcSettings(iterations=1))
     command = planner.step(0.0, STATE, [RemoteVehicle(id="a", x=150.0, y=0.0, psi=0.0, v_x=5.0)])
     assert command.status is Status.DEGRADED
@@ -116,7 +122,7 @@ def test_without_solution_the_last_one_is_driven_on_and_then_it_brakes(method: A
     [({"vehicle": 1}, "vehicle"), ({"road": 1}, "road"), ({"cruise_speed": 0.0}, "cruise_speed"),
      ({"method": "other"}, "method")],
 )  # fmt: skip
-def test_arguments_are_checked(wrong: dict[str, Any], name: str) -> None:
+def test_error_names_argument(wrong: dict[str, Any], name: str) -> None:
     given: dict[str, Any] = {"vehicle": CAR, "road": ROAD, "cruise_speed": 20.0, **wrong}
     with pytest.raises(InputError, match=name):
         MpcPlanner(**given)

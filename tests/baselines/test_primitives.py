@@ -1,4 +1,4 @@
-"""Motion primitives: limits, clearance, the route as optimum, mirror symmetry, infeasible roads."""
+"""Motion primitives: limits, clearance, the route as optimum, symmetry, infeasible roads."""
 
 import math
 from typing import Any
@@ -15,24 +15,24 @@ METHOD = MotionPrimitives()
 
 
 @pytest.mark.parametrize("radius", [math.inf, 200.0, -200.0])
-def test_an_empty_road_is_driven_along_the_route(radius: float) -> None:
-    task = problem([], on=road(radius))
-    plan = METHOD.plan(task)
+def test_plan_on_empty_road_follows_route(radius: float) -> None:
+    given = problem([], on=road(radius))
+    plan = METHOD.plan(given)
     assert plan.status is Status.OK
-    assert np.abs(task.road.path.project(plan.xy)[1]).max() < 0.01
-    assert plan.t[-1] == pytest.approx(task.duration)
+    assert np.abs(given.road.path.project(plan.xy)[1]).max() < 0.01
+    assert plan.t[-1] == pytest.approx(given.duration)
 
 
-@pytest.mark.parametrize("task", [*CASES.values(), SLALOM], ids=[*CASES, "slalom"])
-def test_keeps_limits_and_clearance(task: Problem) -> None:
-    plan = METHOD.plan(task)
+@pytest.mark.parametrize("given", [*CASES.values(), SLALOM], ids=[*CASES, "slalom"])
+def test_plan_keeps_limits_and_clearance(given: Problem) -> None:
+    plan = METHOD.plan(given)
     assert plan.status is Status.OK
-    gap, edge = measured_distances(task, plan)
-    assert gap >= task.clearance - 2e-3
+    gap, edge = measured_distances(given, plan)
+    assert gap >= given.clearance - 2e-3
     assert edge >= -2e-3
 
 
-def test_jerk_is_limited() -> None:
+def test_jerk_is_below_limit() -> None:
     plan = METHOD.plan(CASES["stationary"])
     t = np.linspace(0.0, plan.t[-1], 4001)
     d = np.interp(t, plan.t, plan.xy[:, 1])
@@ -40,7 +40,7 @@ def test_jerk_is_limited() -> None:
     assert 5.0 < np.abs(jerk).max() <= 1.02 * METHOD.jerk_max
 
 
-def test_a_small_limit_of_jerk_makes_shifts_longer() -> None:
+def test_small_jerk_limit_lengthens_shifts() -> None:
     gentle = MotionPrimitives(jerk_max=5.0).plan(problem([(80.0, 0.0, 0.0)], goal=160.0))
     step = gentle.t[1]
     assert np.abs(np.diff(gentle.xy[:, 1], 3)).max() / step**3 <= 5.1
@@ -52,7 +52,7 @@ def mirrored(radius: float, lanes: tuple[float, ...], cars: list[Any], side: flo
 
 
 @pytest.mark.parametrize("radius", [math.inf, 250.0])
-def test_mirrored_world_mirrored_plan(radius: float) -> None:
+def test_mirrored_problem_gives_mirrored_plan(radius: float) -> None:
     cars = [(50.0, -0.3, 0.0), (105.0, 2.5, 0.0)]
     plans = [METHOD.plan(mirrored(radius, (-3.5, 0.0, 3.5), cars, side)) for side in (1.0, -1.0)]
     assert plans[0].status is plans[1].status is Status.OK
@@ -61,33 +61,33 @@ def test_mirrored_world_mirrored_plan(radius: float) -> None:
 
 
 @pytest.mark.parametrize(
-    "task",
+    "given",
     [BLOCKED, problem([(15.0, 0.0, 0.0)]), problem([(50.0, 0.0, 0.0)], on=road(lanes=(0.0,)))],
-    ids=["blocked", "too near", "one lane"],
+    ids=["blocked", "too close", "one lane"],
 )
-def test_no_way_is_an_outcome(task: Problem) -> None:
-    plan = METHOD.plan(task)
+def test_infeasible_problem_has_status_and_message(given: Problem) -> None:
+    plan = METHOD.plan(given)
     assert plan.status is Status.INFEASIBLE
     assert plan.message
     assert len(plan.t) == len(plan.xy) == len(plan.v_x) == 0
 
 
-def test_a_lane_that_becomes_free_in_time_is_used_and_one_that_does_not_is_not() -> None:
-    leader = (60.0, 0.0, 0.0)
-    beside = [METHOD.plan(problem([leader, (s, 3.5, -20.0)], goal=150.0)) for s in (60.0, 120.0)]
-    assert [plan.status for plan in beside] == [Status.OK, Status.INFEASIBLE]
+def test_adjacent_lane_is_used_if_it_clears_in_time() -> None:
+    parked = (60.0, 0.0, 0.0)
+    plans = [METHOD.plan(problem([parked, (s, 3.5, -20.0)], goal=150.0)) for s in (60.0, 120.0)]
+    assert [plan.status for plan in plans] == [Status.OK, Status.INFEASIBLE]
 
 
-def test_a_road_bent_more_than_the_limit() -> None:
+def test_curve_beyond_curvature_limit_is_infeasible() -> None:
     assert METHOD.plan(problem([], on=road(80.0))).status is Status.INFEASIBLE
 
 
-def test_a_finer_lattice_costs_no_more() -> None:
-    """Offsets of the coarse lattice are offsets of the fine one: its plan is at most as far off the route."""
+def test_finer_lattice_costs_no_more() -> None:
+    """The fine lattice contains the offsets of the coarse one."""
     only_offset = {"weight_a_y": 0.0, "weight_jerk": 0.0}
-    task = CASES["stationary"]
+    given = CASES["stationary"]
     off = [
-        np.sum(MotionPrimitives(spacing=spacing, **only_offset).plan(task).xy[:, 1] ** 2)
+        np.sum(MotionPrimitives(spacing=spacing, **only_offset).plan(given).xy[:, 1] ** 2)
         for spacing in (0.5, 0.25, 0.125)
     ]
     assert off[0] >= off[1] >= off[2]
@@ -96,13 +96,14 @@ def test_a_finer_lattice_costs_no_more() -> None:
 @pytest.mark.parametrize(
     ("name", "value"),
     [("step", 0.0), ("spacing", 0.0), ("jerk_max", -1.0), ("weight_a_y", -1.0), ("weight_jerk", math.nan),
-     ("weight_offset", math.inf)],
+     ("weight_offset", math.inf), ("cell_width", 0.0), ("heading_step", -1.0), ("length_factors", (0.5,)),
+     ("max_attempts", 0)],
 )  # fmt: skip
-def test_bad_settings(name: str, value: float) -> None:
+def test_error_names_setting(name: str, value: Any) -> None:
     with pytest.raises(InputError, match=f"^{name} must"):
         MotionPrimitives(**{name: value})
 
 
-def test_no_cost_at_all() -> None:
+def test_error_without_any_weight() -> None:
     with pytest.raises(InputError, match="greater than 0"):
         MotionPrimitives(weight_a_y=0.0, weight_jerk=0.0, weight_offset=0.0)

@@ -1,4 +1,4 @@
-"""The textbook laws: their formulas in a steady turn, symmetry, the Riccati equation, a closed loop."""
+"""Textbook steering laws: formulas in a steady turn, symmetry, the Riccati equation, a closed loop."""
 
 import dataclasses
 import math
@@ -42,7 +42,7 @@ def in_turn(path: Path, s: float, v: float, car: VehicleParams, ahead: float) ->
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_nothing_to_do_on_a_straight_path(law: Any) -> None:
+def test_straight_path_needs_no_steering(law: Any) -> None:
     for v in (0.0, 5.0, 30.0):
         state = VehicleState(x=50.0, y=0.0, psi=0.0, v_x=v)
         assert law(CAR).steer(state, LINE) == pytest.approx(0.0, abs=1e-12)
@@ -50,7 +50,7 @@ def test_nothing_to_do_on_a_straight_path(law: Any) -> None:
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("v", [0.0, 3.0, 20.0])
-def test_steers_back_and_mirrored(law: Any, v: float) -> None:
+def test_law_steers_back_and_is_symmetric(law: Any, v: float) -> None:
     state = VehicleState(x=50.0, y=0.5, psi=0.0, v_x=v)
     delta = law(CAR).steer(state, LINE)
     assert delta < 0.0
@@ -62,12 +62,12 @@ def test_steers_back_and_mirrored(law: Any, v: float) -> None:
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_limit(law: Any) -> None:
+def test_steering_angle_is_limited(law: Any) -> None:
     state = VehicleState(x=50.0, y=30.0, psi=2.0, v_x=5.0)
     assert abs(law(CAR).steer(state, LINE)) <= CAR.delta_max
 
 
-def test_pure_pursuit_is_the_circle_to_the_goal() -> None:
+def test_pure_pursuit_is_circle_to_goal_point() -> None:
     """On a circle with the rear axle on it and along it: delta = atan(L / R) for every look-ahead."""
     psi, (x, y) = float(LEFT.heading(100.0)), LEFT.position(100.0).tolist()
     state = VehicleState(
@@ -81,7 +81,7 @@ def test_pure_pursuit_is_the_circle_to_the_goal() -> None:
         assert law.steer(state, LEFT) == pytest.approx(math.atan(CAR.wheelbase / 200.0), rel=1e-4)
 
 
-def test_stanley_formula() -> None:
+def test_stanley_equals_formula() -> None:
     """e and psi of the front axle on a straight road."""
     psi, e, v, r = 0.05, 0.4, 10.0, 0.02
     state = VehicleState(x=50.0, y=e - CAR.l_f * math.sin(psi), psi=psi, v_x=v, r=r)
@@ -91,7 +91,7 @@ def test_stanley_formula() -> None:
 
 @pytest.mark.parametrize("car", [CAR, UNDERSTEER])
 @pytest.mark.parametrize("v", [5.0, 15.0])
-def test_stanley_and_lqr_hold_a_steady_turn(car: VehicleParams, v: float) -> None:
+def test_stanley_and_lqr_hold_steady_turn(car: VehicleParams, v: float) -> None:
     expected = float(steady_steering(1.0 / 200.0, v, car))
     for law, ahead in ((Stanley(car), car.l_f), (LqrSteering(car), 0.0)):
         delta = law.steer(in_turn(LEFT, 100.0, v, car, ahead), LEFT)
@@ -99,7 +99,7 @@ def test_stanley_and_lqr_hold_a_steady_turn(car: VehicleParams, v: float) -> Non
 
 
 @pytest.mark.parametrize("v", [3.0, 10.0, 30.0])
-def test_lqr_is_optimal(v: float) -> None:
+def test_lqr_gains_are_optimal(v: float) -> None:
     """No change of a gain by a hundredth lowers the cost of x_0 with the weights given."""
     law = LqrSteering(CAR, q_d=0.05, q_rate=0.001, q_psi=0.7)
     model, k = discretized(single_track(CAR, v, 0.0), 0.02), law.gains(v)
@@ -123,7 +123,7 @@ def test_lqr_is_optimal(v: float) -> None:
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_follows_a_lane_change(law: Any) -> None:
+def test_law_follows_lane_change(law: Any) -> None:
     plant = SingleTrackPlant(CAR, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=14.0))
     run = track_path(plant, law(CAR).steer, lane_change_path(3.5, 60.0), 14.0)
     assert run.peak < 0.15
@@ -133,8 +133,9 @@ def test_follows_a_lane_change(law: Any) -> None:
     ("law", "name", "value"),
     [(PurePursuit, "look_ahead_time", 0.0), (PurePursuit, "min_look_ahead", -1.0), (Stanley, "gain", -1.0),
      (Stanley, "softening", math.nan), (Stanley, "yaw_damping", -0.1), (LqrSteering, "q_d", 0.0),
-     (LqrSteering, "q_rate", -1.0), (LqrSteering, "q_psi", -1.0)],
+     (LqrSteering, "q_rate", -1.0), (LqrSteering, "q_psi", -1.0), (LqrSteering, "cycle_time", 0.0),
+     (LqrSteering, "min_speed", 0.0)],
 )  # fmt: skip
-def test_bad_tuning(law: Any, name: str, value: float) -> None:
+def test_error_names_setting(law: Any, name: str, value: float) -> None:
     with pytest.raises(InputError, match=f"^{name} must"):
         law(CAR, **{name: value})

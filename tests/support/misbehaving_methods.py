@@ -1,4 +1,4 @@
-"""Methods that do what no method should, and one that does nothing."""
+"""Methods that fail in every way, and one that ignores all vehicles."""
 
 import os
 import time
@@ -10,7 +10,7 @@ from cca_core.baselines import Plan, Problem
 
 
 class Straight:
-    """Along the route, whatever stands there."""
+    """Claims a plan along the route, through every vehicle."""
 
     def plan(self, problem: Problem) -> Plan:
         t = np.linspace(0.0, problem.duration, 200)
@@ -20,7 +20,7 @@ class Straight:
 
 class Raises:
     def plan(self, problem: Problem) -> Plan:
-        raise ValueError("of its own")
+        raise ValueError("its own error")
 
 
 class Hangs:
@@ -43,7 +43,7 @@ class CannotBeMade:
 
 
 class Empty:
-    """Claims to be good and has no way."""
+    """Claims a plan without a trajectory."""
 
     def plan(self, problem: Problem) -> Plan:
         return Plan(status=Status.OK)
