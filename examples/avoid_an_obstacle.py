@@ -15,8 +15,7 @@ from cca_core import (
     fit_path,
 )
 from cca_core.path import read_waypoints
-from cca_core.sim import SingleTrackPlant
-from cca_core.sim.scenarios.demo_road import demo_route
+from cca_core.sim import SingleTrackPlant, demo_route
 
 route = read_waypoints(Path(sys.argv[1])) if len(sys.argv) > 1 else demo_route()  # or a CSV file
 frame = LocalFrame(route.lat[0], route.lon[0])

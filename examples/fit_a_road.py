@@ -3,7 +3,7 @@
 import numpy as np
 
 from cca_core import LocalFrame, fit_path
-from cca_core.sim.scenarios.demo_road import demo_route
+from cca_core.sim import demo_route
 
 route = demo_route()
 frame = LocalFrame(route.lat[0], route.lon[0])

@@ -1,4 +1,4 @@
-"""How often does a driver collide, and how often a connected car? Varied runs, resumed where they stopped."""
+"""Collision rates of a driver, a sensor and a connected car, from sampled runs that can be resumed."""
 
 import argparse
 from pathlib import Path
@@ -8,11 +8,11 @@ from tqdm import tqdm
 from cca_core.plot import plot_study
 from cca_core.sim import EGO_TYPES, ParameterRanges, Study, run_study
 
-# On many machines: run_study(study, path, executor=Client(...).get_executor()) with Dask's Client.
+# on many machines: run_study(study, path, executor=Client(...).get_executor()) with Dask's Client
 
 
 def main() -> None:
-    """Drive, or drive on."""
+    """Run the study, or resume it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenario", default="eebl")
     parser.add_argument("--runs", type=int, default=12)
@@ -22,16 +22,15 @@ def main() -> None:
     study = Study(parameters=ParameterRanges(scenario=args.scenario), runs=args.runs)
     with tqdm(total=study.target_runs, unit="run", disable=None) as bar:
 
-        def progress(done: int, wanted: int) -> None:
+        def progress(done: int, target: int) -> None:
             bar.update(done - bar.n)
 
         table = run_study(study, args.out / f"study_{args.scenario}.db", progress=progress)
     table.write_csv(args.out / f"study_{args.scenario}.csv")
-    for ego in EGO_TYPES:
-        rate = table.rate(ego)
-        print(
-            f"{ego:6} hits in {rate.n_events} of {rate.n} avoidable runs: {rate.ci_low:.1%} to {rate.ci_high:.1%}"
-        )
+    for ego_type in EGO_TYPES:
+        rate = table.rate(ego_type)
+        interval = f"{rate.ci_low:.1%} to {rate.ci_high:.1%}"
+        print(f"{ego_type:6} collides in {rate.n_events} of {rate.n} avoidable runs: {interval}")
     plot_study([table], bins=3).savefig(args.out / f"study_{args.scenario}.png", dpi=120)
 
 

@@ -18,6 +18,7 @@ from cca_core.sim.plants.multi_body import MultiBodyPlant
 from cca_core.sim.plants.single_track import SingleTrackPlant
 from cca_core.sim.replay import replay
 from cca_core.sim.scenarios.curbside import CURBSIDE_CASES, curbside
+from cca_core.sim.scenarios.demo_road import demo_route, longest_stretch
 from cca_core.sim.scenarios.eebl import EEBL_CASES, LOSSY_CHANNEL, eebl
 from cca_core.sim.scenarios.ima import IMA_CASES, ima
 from cca_core.sim.scenarios.overtaking import OVERTAKING_CASES, overtaking, paper_scenarios
@@ -60,6 +61,7 @@ __all__ = [
     "StudyTable",
     "TrackingRun",
     "curbside",
+    "demo_route",
     "drive_commonroad",
     "drive_through",
     "eebl",
@@ -71,6 +73,7 @@ __all__ = [
     "lane_change_path",
     "lead_speed",
     "load_log",
+    "longest_stretch",
     "make_driver",
     "make_planner",
     "make_plant",

@@ -10,7 +10,7 @@ from scipy.special import fresnel
 
 from cca_core.errors import InfeasibleError, InputError
 from cca_core.path import LocalFrame, Path, clean_route, fit_path
-from cca_core.sim.scenarios.demo_road import demo_route
+from cca_core.sim import demo_route
 
 
 def speed_error(path: Path) -> float:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from cca_core import LocalFrame, Path, fit_path
-from cca_core.sim.scenarios.demo_road import demo_route, longest_stretch
+from cca_core.sim import demo_route, longest_stretch
 
 
 def winding_road() -> Path:

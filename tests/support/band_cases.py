@@ -11,7 +11,7 @@ import numpy as np
 
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import LocalFrame, Path, Waypoints, clean_route, fit_path, read_waypoints
-from cca_core.sim.scenarios.demo_road import demo_route
+from cca_core.sim import demo_route
 from cca_core.vehicle import VehicleParams
 from tests.support.band_measure import curve_through, left_of, peak_curvature, poses, stations
 

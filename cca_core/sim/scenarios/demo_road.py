@@ -7,7 +7,9 @@ import numpy as np
 from cca_core._checks import check_real
 from cca_core.path import Path, Waypoints
 
-# Center line of Interstate 80 eastbound in Wyoming: latitude, longitude [deg]
+__all__ = ["demo_route", "longest_stretch"]
+
+# Centerline of Interstate 80 eastbound in Wyoming: latitude, longitude [deg]
 # fmt: off
 _INTERSTATE_80 = (
     (41.294724, -110.691588), (41.294696, -110.691309), (41.294675, -110.691016), (41.294663, -110.690728),
@@ -55,7 +57,25 @@ def demo_route() -> Waypoints:
 
 
 def longest_stretch(path: Path, *, radius: float = 200.0) -> tuple[float, float]:
-    """Return both ends [m] of the longest part of a path without a curve tighter than `radius`, to 1 m."""
+    """Longest part of a path without a tight curve.
+
+    Parameters
+    ----------
+    path : Path
+        The road.
+    radius : float
+        Minimum radius of curvature [m], positive.
+
+    Returns
+    -------
+    start, end : float
+        Stations of both ends [m], to 1 m; equal if there is no such part.
+
+    Raises
+    ------
+    InputError
+        If `radius` is not positive.
+    """
     radius = check_real("radius", radius, gt=0.0)
     s = np.linspace(path.start, path.end, math.ceil(path.length) + 1)
     gentle = np.abs(path.curvature(s)) <= 1.0 / radius
