@@ -95,7 +95,8 @@ def make_corridor(
         max_step = (np.abs(center[..., 1:] - center[..., :-1]) + turns).max(axis=-1)
     relative = (center - route) * tangents.conj()
     alongside, right, left = _span(
-        relative - vehicle.box_offset, ahead * tangents.conj(), half_length + clearance, half_width + clearance,
+        relative - vehicle.box_offset, ahead * tangents.conj(),
+        half_length + clearance, half_width + clearance,
         0.5 * vehicle.length, lead[..., None, None],
     )  # fmt: skip
     half = 0.5 * vehicle.width
@@ -121,7 +122,7 @@ def _stacked(obstacles: Sequence[Boxes], shape: tuple[int, ...]) -> Array:
             x[i], y[i], psi[i], length[i], width[i] = o.x, o.y, o.psi, o.length, o.width
         except (TypeError, ValueError):
             raise InputError(
-                f"obstacles must have fields of real numbers, shape () or {shape}, those of obstacle {i} had others"
+                f"obstacles must have fields of real numbers with shape () or {shape}, was obstacle {i}"
             ) from None
     if not np.isfinite(fields).all():
         raise InputError("obstacles must be finite")

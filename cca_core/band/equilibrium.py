@@ -185,7 +185,7 @@ class _System:
         return under, over, self.curvature.lower > 0.0, self.curvature.upper < 0.0
 
     def active_set(self, u: Array) -> tuple[Mask, ...]:
-        """Return the bounds that a displacement (bands, inner) violates: lower, upper, and both of bending."""
+        """Return the bounds that a displacement (bands, inner) violates: lower, upper, and of curvature."""
         under, over = u < self.low, u > self.high
         if self.curvature is None:
             return under, over

@@ -84,7 +84,7 @@ def curvature_of(nodes: Complex) -> Array:
 
 
 def spline_moments(nodes: Complex, ends: Complex) -> tuple[Complex, Array, Complex]:
-    """Return unit tangents, curvature and moments / 6 [1/m] of the C2 cubic with given moments at the ends."""
+    """Return unit tangents, curvature and moments / 6 [1/m] of the C2 cubic with given end moments."""
     from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
     steps = nodes[:, 1:] - nodes[:, :-1]

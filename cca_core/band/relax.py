@@ -44,8 +44,8 @@ def relax_band(
         (fields of shape ()) is a stationary obstacle. Sizes include the uncertainty that is to be respected.
     side : {"left", "right"} or sequence of them, optional
         Side on which the ego passes the obstacles that leave less than `clearance` next to the route; the
-        other obstacles keep their side. A sequence gives the side of every obstacle. By default, the assignment
-        with the least energy among those that satisfy clearance and limits; left of two equals.
+        other obstacles keep their side. A sequence gives the side of every obstacle. By default, the
+        assignment with the least energy among those that satisfy clearance and limits; left of two equals.
     vehicle : VehicleParams
         The ego; its box is swept along the band.
     clearance : float

@@ -118,7 +118,7 @@ def smooth_band(
 def _safe_displacement_bounds(
     found: Certificate, u: Array, passes_left: Mask, clearance: float
 ) -> tuple[Array, Array]:
-    """Return bounds of u that keep gaps above the clearance: at given headings no gap changes faster than u."""
+    """Return bounds of u that keep gaps above the clearance: no gap changes faster than u."""
     excess = found.gaps[:, 0] - (clearance + _MARGIN)
     left = passes_left[:, None]
     low = np.min(excess, axis=0, where=left, initial=math.inf)

@@ -49,7 +49,8 @@ class Tracker:
     --------
     >>> from cca_core.v2x import Bsm
     >>> tracker = Tracker(LocalFrame(45.0, 14.0))
-    >>> bsm = Bsm(msg_count=0, id="00c0ffee", latitude_deg=45.001, longitude_deg=14.0, speed=0.0, sec_mark=7.0)
+    >>> at = {"latitude_deg": 45.001, "longitude_deg": 14.0, "sec_mark": 7.0}
+    >>> bsm = Bsm(msg_count=0, id="00c0ffee", speed=0.0, **at)
     >>> tracker.update(bsm, 7.1).kind, round(tracker.vehicles(7.1)[0].y, 1)
     ('new', 111.1)
     """

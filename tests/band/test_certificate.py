@@ -189,7 +189,7 @@ def test_distant_obstacle_has_lower_bound_only() -> None:
     assert 1.0 <= band.clearance <= 9.0 - 0.9 - 0.5 * CAR.width + 1e-9
 
 
-# --- active constraint ----------------------------------------------------------------------------
+# --- active constraint --------------------------------------------------------------------------------
 
 CROSSWISE = boxes(75.0, 0.0, 0.0, 4.5, 1.8)
 
@@ -293,7 +293,7 @@ def test_pin_outside_edges_is_infeasible() -> None:
     assert -1.0 < band.edge_clearance < -0.8  # half the body at the pins
 
 
-# --- lead vehicles --------------------------------------------------------------------------------------------
+# --- lead vehicles ------------------------------------------------------------------------------------
 
 
 def lead(route: np.ndarray, ratio: float, ahead: float = 30.0) -> Boxes:

@@ -75,7 +75,7 @@ def test_wide_corridor_equals_none() -> None:
         assert none.edge_clearance == math.inf
 
 
-# --- one obstacle ---------------------------------------------------------------------------------------
+# --- one obstacle -------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("route", [straight(), bend(), bend(-150.0)])
@@ -114,7 +114,7 @@ def test_lead_distance_widens_the_displaced_stretch(lead: float) -> None:
         np.testing.assert_allclose(band.displacement[130:], short.displacement[130:], atol=0.6)
 
 
-# --- edges ----------------------------------------------------------------------------------------------
+# --- edges --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("route", [straight(), bend(60.0), bend(-60.0)])
@@ -157,7 +157,7 @@ def test_narrowing_edge_displaces_band() -> None:
     assert_certified(band, case)
 
 
-# --- forces ---------------------------------------------------------------------------------------------
+# --- forces -------------------------------------------------------------------------------------------
 
 
 @each_side
@@ -203,7 +203,7 @@ def test_repr() -> None:
     assert repr(relax(case, side="left")).startswith("Band(OK, 151 nodes, left by 2.")
 
 
-# --- invalid arguments ---------------------------------------------------------------------------------------------
+# --- invalid arguments --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ def heading(nodes: np.ndarray) -> np.ndarray:
     return np.unwrap(np.arctan2(*np.diff(nodes, axis=0).T[::-1]))
 
 
-# --- mesh -----------------------------------------------------------------------------------------------
+# --- mesh ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("d", [0.0, -1.0, -1.5])
@@ -47,7 +47,7 @@ def test_peak_is_mesh_independent_on_curve(radius: float) -> None:
     assert max(peaks) <= 1.02 * min(peaks)
 
 
-# --- offset of the obstacle -----------------------------------------------------------------------------
+# --- offset of the obstacle ---------------------------------------------------------------------------
 
 OFFSETS = np.linspace(-2.0, 2.0, 161)
 
@@ -81,7 +81,7 @@ def test_peak_on_chosen_side_falls_with_offset() -> None:
     np.testing.assert_allclose(peaks, peaks[::-1], rtol=0.0, atol=1e-9)
 
 
-# --- pins -----------------------------------------------------------------------------------------------
+# --- pins ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_pins_are_flat_in_slope_and_curvature() -> None:
     assert bent[0] / bent[1] == pytest.approx(2.0, rel=0.1)
 
 
-# --- symmetry -------------------------------------------------------------------------------------------
+# --- symmetry -----------------------------------------------------------------------------------------
 
 
 def mirrored(o: Boxes) -> Boxes:
@@ -204,7 +204,7 @@ def test_rotation_invariance(radius: float | None, h: float, turn: float) -> Non
     assert there.curvature == pytest.approx(here.curvature, abs=1e-9)
 
 
-# --- meaning of the stiffness ---------------------------------------------------------------------------
+# --- meaning of the stiffness -------------------------------------------------------------------------
 
 
 def test_curvature_rate_stiffness_gives_quintic() -> None:

@@ -100,7 +100,8 @@ def counted(count: int, solvable_cases: int) -> Tally:
             reason = found["smooth"]
             tally.unsolved.append(
                 f"{count} obstacles, case {number - 1}, {problem.kind}, h {reason.spacing:.1f}, possible "
-                f"{' '.join(sides)}, tried {' '.join(reason.sides)}: {reason.message} [{reason.active_constraint}]"
+                f"{' '.join(sides)}, tried {' '.join(reason.sides)}: {reason.message} "
+                f"[{reason.active_constraint}]"
             )
     return tally
 

@@ -1,4 +1,4 @@
-"""A second decoder: a compiler of ASN.1, and a schema that states the ranges and nothing else."""
+"""Second decoder: an ASN.1 compiler and a schema of ranges."""
 
 import math
 from functools import cache
@@ -60,7 +60,7 @@ def compiled() -> Any:
 
 
 def random_core(rng: np.random.Generator, absent: float = 0.15) -> dict[str, Any]:
-    """Codes of Part I: anywhere in the range, at its ends, or unavailable."""
+    """Random codes of Part I: in the range, at its ends, or unavailable."""
     core: dict[str, Any] = {}
     for name, (low, high) in RANGES.items():
         draw = rng.random()
@@ -113,7 +113,7 @@ def read(data: bytes) -> dict[str, Any]:
 
 
 def meaning(core: dict[str, Any]) -> dict[str, Any]:
-    """Codes in SI units and ISO 8855: a second writing of the table in the documentation."""
+    """Codes in SI units and ISO 8855 axes, as in the table of the documentation."""
 
     def scaled(name: str, unit: float) -> float | None:
         return None if core[name] == ABSENT.get(name) else core[name] * unit
@@ -164,7 +164,7 @@ def flat(bsm: Bsm) -> dict[str, Any]:
 
 
 def assert_means(data: bytes, core: dict[str, Any]) -> None:
-    """It decodes to what these codes mean, and Part I encodes to the same bits again."""
+    """Assert that data decode to the meaning of codes, and that Part I encodes to the same bits."""
     bsm = decode_bsm(data)
     found, meant = flat(bsm), meaning(core)
     assert found.keys() == meant.keys()

@@ -21,7 +21,7 @@ Kind = Literal["straight", "curved", "recorded"]
 KINDS: tuple[Kind, ...] = ("straight", "curved", "recorded")
 LANE = 3.5  # [m]
 TIGHTEST = 40.0  # radius of a recorded road [m]
-TRIES = 30  # for an obstacle that leaves the pinned ends free
+TRIES = 30  # for an obstacle clear of the pinned ends
 SIZES = ((3.9, 1.7), (4.5, 1.8), (4.9, 1.95), (6.0, 2.1), (8.0, 2.45), (12.0, 2.55))  # [m]
 MOTORWAY = ((700, 900), (1500, 1700), (4000, 4200), (8000, 8200))  # rows of the recorded file
 
@@ -40,7 +40,7 @@ class Case:
 
 
 def case(rng: np.random.Generator, count: int, kind: Kind | None = None) -> Case:
-    """Draw a case with so many obstacles; its obstacles have one box per node."""
+    """Sample a case with so many obstacles; its obstacles have one box per node."""
     vehicle = VehicleParams.bmw_320i()
     kind = kind or KINDS[rng.choice(3, p=(0.3, 0.4, 0.3))]
     spacing = float(rng.choice((0.5, 1.0, 2.0), p=(0.12, 0.76, 0.12)))
@@ -53,9 +53,9 @@ def case(rng: np.random.Generator, count: int, kind: Kind | None = None) -> Case
     corridor = _corridor(rng, n, 0.8 if count < 4 else 0.6, vehicle)
     strict = rng.random() > 0.03
     obstacles: list[Boxes] = []
-    for place in _places(rng, count):
+    for passage in _passages(rng, count):
         for _ in range(TRIES):
-            obstacle = _obstacle(rng, nodes, spacing, speed, place)
+            obstacle = _obstacle(rng, nodes, spacing, speed, passage)
             if not strict or _leaves_ends(nodes, obstacle, vehicle, clearance):
                 break
         obstacles.append(obstacle)
@@ -104,7 +104,7 @@ def _route(rng: np.random.Generator, kind: Kind, n: int, spacing: float) -> Arra
 
 @cache
 def _recorded() -> list[Path]:
-    """Recorded roads, the one with the most bends last; without the data, the library's own."""
+    """Recorded roads, the most curved last; without the data, the demo road."""
     root = FilePath(__file__).resolve().parents[3]
     folder = FilePath(os.environ.get("CCA_DATA_DIR", root / "shared" / "data")) / "gps"
     tables = [demo_route()]
@@ -121,7 +121,7 @@ def _recorded() -> list[Path]:
 
 
 def _corridor(rng: np.random.Generator, n: int, narrow: float, vehicle: VehicleParams) -> tuple[Array, Array]:
-    """Edges of two (their share: narrow) or three lanes, the ego in any; some draw nearer farther on."""
+    """Edges of two (their fraction: narrow) or three lanes, the ego in any; some narrow farther on."""
     lanes, shoulder = int(rng.choice((2, 3), p=(narrow, 1.0 - narrow))), rng.uniform(0.0, 0.6, 2)
     own = int(rng.integers(lanes))
     right = np.full(n, -(own + 0.5) * LANE - shoulder[0])
@@ -133,33 +133,33 @@ def _corridor(rng: np.random.Generator, n: int, narrow: float, vehicle: VehicleP
             right = right + rng.uniform(0.3, 2.0) * ramp
         else:
             left = left - rng.uniform(0.3, 2.0) * ramp
-    room = 0.5 * vehicle.width + 0.3
-    return np.minimum(right, -room), np.maximum(left, room)
+    margin = 0.5 * vehicle.width + 0.3
+    return np.minimum(right, -margin), np.maximum(left, margin)
 
 
-def _places(rng: np.random.Generator, count: int) -> list[tuple[float, float]]:
-    """Share of the route at which each obstacle is met, and the lateral coordinate to expect it at [m]."""
-    shares = (np.arange(count) + rng.uniform(0.1, 0.9, count)) / count
+def _passages(rng: np.random.Generator, count: int) -> list[tuple[float, float]]:
+    """Fraction of the route at which the ego passes each obstacle, and its lateral offset [m]."""
+    fractions = (np.arange(count) + rng.uniform(0.1, 0.9, count)) / count
     if rng.random() < 0.3:
-        shares = np.sort(rng.random(count))
+        fractions = np.sort(rng.random(count))
     lateral = rng.uniform(-4.5, 4.5, count) * (0.5 if count < 3 else 1.0)
     if rng.random() < 0.5:  # traffic keeps to one side
         lateral = np.abs(lateral) * rng.choice((-1.0, 1.0))
-    return [(float(0.28 + 0.44 * a), float(b)) for a, b in zip(shares, lateral, strict=True)]
+    return [(float(0.28 + 0.44 * a), float(b)) for a, b in zip(fractions, lateral, strict=True)]
 
 
 def _obstacle(
-    rng: np.random.Generator, nodes: Array, spacing: float, speed: float, place: tuple[float, float]
+    rng: np.random.Generator, nodes: Array, spacing: float, speed: float, passage: tuple[float, float]
 ) -> Boxes:
-    """A vehicle of constant velocity that the ego is beside at about that place."""
+    """A vehicle of constant velocity that the ego passes at about that position."""
     n = len(nodes)
-    share = float(np.clip(place[0] + rng.uniform(-0.06, 0.06), 0.2, 0.8))
-    met = share * (n - 1)
+    fraction = float(np.clip(passage[0] + rng.uniform(-0.06, 0.06), 0.2, 0.8))
+    met = fraction * (n - 1)
     curve = curve_through(nodes)
     at = float(np.interp(met, np.arange(n), stations(nodes)))
     t = curve(at, 1)
     psi = math.atan2(t[1], t[0])
-    lateral = float(np.clip(place[1] + rng.uniform(-0.3, 0.3), -4.5, 4.5))
+    lateral = float(np.clip(passage[1] + rng.uniform(-0.3, 0.3), -4.5, 4.5))
     point = curve(at) + lateral * left_of(t[None, :] / np.hypot(*t))[0]
     length, width = SIZES[int(rng.choice(len(SIZES), p=(0.25, 0.3, 0.2, 0.1, 0.1, 0.05)))]
     heading = psi + rng.uniform(-0.2, 0.2) * (rng.random() < 0.7)

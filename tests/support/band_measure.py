@@ -1,4 +1,4 @@
-"""What a bent route keeps to, measured densely and without the library's own geometry."""
+"""Clearance, edges and curvature of a band by dense measurement, without the geometry of the library."""
 
 import math
 from functools import lru_cache
@@ -31,19 +31,19 @@ def displaced(nodes: Array, u: Array) -> Array:
 def remeasure(nodes: Array, case: "Case") -> float:
     """Least distance of the swept ego to any obstacle [m], minus the depth of the deepest overlap.
 
-    Looked at every few centimeters of the ego's way where it may be least, and closer around the dips.
+    Sampled every few centimeters where it may be smallest, and closer around the dips.
     """
     n = len(nodes)
     parts = math.ceil(float(np.diff(stations(nodes)).max()) / STEP)
     coarse = np.arange(n, dtype=float)
     at_nodes = poses(nodes, coarse, case.vehicle)
-    least = math.inf
+    smallest = math.inf
     for obstacle in case.obstacles:
         box = interpolated(obstacle, coarse, n)
         gap = _gaps(at_nodes, box)
-        least = min(least, float(gap.min()))
-        most = _travel(at_nodes) + _travel(box)  # the nearer node is at most half of it away
-        near = np.flatnonzero(np.minimum(gap[:-1], gap[1:]) - 0.6 * most < least)
+        smallest = min(smallest, float(gap.min()))
+        travel = _travel(at_nodes) + _travel(box)  # the nearer node is at most half of it away
+        near = np.flatnonzero(np.minimum(gap[:-1], gap[1:]) - 0.6 * travel < smallest)
         index = near[:, None] + np.arange(parts + 1) / parts
         for step in (1.0 / parts, 1.0 / parts / CLOSER):
             if not index.size:
@@ -52,16 +52,16 @@ def remeasure(nodes: Array, case: "Case") -> float:
             gap = _gaps(poses(nodes, rows, case.vehicle), interpolated(obstacle, rows, n)).reshape(
                 index.shape
             )
-            least = min(least, float(gap.min()))
+            smallest = min(smallest, float(gap.min()))
             wide = np.pad(gap, ((0, 0), (1, 1)), constant_values=math.inf)
-            dips = (gap <= wide[:, :-2]) & (gap <= wide[:, 2:]) & (gap < least + DEEPEST)
+            dips = (gap <= wide[:, :-2]) & (gap <= wide[:, 2:]) & (gap < smallest + DEEPEST)
             index = index[dips][:, None] + step * np.linspace(-1.0, 1.0, 2 * CLOSER + 1)
             index = index.clip(0.0, n - 1.0)
-    return least
+    return smallest
 
 
 def edge_excess(nodes: Array, case: "Case") -> float:
-    """How far a corner of the swept ego gets across an edge of the road [m], negative inside."""
+    """Distance of a corner of the swept ego beyond an edge of the road [m], negative inside."""
     n = len(nodes)
     parts = math.ceil(float(np.diff(stations(nodes)).max()) / STEP)
     pose = poses(nodes, np.arange((n - 1) * parts + 1) / parts, case.vehicle)
@@ -71,7 +71,7 @@ def edge_excess(nodes: Array, case: "Case") -> float:
 
 
 def curvature_excess(nodes: Array, case: "Case") -> float:
-    """By which share the spline's curvature is over the limit where it is most [-], negative below it."""
+    """Largest excess of the curvature as a fraction of its limit [-], negative below it."""
     n = len(nodes)
     index = np.linspace(0.0, n - 1.0, 8 * n - 7)
     limit = np.interp(index, np.arange(n), np.broadcast_to(case.curvature_limit, n))
@@ -84,7 +84,7 @@ def peak_curvature(nodes: Array) -> float:
 
 
 def curvature_at(nodes: Array, index: Array, route: Array | None = None) -> Array:
-    """Curvature of that curve at places counted in nodes [1/m], to the left positive."""
+    """Curvature of that curve at fractional node indices [1/m], to the left positive."""
     s = np.interp(index, np.arange(len(nodes)), stations(nodes))
     curve = curve_through(nodes, route)
     (dx, dy), (ddx, ddy) = curve(s, 1).T, curve(s, 2).T
@@ -93,7 +93,7 @@ def curvature_at(nodes: Array, index: Array, route: Array | None = None) -> Arra
 
 
 def road_coordinates(base: Array, points: Array) -> tuple[Array, Array]:
-    """Place along a route, in nodes, and lateral coordinate [m] of points, by the nearest of dense points."""
+    """Index along a route, in nodes, and lateral coordinate [m] of points, by the nearest of dense points."""
     tree, index, along = _dense_line(base.tobytes())
     nearest = tree.query(points)[1]
     return index[nearest], ((points - tree.data[nearest]) * left_of(along[nearest])).sum(axis=1)
@@ -120,7 +120,7 @@ def left_of(vectors: Array) -> Array:
 
 
 def poses(nodes: Array, index: Array, vehicle: VehicleParams) -> Array:
-    """Center, heading, length and width of the ego's box at places counted in nodes, shape (m, 5)."""
+    """Center, heading, length and width of the ego's box at fractional node indices, shape (m, 5)."""
     s = np.interp(index, np.arange(len(nodes)), stations(nodes))
     curve = curve_through(nodes)
     along = curve(s, 1)
@@ -141,14 +141,14 @@ def corners(pose: Array) -> Array:
 
 
 def interpolated(obstacle: Boxes, index: Array, n: int) -> Array:
-    """An obstacle's box at places counted in nodes, linear between nodes, shape (m, 5)."""
+    """An obstacle's box at fractional node indices, linear between nodes, shape (m, 5)."""
     fields = (obstacle.x, obstacle.y, np.unwrap(np.atleast_1d(obstacle.psi)), obstacle.length, obstacle.width)
     nodes = np.arange(n)
     return np.column_stack([np.interp(index, nodes, np.broadcast_to(np.squeeze(f), n)) for f in fields])
 
 
 def _travel(pose: Array) -> Array:
-    """How far any point of a box moves at most between neighboring rows [m]."""
+    """Largest displacement of any point of a box between neighboring rows [m]."""
     x, y, psi = np.diff(pose[:, :3], axis=0).T
     moved: Array = np.hypot(x, y) + 0.5 * np.hypot(*pose[1:, 3:].T) * np.abs(psi)
     return moved
@@ -168,7 +168,7 @@ def _gaps(a: Array, b: Array) -> Array:
 
 @lru_cache(maxsize=4)
 def _dense_line(data: bytes) -> tuple[cKDTree, Array, Array]:
-    """Points of a route every 5 cm, straight on beyond its ends, their place in nodes and unit tangents."""
+    """Points of a route every 5 cm, straight on beyond its ends, their index in nodes and unit tangents."""
     base = np.frombuffer(data).reshape(-1, 2)
     n, s = len(base), stations(base)
     parts = math.ceil(float(np.diff(s).max()) / STEP)

@@ -1,4 +1,4 @@
-"""Whether a case can be solved at all: every assignment of sides by sequential quadratic programs."""
+"""Feasibility of a case: all side assignments by sequential quadratic programs."""
 
 import math
 from dataclasses import dataclass, replace
@@ -30,21 +30,21 @@ Side = Literal["left", "right"]
 PASSES = 10
 LOOK = 0.5  # between two rows of an obstacle [m]
 TURN = 0.02  # to both sides of the heading, for the slope of a bound [rad]
-STEEPEST = 6.0  # slope of a bound over heading [m/rad]
-HOPELESS = 0.4  # lack of room in the first pass that no later pass mends [m]
+MAX_SLOPE = 6.0  # slope of a bound over heading [m/rad]
+MAX_FIRST_SHORTFALL = 0.4  # in the first pass; later passes cannot remove more [m]
 SOLVER: tuple[dict[str, Any], ...] = (
     {"max_iter": 60},
     {"max_iter": 200, "reg_lower_limit": 1e-8, "rho_init": 1e-4, "delta_init": 1e-2},  # where that fails
 )
-TOLERANCE = 1e-3  # of a witness, in meters and as a share of the curvature limit
-PENALTY = 1e2  # of lacking room, per meter
+TOLERANCE = 1e-3  # of a solution, in meters and as a fraction of the curvature limit
+PENALTY = 1e2  # of shortfall, per meter
 
 
 def solvable(case: Case) -> tuple[bool, list[Side], Array]:
     """Search all sides for a displacement that keeps to clearance, edges and curvature limit.
 
     Returns whether there is one, the side of the ego on which it passes each obstacle, and u at each node [m]
-    as a witness (measured densely, to `TOLERANCE`); without one, no sides and zeros.
+    as a solution (measured densely, to `TOLERANCE`); without one, no sides and zeros.
     """
     search = _Search(case)
     found = search.branch([], list(range(len(case.obstacles))))
@@ -54,8 +54,8 @@ def solvable(case: Case) -> tuple[bool, list[Side], Array]:
     return True, sides, found[1]
 
 
-def _shortages(case: Case, u: Array) -> tuple[float, float, float]:
-    """What is lacking in curvature [-], inside the edges [m] and in clearance [m]."""
+def _violations(case: Case, u: Array) -> tuple[float, float, float]:
+    """Excess of curvature [-], shortfall at edges [m] and of clearance [m]."""
     nodes = displaced(case.nodes, u)
     return (
         curvature_excess(nodes, case),
@@ -75,7 +75,7 @@ class _Rows:
 
 @dataclass(frozen=True)
 class _Aims:
-    """How much farther than asked the program keeps: clearance [m], edges [m], curvature [-]."""
+    """Margins of the program: clearance [m], edges [m], curvature [-]."""
 
     gap: float = 1e-3
     edge: float = 5e-4
@@ -89,14 +89,14 @@ class _Search:
         self.case = case
         self.n = n = len(case.nodes)
         h = float(stations(case.nodes)[-1]) / (n - 1)
-        self.nodes = _Look(case, h, np.arange(n, dtype=float))
+        self.nodes = _Samples(case, h, np.arange(n, dtype=float))
         parts = max(1, round(h / LOOK))
-        self.between = _Look(case, h, np.arange((n - 1) * parts + 1) / parts)
+        self.between = _Samples(case, h, np.arange((n - 1) * parts + 1) / parts)
         second = sp.diags_array([1.0, -2.0, 1.0], offsets=[0, 1, 2], shape=(n - 2, n)) * (6.0 / h**2)
         mixed = sp.diags_array([1.0, 4.0, 1.0], offsets=[0, 1, 2], shape=(n - 2, n))
-        pinned = [0, 1, 2, n - 3, n - 2, n - 1]  # place, heading and curvature are the route's
+        fixed = [0, 1, 2, n - 3, n - 2, n - 1]  # position, heading and curvature of the route
         ends = sp.csr_array((np.ones(2), ([0, 1], [0, n - 1])), shape=(2, n))
-        self.free = np.setdiff1d(np.arange(2 * n), pinned)
+        self.free = np.setdiff1d(np.arange(2 * n), fixed)
         equal = sp.block_array([[-second, mixed], [None, ends]], format="csc")[:, self.free]
         count = len(case.obstacles) + 1
         self.equal = sp.hstack([equal, sp.csc_array((n, count))], format="csc")
@@ -107,22 +107,22 @@ class _Search:
         self.cost = sp.block_diag([cost[self.free][:, self.free], 1e-6 * sp.eye_array(count)], format="csc")
         self.start = _State(self, np.zeros(2 * n))
         self.first = {
-            (j, side): self.start.beside(j, side, _Aims()) for j in range(count - 1) for side in (1, -1)
+            (j, side): self.start.passing(j, side, _Aims()) for j in range(count - 1) for side in (1, -1)
         }
         self.road = [*self.start.curvature(_Aims()), *self.start.edges(_Aims())]
 
     def branch(self, sides: list[tuple[int, int]], rest: list[int]) -> tuple[dict[int, int], Array] | None:
-        """Sides for the rest of the obstacles, the more promising first; none if none is found."""
+        """Sides of the remaining obstacles, the more promising first; None if there are none."""
         if not rest:
             return self.refined(dict(sides))
         ranked = []
         for side in (1, -1):
             tried = [*sides, (rest[0], side)]
             rows = [self.first[pair] for pair in tried]
-            if not len(rows[-1].b):  # never beside it
+            if not len(rows[-1].b):  # never alongside
                 return self.branch([*sides, (rest[0], self.between.natural_side(rest[0]))], rest[1:])
             found = self.solve(self.start, [*self.road, *rows])
-            if found is not None and found[1] <= HOPELESS:
+            if found is not None and found[1] <= MAX_FIRST_SHORTFALL:
                 ranked.append((found[1], tried))
         for _, tried in sorted(ranked):
             found_below = self.branch(tried, rest[1:])
@@ -132,21 +132,21 @@ class _Search:
 
     def refined(self, sides: dict[int, int]) -> tuple[dict[int, int], Array] | None:
         """Follow the true bounds until the dense measurements agree."""
-        state, aims, lacks = self.start, _Aims(), [math.inf]
+        state, aims, shortfalls = self.start, _Aims(), [math.inf]
         for _ in range(PASSES):
             rows = [*state.curvature(aims), *state.edges(aims)]
-            rows += [state.beside(j, side, aims) for j, side in sides.items()]
+            rows += [state.passing(j, side, aims) for j, side in sides.items()]
             found = self.solve(state, [r for r in rows if len(r.b)])
             if found is None:
                 return None
             state = _State(self, found[0])
-            lacks.append(found[1])
+            shortfalls.append(found[1])
             if found[1] > 0.02:
-                if len(lacks) > 4 and found[1] > 0.7 * lacks[-3]:
+                if len(shortfalls) > 4 and found[1] > 0.7 * shortfalls[-3]:
                     return None
                 continue
             u = state.x[: self.n]
-            bend, edge, gap = short = _shortages(self.case, u)
+            bend, edge, gap = short = _violations(self.case, u)
             if max(short) <= TOLERANCE:
                 return sides, u
             if found[1] < 1e-4:
@@ -159,7 +159,7 @@ class _Search:
         return None
 
     def solve(self, state: "_State", rows: list[_Rows]) -> tuple[Array, float] | None:
-        """Least change of curvature within the rows, and the most that is lacking."""
+        """Smallest change of curvature within the rows, and the largest shortfall."""
         size, count = len(self.free), len(self.case.obstacles) + 1
         A = sp.vstack([r.A for r in rows], format="csc")[:, self.free]
         slack = np.concatenate([np.full(len(r.b), r.slack) for r in rows])
@@ -186,8 +186,8 @@ class _Search:
         return None
 
 
-class _Look:
-    """Places along the route, counted in nodes, and what a displacement is there."""
+class _Samples:
+    """Samples along the route at fractional node indices, and the displacement there."""
 
     def __init__(self, case: Case, h: float, index: Array) -> None:
         n = len(case.nodes)
@@ -253,13 +253,13 @@ class _State:
         rows = []
         for corner, (front, left) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
             edge = np.broadcast_to(case.corridor[left > 0], n)
-            room = left * (np.interp(index[:, corner], np.arange(n), edge) - lateral[:, corner]) - aims.edge
+            margin = left * (np.interp(index[:, corner], np.arange(n), edge) - lateral[:, corner]) - aims.edge
             arm = (case.vehicle.box_offset + front * half) * cos - left * 0.5 * case.vehicle.width * sin
             A = left * (look.u + _scaled(arm, self.turn))
-            rows.append(_Rows(A, room + A @ x, len(case.obstacles)))
+            rows.append(_Rows(A, margin + A @ x, len(case.obstacles)))
         return rows
 
-    def beside(self, j: int, side: int, aims: _Aims) -> _Rows:
+    def passing(self, j: int, side: int, aims: _Aims) -> _Rows:
         """Bounds that keep the ego to the left (1) or right (-1) of an obstacle."""
         case, look, x = self.search.case, self.search.between, self.x
         box = look.boxes[j]
@@ -283,8 +283,8 @@ class _State:
         met = np.isfinite(bounds[0])
         at, more, less = (bound[met] for bound in bounds)
         near = near[met]
-        up = np.nan_to_num(more - at).clip(-STEEPEST * TURN, STEEPEST * TURN) / TURN
-        down = np.nan_to_num(at - less).clip(-STEEPEST * TURN, STEEPEST * TURN) / TURN
+        up = np.nan_to_num(more - at).clip(-MAX_SLOPE * TURN, MAX_SLOPE * TURN) / TURN
+        down = np.nan_to_num(at - less).clip(-MAX_SLOPE * TURN, MAX_SLOPE * TURN) / TURN
         kink = up > down + 0.1
         slope = np.concatenate((np.where(kink, up, 0.5 * (up + down)), down[kink]))
         rows, bound = np.concatenate((near, near[kink])), np.concatenate((at, at[kink]))
@@ -292,7 +292,7 @@ class _State:
         return _Rows(A, A @ x - bound, j)
 
 
-def _turning(look: _Look, x: Array) -> sp.csr_array:
+def _turning(look: _Samples, x: Array) -> sp.csr_array:
     """How the heading changes with the displacement."""
     shrunk = 1.0 - look.kappa * (look.u @ x)
     return _scaled(1.0 / (shrunk * (1.0 + (look.slope @ x / shrunk) ** 2)), look.slope)

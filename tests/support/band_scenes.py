@@ -1,4 +1,4 @@
-"""Plain roads and scenes for the tests of the band, and what a band must keep by dense measurement."""
+"""Plain roads and scenes for the tests of the band, and its certificate by dense measurement."""
 
 import math
 from collections.abc import Sequence
@@ -14,8 +14,8 @@ from tests.support.band_measure import curvature_excess, edge_excess, remeasure
 
 CAR = VehicleParams.bmw_320i()
 SOFT = BandStiffness()
-BETWEEN = 5e-4  # by which a clearance may exceed the measured one, for the cubic between nodes [m]
-SHORT = 1e-3  # by which a band that is OK may lack clearance [m]
+BETWEEN = 5e-4  # by which a clearance may exceed the measured one, due to the cubic between nodes [m]
+SHORTFALL = 1e-3  # of clearance, allowed for OK bands [m]
 
 
 def straight(length: float = 150.0, h: float = 1.0) -> np.ndarray:
@@ -31,7 +31,7 @@ def bend(radius: float = 200.0, length: float = 150.0, h: float = 1.0) -> np.nda
 def on(
     nodes: np.ndarray, i: int, d: float, psi: float = 0.0, length: float = 4.5, width: float = 1.8
 ) -> Boxes:
-    """Box beside node i, turned by psi against the route."""
+    """Box at lateral offset d from node i, rotated by psi against the route."""
     step = nodes[i + 1] - nodes[i - 1]
     heading = math.atan2(step[1], step[0])
     return boxes(
@@ -42,18 +42,18 @@ def on(
 def moving(
     nodes: np.ndarray,
     met: float,
-    place: tuple[float, float],
+    position: tuple[float, float],
     velocity: tuple[float, float],
     psi: float | None = None,
     length: float = 4.5,
     width: float = 1.8,
 ) -> Boxes:
-    """Box that is at a place when the ego is at node `met` (not a whole number); velocity in meters a node.
+    """Box at a position when the ego is at node `met` (fractional); velocity in meters per node.
 
-    Headed where it goes unless psi is given.
+    Its heading is that of its velocity unless psi is given.
     """
     n = len(nodes)
-    x, y = (np.array(place) + np.outer(np.arange(n) - met, velocity)).T
+    x, y = (np.array(position) + np.outer(np.arange(n) - met, velocity)).T
     heading = math.atan2(velocity[1], velocity[0]) if psi is None else psi
     return boxes(x, y, np.full(n, heading), np.full(n, length), np.full(n, width))
 
@@ -82,33 +82,33 @@ def scene(
 
 def relax(case: Case, **options: Any) -> Band:
     """Band of a case."""
-    asked = {
+    arguments = {
         "vehicle": case.vehicle,
         "clearance": case.clearance,
         "corridor": case.corridor,
         "curvature_limit": case.curvature_limit,
     }
-    return relax_band(case.nodes, case.obstacles, **{**asked, **options})
+    return relax_band(case.nodes, case.obstacles, **{**arguments, **options})
 
 
 def assert_certified(band: Band, case: Case) -> None:
-    """The clearance is a lower bound; the status is OK exactly if what was asked is kept."""
+    """Assert that the clearance is a lower bound, and that OK bands satisfy their limits."""
     assert np.isfinite(band.nodes).all()
     found = remeasure(band.nodes, case)
     assert math.isfinite(band.clearance) == math.isfinite(found) == bool(case.obstacles)
     over = band.clearance - found if case.obstacles else 0.0
-    assert over <= BETWEEN, f"{band} is {over:.5f} m nearer than it says, {case.clearance:.2f} m asked"
+    assert over <= BETWEEN, f"{band} is {over:.5f} m nearer than its clearance ({case.clearance:.2f} m asked)"
     if band.ok:
-        edge, bent = edge_excess(band.nodes, case), curvature_excess(band.nodes, case)
-        assert found >= case.clearance - SHORT, f"{band} lacks {case.clearance - found:.5f} m"
+        edge, excess = edge_excess(band.nodes, case), curvature_excess(band.nodes, case)
+        assert found >= case.clearance - SHORTFALL, f"{band}: shortfall {case.clearance - found:.5f} m"
         assert edge <= 0.01, f"{band} crosses an edge by {edge:.5f} m"
-        assert bent <= 0.02, f"{band} bends {bent:.2%} too much"
+        assert excess <= 0.02, f"{band}: curvature {excess:.2%} above its limit"
     else:
         assert band.message
 
 
 def dense_stiffness(stiffness: BandStiffness, h: float, n: int) -> np.ndarray:
-    """Hessian of the documented energy for the inner nodes of a band that is 0 beyond its pins."""
+    """Hessian of the documented energy for the inner nodes of a band that is 0 beyond its ends."""
     inner = n - 4
     padded = np.vstack((np.zeros((3, inner)), np.eye(inner), np.zeros((3, inner))))
     return sum(

@@ -1,7 +1,7 @@
 """Loss and latency in the maneuvering cases: the ego may wait but must not collide.
 
-``python tests/v2x/test_loss.py [case [seeds]]`` runs the whole grid. It prints one row per run and a table of the mean
-waiting time.
+``python tests/v2x/test_loss.py [case [seeds]]`` runs the whole grid. It prints one row per run and
+a table of the mean waiting time.
 """
 
 import itertools

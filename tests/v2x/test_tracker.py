@@ -56,7 +56,8 @@ def test_reported_accuracy_is_capped(reported: float | None, limit: float, added
 @pytest.mark.parametrize("reported", [math.nan, math.inf, -1.0, "0.4"])
 def test_invalid_accuracy_is_ignored(reported: object) -> None:
     tracker = Tracker(FRAME, TrackerSettings(max_reported_accuracy=1.5))
-    tracker.update(bsm(T0, accuracy=PositionalAccuracy(semi_major=reported)), T0 + 0.02)  # type: ignore[arg-type]
+    accuracy = PositionalAccuracy(semi_major=reported)  # type: ignore[arg-type]
+    tracker.update(bsm(T0, accuracy=accuracy), T0 + 0.02)
     tracker.update(bsm(T0 + 0.1, accuracy=None), T0 + 0.12)
     assert all(vehicle.invalid_reason is None for vehicle in tracker.vehicles(T0 + 0.2))
 

@@ -38,8 +38,8 @@ class _SenderBias:
 class Perception:
     """Receiver and sensor of the ego."""
 
-    # With V2V, messages count. A visible vehicle comes from the sensor if it sends nothing or its last message
-    # is older than the sensor delay; its reported events stay. If a sender is less precise than the sensor,
+    # With V2V, messages count. A visible vehicle comes from the sensor if it sends nothing or its message is
+    # older than the sensor delay; its reported events stay. If a sender is less precise than the sensor,
     # the sensor's position counts while it is visible. While it is occluded, its reported position is
     # corrected by the error found before. Without V2V, the sensor alone counts.
 

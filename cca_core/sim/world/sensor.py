@@ -81,8 +81,8 @@ class Sensor:
         t : float
             Now [s].
         rows : sequence of sequence of float
-            x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user; stored:
-            do not change them afterward.
+            x, y [m], psi [rad], speed [m/s], acceleration [m/s^2], yaw rate [rad/s] of each road user.
+            They are stored: do not change them afterward.
         visible : sequence of bool
             Result of `visible`; stored likewise.
 
