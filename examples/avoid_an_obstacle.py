@@ -38,7 +38,5 @@ for k in range(750):  # 15 s
     plant.step(command.delta, command.a_x, 0.02)
     s, d, _, _ = path.foot_point(state.x, state.y, s_guess=s)
     if k % 50 == 0 or command.decision.action is not last_action:
-        last_action = command.decision.action
-        print(
-            f"{0.02 * k:5.1f} s: {s:4.0f} m along, {d:5.2f} m left, {last_action.name:10} {command.decision.reason}"
-        )
+        last_action, reason = command.decision.action, command.decision.reason
+        print(f"{0.02 * k:5.1f} s: s {s:4.0f} m, d {d:5.2f} m, {last_action.name:10} {reason}")

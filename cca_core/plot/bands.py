@@ -73,10 +73,8 @@ def _draw_band_along_route(axis: Any, s: Array, band: Band) -> None:
     axis.plot(s, 0.0 * s, "--", color="black", linewidth=1.0)
     axis.plot(s, u, color=COLORS.ego)
     axis.set(xlabel="distance along the route [m]", ylabel="left of the\nroute [m]", xlim=(s[0], s[-1]))
-    axis.set_title(
-        f"Along the route, width drawn larger. Clearance {band.clearance:.2f} m (limit {EXAMPLE.clearance:.2f} m)",
-        fontsize=TEXT.heading, loc="left",
-    )  # fmt: skip
+    clearance = f"clearance {band.clearance:.2f} m (limit {EXAMPLE.clearance:.2f} m)"
+    axis.set_title(f"Along the route, width drawn larger; {clearance}", fontsize=TEXT.heading, loc="left")
     axis.legend(fontsize=TEXT.legend, loc="upper left")
 
 
@@ -118,7 +116,7 @@ def fig_15() -> "Figure":
 
 
 def _first_maneuver(case: str) -> tuple[float, Path, Band]:
-    """Comfort limit of the lateral acceleration, reference and band of the cycle in which the maneuver starts."""
+    """Comfort limit [m/s^2], reference and band of the cycle in which the maneuver starts."""
     x = np.arange(0.0, 1000.0, 20.0)
     scenario = overtaking(case, interpolate_path(np.column_stack((x, np.zeros_like(x)))))
     planner = make_planner(scenario)

@@ -31,8 +31,8 @@ def plot_crossing(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figu
     Returns
     -------
     figure : Figure
-        A column for each run: above, the bodies each second, to scale; below, the ego's station over time, with
-        the area in which it would collide with another vehicle.
+        A column for each run: above, the bodies each second, to scale; below, the ego's station over time,
+        with the area in which it would collide with another vehicle.
 
     Raises
     ------

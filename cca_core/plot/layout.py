@@ -158,7 +158,8 @@ def _write_at_border(axis: Any, body: Body, distance: float, view: tuple[float, 
     axis.text(
         view[1] - 1.0 if is_ahead else view[0] + 1.0, body.d,
         f"{body.text}, {abs(distance):.0f} m {'ahead ▸' if is_ahead else 'behind'}",
-        ha="right" if is_ahead else "left", va="center", fontsize=TEXT.legend, color=body.color, weight="bold",
+        ha="right" if is_ahead else "left", va="center",
+        fontsize=TEXT.legend, color=body.color, weight="bold",
         bbox={"facecolor": COLORS.road, "edgecolor": "none", "pad": 1.0}, zorder=6,
     )  # fmt: skip
 

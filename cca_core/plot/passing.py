@@ -43,8 +43,8 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
     Returns
     -------
     figure : Figure
-        A strip of road for each run, with the bodies each half second, to scale; below, the paths of the ego's
-        center of gravity in all runs, the width drawn larger, and the lateral accelerations.
+        A strip of road for each run, with the bodies each half second, to scale; below, the paths of the
+        ego's center of gravity in all runs, the width drawn larger, and the lateral accelerations.
 
     Raises
     ------

@@ -35,8 +35,8 @@ class Sheet:
 class Mark:
     """One thing in a drawing: points [m], color, and kind."""
 
-    # a swath is a translucent line `width` meters wide, an area is closed and filled, an arrow is a head at the
-    # last point; other widths are in pixels
+    # a swath is a translucent line `width` meters wide, an area is closed and filled, an arrow is a head at
+    # the last point; other widths are in pixels
     xy: Array
     color: str
     kind: str = "line"
@@ -53,8 +53,8 @@ def to_svg(item: Band | Path | Road) -> str:
     Parameters
     ----------
     item : Band, Path or Road
-        A single band is drawn with its route, its edges and its obstacles, each at the time at which the ego is
-        closest to it. An infeasible band has another color.
+        A single band is drawn with its route, its edges and its obstacles, each at the time at which the
+        ego is closest to it. An infeasible band has another color.
 
     Returns
     -------

@@ -48,16 +48,16 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str
     log : Log
         The run.
     times : sequence of float, shape (n,), optional
-        Times of the frames [s]. The default is a selection of at most six: the collision, changes of the action,
-        the closest approach to other vehicles and what these do, the end.
+        Times of the frames [s]. The default is a selection of at most six: the collision, changes of the
+        action, the closest approach to other vehicles and what these do, the end.
     caption : str
         Text below the title, such as `cca_core.report.describe_run`.
 
     Returns
     -------
     figure : Figure
-        Above, the whole run along the route with each vehicle's box at each frame, numbered; below, a strip of
-        road for each frame, the ego at 0. Each box is a polygon with the gid ``"id@frame"``.
+        Above, the whole run along the route with each vehicle's box at each frame, numbered; below, a strip
+        of road for each frame, the ego at 0. Each box is a polygon with the gid ``"id@frame"``.
 
     Raises
     ------

@@ -70,9 +70,10 @@ def animate(logs: Sequence[Log], *, standalone: bool = True) -> str:
 
     Notes
     -----
-    The fragment holds times [ms] and, as differences between frames, the poses of all body centers [cm,
-    0.1 mrad] and speeds [cm/s] at 10 Hz. Positions are relative to the ego's first one, which is stored too [m].
-    The camera moves along the route, so lane changes are visible. In a scenario with other roads it is fixed.
+    The fragment holds times [ms] and, as differences between frames, the poses of all body centers [cm, 0.1
+    mrad] and speeds [cm/s] at 10 Hz. Positions are relative to the ego's first one, which is stored too
+    [m]. The camera moves along the route, so lane changes are visible. In a scenario with other roads it is
+    fixed.
     """
     if not logs:
         raise InputError("logs must hold at least one run")

@@ -75,7 +75,7 @@ def report_figures(group: Sequence[Log]) -> Iterator[ReportFigure]:
     frames = scenario.paper_figures[n_layouts:2]
     yield ReportFigure(
         name=_file_name(scenario.paper_figures[:n_layouts], slug, "layout"), figure=plot_layout(scenario),
-        caption="The start. The dotted line is the ego's route; arrows show the distance driven in one second.",
+        caption="The start. The dotted line is the ego's route; arrows show the distance of one second.",
     )  # fmt: skip
     yield from _comparison(one_run_per_ego(group), pair, slug)
     for log in pair if not scenario.other_roads else ():
@@ -108,8 +108,8 @@ def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator
         yield ReportFigure(
             name=_file_name(numbers, slug, "from_above"),
             figure=plot_crossing(pair, outcomes=list(map(summarize_outcome, pair))),
-            caption="Bodies each second, numbered by the time in seconds; below, the ego's station over time. "
-            "In the red area the ego would collide with another vehicle. Counterpart of Fig 9.",
+            caption="Bodies each second, numbered by the time in seconds; below, its station over time. "
+            "In the red area the ego would collide. Counterpart of Fig 9.",
         )  # fmt: skip
     parked = next((user.id for user in scenario.road_users if user.v_x == 0.0 and user.route is None), None)
     if parked is not None:
@@ -150,6 +150,6 @@ def tuning_figure(logs: Sequence[Log]) -> ReportFigure | None:
         return None
     return ReportFigure(
         name="fig15_two_tunings", figure=plot_tunings(fast, smooth),
-        caption="With the fast tuning the ego leaves its lane later and changes lane over a shorter distance, "
-        "with more lateral acceleration. Counterpart of Fig 15.",
+        caption="With the fast tuning the ego leaves its lane later and changes lane over a shorter "
+        "distance, with more lateral acceleration. Counterpart of Fig 15.",
     )  # fmt: skip

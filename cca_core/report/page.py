@@ -1,4 +1,4 @@
-"""One self-contained page about a set of runs: what V2V changed, then each scenario in motion and in figures."""
+"""One self-contained page about a set of runs: what V2V changed, then each scenario."""
 
 import base64
 import io

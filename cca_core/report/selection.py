@@ -20,9 +20,9 @@ def group_by_case(logs: Iterable[Log]) -> list[list[Log]]:
     Returns
     -------
     groups : list of list of Log
-        Scenarios in the order in which they first occur. In each group the runs without V2V come first, and the
-        plants of an ego type in the order in which they first occur. The cases of ``eebl`` say which vehicles
-        are connected, so they are one group.
+        Scenarios in the order in which they first occur. In each group the runs without V2V come first, and
+        the plants of an ego type in the order in which they first occur. The cases of ``eebl`` say which
+        vehicles are connected, so they are one group.
     """
     groups: dict[tuple[str, str | None], list[Log]] = {}
     for log in logs:
@@ -45,9 +45,9 @@ def one_run_per_ego(group: Sequence[Log]) -> list[Log]:
     Returns
     -------
     runs : list of Log
-        Those of the driver, the sensor and V2V, as far as they exist, on the plant of the first run with V2V or
-        else of the first run. Without V2V the run with fewest connected vehicles is chosen, with V2V the one
-        with most.
+        Those of the driver, the sensor and V2V, as far as they exist, on the plant of the first run with
+        V2V or else of the first run. Without V2V the run with fewest connected vehicles is chosen, with V2V
+        the one with most.
     """
     plant = next((log.plant for log in group if log.scenario.v2v), group[0].plant)
     best: dict[str, tuple[int, Log]] = {}
@@ -71,8 +71,8 @@ def baseline_and_v2v(group: Sequence[Log]) -> list[Log]:
     Returns
     -------
     pair : list of Log
-        The first and the last of `one_run_per_ego`: the driver or else the sensor, and V2V; one run if there is
-        no other.
+        The first and the last of `one_run_per_ego`: the driver or else the sensor, and V2V; one run if
+        there is no other.
     """
     runs = one_run_per_ego(group)
     return runs if len(runs) < 2 else [runs[0], runs[-1]]
