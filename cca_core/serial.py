@@ -1,4 +1,4 @@
-"""Settings and results as plain dictionaries, ready for JSON, and back."""
+"""Conversion of settings and results to plain dictionaries for JSON, and back."""
 
 import dataclasses
 import inspect
@@ -28,36 +28,32 @@ _MADE_OF: dict[type, dict[str, Any]] = {
     Road: {"path": Path, "lanes": tuple[Lane, ...], "speed_limit": float, "stop_lines": tuple[float, ...]},
     LocalFrame: {"lat0": float, "lon0": float},
 }
-_LONGEST = 1_000_000_000  # axis of an array without elements
 _NOT_FINITE = {"Infinity": math.inf, "-Infinity": -math.inf, "NaN": math.nan}
 
 
 def to_dict(value: object) -> dict[str, Any]:
-    """Describe settings or a result in what JSON has.
+    """Describe settings or a result by JSON types.
 
     Parameters
     ----------
     value : object
-        A dataclass of this library, such as `VehicleParams`, `EvasionSettings`, `Decision` or a single
-        `Band`; or a `Path`, `Road` or `LocalFrame`.
+        A dataclass of this library, such as `VehicleParams` or one `Band`; or a `Path`, `Road`, `LocalFrame`.
 
     Returns
     -------
     data : dict
-        Its fields by name, with ``"type"`` and ``"version"``. Every number is kept exactly, through
-        `json.dumps` too.
+        Fields by name, with ``"type"`` and ``"version"``. Numbers are exact, also after `json.dumps`.
 
     Raises
     ------
     InputError
-        If it, or something in it, cannot be described.
+        If the value or a part of it cannot be described.
 
     Notes
     -----
-    Tuples, sets and arrays are lists, a complex number is the pair of its parts, an array without elements
-    is ``{"shape": [...]}``, an enum is its name, bytes are hexadecimal digits. JSON has no infinity: floats
-    that are not finite are the strings ``"Infinity"``, ``"-Infinity"`` and ``"NaN"``, as in the JSON of
-    protocol buffers.
+    Tuples, sets and arrays become lists, a complex number the pair of its parts, an array without elements
+    ``{"shape": [...]}``, an enum its name, bytes hexadecimal digits. Floats that are not finite become
+    ``"Infinity"``, ``"-Infinity"`` and ``"NaN"``, as in the JSON of protocol buffers.
 
     Examples
     --------
@@ -71,26 +67,26 @@ def to_dict(value: object) -> dict[str, Any]:
 
 
 def from_dict(kind: type[T], data: Mapping[str, Any]) -> T:
-    """Make settings or a result of their description.
+    """Make settings or a result from a description.
 
     Parameters
     ----------
     kind : type
-        What to make, such as `EvasionSettings`.
+        Class of the value, such as `EvasionSettings`.
     data : mapping
-        As from `to_dict`, or written by hand: ``"type"``, ``"version"`` and what has a default may be left
-        out.
+        Result of `to_dict` of this version or version 1, or written by hand. ``"type"``, ``"version"`` and
+        fields with a default may be omitted.
 
     Returns
     -------
     value : object
-        A `kind`, equal to the one described.
+        A `kind` equal to the described value.
 
     Raises
     ------
     InputError
-        If a field is unknown, missing, of the wrong type or out of range; the message names it with its
-        place, such as ``lanes[1].width``. If the description is of another type or version.
+        If a field is unknown, missing, of the wrong type or out of range; the message names its position,
+        such as ``lanes[1].width``. If type or version do not fit.
 
     Examples
     --------
@@ -108,7 +104,7 @@ def from_dict(kind: type[T], data: Mapping[str, Any]) -> T:
 
 
 def _fields(kind: Any) -> dict[str, Any] | None:
-    """Type of each field, None of what is not for this module."""
+    """Type of each field; None if the class cannot be described."""
     return _fields_of(kind) if isinstance(kind, type) else None
 
 
@@ -121,7 +117,7 @@ def _fields_of(kind: Any) -> dict[str, Any] | None:
 
 
 def _described(value: Any, where: str) -> Any:
-    """Describe anything; `where` names it."""
+    """Describe a value; `where` is its position in messages."""
     names = _fields(type(value))
     if names is not None:
         kept = {name: _described(getattr(value, name), f"{where}.{name}") for name in names}
@@ -144,17 +140,16 @@ def _described(value: Any, where: str) -> Any:
     if isinstance(value, int):
         return int(value)
     if isinstance(value, float):
-        number = float(value)
-        if math.isfinite(number):
-            return number
-        return "NaN" if math.isnan(number) else "Infinity" if number > 0.0 else "-Infinity"
+        if math.isfinite(value):
+            return float(value)
+        return "NaN" if math.isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
     if isinstance(value, (tuple, list)):
         return [_described(item, f"{where}[{i}]") for i, item in enumerate(value)]
     if isinstance(value, frozenset):
         return [_described(item, where) for item in sorted(value, key=str)]
     if isinstance(value, dict):
         return {str(key): _described(item, f"{where}.{key}") for key, item in value.items()}
-    raise InputError(f"{where} must be made of numbers, words and records, was {type(value).__name__}")
+    raise InputError(f"{where} must be made of numbers, strings and records, was {type(value).__name__}")
 
 
 def _name(kind: type, old: bool) -> str:
@@ -163,7 +158,7 @@ def _name(kind: type, old: bool) -> str:
 
 
 def _object(kind: type, data: Any, where: str, old: bool) -> Any:
-    """Make a record; `where` names it, empty for the outermost; `old` for version 1."""
+    """Make a record; `where` is empty for the outermost one, `old` is set for version 1."""
     if not isinstance(data, Mapping):
         raise InputError(f"{where or 'data'} must have the fields of {kind.__name__}, was {str(data)[:60]!r}")
     prefix = f"{where}." if where else ""
@@ -179,9 +174,7 @@ def _object(kind: type, data: Any, where: str, old: bool) -> Any:
     for name in hints:
         if name not in data and name in _required(kind):
             raise InputError(f"{prefix}{name} is missing, a field of {kind.__name__}")
-    values = {
-        name: _made(hint, data[name], prefix + name, old) for name, hint in hints.items() if name in data
-    }
+    values = {name: _made(hints[name], data[name], prefix + name, old) for name in hints if name in data}
     try:
         return kind(**values)
     except InputError as error:
@@ -193,9 +186,9 @@ def _required(kind: type) -> frozenset[str]:
     if not dataclasses.is_dataclass(kind):
         empty, arguments = inspect.Parameter.empty, inspect.signature(kind).parameters
         return frozenset(name for name in _MADE_OF[kind] if arguments[name].default is empty)
-    lacks = dataclasses.MISSING
+    missing = dataclasses.MISSING
     fields = dataclasses.fields(kind)
-    return frozenset(f.name for f in fields if f.default is lacks and f.default_factory is lacks)
+    return frozenset(f.name for f in fields if f.default is missing and f.default_factory is missing)
 
 
 def _made(hint: Any, data: Any, where: str, old: bool = False) -> Any:
@@ -228,7 +221,7 @@ def _made(hint: Any, data: Any, where: str, old: bool = False) -> Any:
 
 
 def _one_of(kinds: tuple[Any, ...], data: Any, where: str, old: bool) -> Any:
-    """Make a value of one of some types: None, the record that ``"type"`` names, or the only other one."""
+    """Make a value of a union: None, the record of the given type, or the only other type."""
     if data is None and NoneType in kinds:
         return None
     rest = [kind for kind in kinds if kind is not NoneType]
@@ -245,7 +238,7 @@ def _array(dtype: np.dtype[Any], data: Any, where: str) -> Any:
     words = f"nested lists of {'true and false' if dtype.kind == 'b' else 'numbers'}, all of one shape"
     if isinstance(data, Mapping) and isinstance(data.get("shape"), list):
         shape = [_made(int, n, f"{where}.shape") for n in data["shape"]]
-        _checked(0 in shape and min(shape) == 0 and max(shape) < _LONGEST, data, where, words)
+        _checked(0 in shape and min(shape) == 0 and max(shape) < 1_000_000_000, data, where, words)
         return np.empty(shape[:-1] if dtype.kind == "c" else shape, dtype)
     leaves = _leaves({"f": float, "c": float, "b": bool}.get(dtype.kind, int), data, where)
     try:
@@ -285,8 +278,9 @@ def _checked(fits: bool, data: Any, where: str, words: str) -> Any:
 
 
 def _is_number(data: Any) -> bool:
-    named = isinstance(data, str) and data in _NOT_FINITE
-    return named or isinstance(data, float) or (_is_whole(data) and abs(data) < 2**1023)
+    if isinstance(data, str):
+        return data in _NOT_FINITE
+    return isinstance(data, float) or (_is_whole(data) and abs(data) < 2**1023)
 
 
 def _is_whole(data: Any) -> bool:

@@ -48,10 +48,8 @@ class VehicleParams:
         Center of gravity to center of the body box [m], forward positive.
     mu : float
         Tire-road friction coefficient [-].
-    delta_max : float
-        Largest road-wheel angle [rad].
-    delta_rate_max : float
-        Largest rate of the road-wheel angle [rad/s].
+    delta_max, delta_rate_max : float
+        Largest road-wheel angle [rad] and its largest rate [rad/s].
     steering_lag : float
         Time constant of the steering actuator [s].
 
@@ -110,10 +108,8 @@ class VehicleParams:
 
         Parameters
         ----------
-        x, y : float
-            Center of gravity [m].
-        psi : float
-            Heading [rad], counter-clockwise from +x.
+        x, y, psi : float
+            Center of gravity [m] and heading [rad], counter-clockwise from +x.
 
         Returns
         -------
@@ -127,38 +123,25 @@ class VehicleParams:
 
         Parameters
         ----------
-        x, y : array_like, shape (...)
-            Center of gravity [m].
-        psi : array_like, shape (...)
-            Heading [rad], counter-clockwise from +x.
+        x, y, psi : array_like, shape (...)
+            Center of gravity [m] and heading [rad], counter-clockwise from +x.
 
         Returns
         -------
         body : Boxes
             One box for each pose.
-
-        Examples
-        --------
-        >>> body = VehicleParams.bmw_320i().body_at(0.0, 0.0, 0.0)
-        >>> float(body.length), float(body.width)
-        (4.508, 1.61)
         """
         forward, left = self.box_offset * np.cos(psi), self.box_offset * np.sin(psi)
         return boxes(np.asarray(x) + forward, np.asarray(y) + left, psi, self.length, self.width)
 
     @classmethod
     def bmw_320i(cls) -> Self:
-        """BMW 320i, vehicle 2 of the CommonRoad vehicle models [1]_.
+        """BMW 320i, vehicle 2 of the CommonRoad vehicle models; body 4.508 m x 1.610 m.
 
         Returns
         -------
         vehicle : VehicleParams
-            Body 4.508 m x 1.610 m; neutral steer in the linear range.
-
-        References
-        ----------
-        .. [1] M. Althoff, G. Wuersching, *CommonRoad: Vehicle Models*, package
-           commonroad-vehicle-models 3.0.2.
+            Sedan, neutral steer in the linear range; from the package commonroad-vehicle-models 3.0.2.
         """
         return cls(
             m=1093.3, I_z=1791.6, l_f=1.156, l_r=1.423, C_f=129.7e3, C_r=105.4e3,
@@ -200,16 +183,12 @@ class VehicleState:
 
     Parameters
     ----------
-    x, y : float
-        Position in the local frame [m].
-    psi : float
-        Heading [rad], counter-clockwise from +x.
+    x, y, psi : float
+        Position in the local frame [m] and heading [rad], counter-clockwise from +x.
     v_x : float
         Forward speed [m/s], not negative; values down to -0.5 m/s count as sensor noise at standstill.
-    v_y : float
-        Lateral speed [m/s], left positive.
-    r : float
-        Yaw rate [rad/s], left positive.
+    v_y, r : float
+        Lateral speed [m/s] and yaw rate [rad/s], left positive.
     delta : float
         Road-wheel angle [rad], left positive.
     a_x : float
@@ -232,8 +211,9 @@ class VehicleState:
 
     def __post_init__(self) -> None:
         try:
-            total = self.x + self.y + self.psi + self.v_x + self.v_y + self.r + self.delta + self.a_x
-            usable = math.isfinite(total)
+            usable = math.isfinite(
+                self.x + self.y + self.psi + self.v_x + self.v_y + self.r + self.delta + self.a_x
+            )
         except TypeError:
             usable = False
         if not usable:
@@ -254,14 +234,10 @@ class RemoteVehicle:
     ----------
     id : str
         Id of the sender, or of the track of the sensor.
-    x, y : float
-        Position in the local frame now, dead-reckoned by `age` [m].
-    psi : float
-        Heading [rad], counter-clockwise from +x.
-    v_x : float
-        Forward speed [m/s].
-    a_x : float
-        Forward acceleration [m/s^2].
+    x, y, psi : float
+        Position in the local frame now, dead-reckoned by `age` [m], and heading [rad], counter-clockwise.
+    v_x, a_x : float
+        Forward speed [m/s] and acceleration [m/s^2].
     r : float
         Yaw rate [rad/s], left positive.
     length, width : float
@@ -296,7 +272,8 @@ class RemoteVehicle:
         """Why the record cannot be used; None if it can."""
         values = _REMOTE_VALUES(self)
         if not ({float, np.float64}.issuperset(map(type, values)) and all(map(math.isfinite, values))):
-            for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
+            names = [field.name for field in fields(self) if field.name not in ("id", "events", "source")]
+            for name, value in zip(names, values, strict=True):
                 if not isinstance(value, Real) or not abs(value) < float("inf"):  # type: ignore[operator]  # int, float
                     return f"{name} must be a finite number, was {type(value).__name__} {str(value)[:20]}"
         labels: tuple[object, object] = (self.id, self.events)
@@ -318,7 +295,6 @@ class RemoteVehicle:
         return None
 
 
-_REMOTE_NUMBERS = (
-    "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across",
-)  # fmt: skip
-_REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)
+_REMOTE_VALUES = attrgetter(
+    "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across"
+)

@@ -62,6 +62,7 @@ from cca_core.v2x import (
     ChannelSettings,
     PlausibilitySettings,
     PositionalAccuracy,
+    PositionErrorModel,
     SenderSettings,
     TrackerSettings,
     UpdateResult,
@@ -142,7 +143,7 @@ def examples() -> dict[str, Any]:
             displacement=np.zeros(20), reference=ROUTE, candidate=candidate,
         ),
         ego, frenet_vehicle,
-        PositionalAccuracy(), BrakeStatus(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
+        PositionalAccuracy(), PositionErrorModel(), BrakeStatus(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
         ChannelSettings(), UpdateResult(accepted=True, kind="new", id="a", t=3.0), PlausibilitySettings(),
         SenderSettings(), TrackerSettings(),
     ]  # fmt: skip
