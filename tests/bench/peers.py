@@ -1,6 +1,6 @@
-"""Two planners to compare run times with, each set up beforehand for one problem on a straight road.
+"""Two planners for comparison of run times, each prepared for one problem on a straight road.
 
-Both plan from (0, 0) along +x at 20 m/s and take every car for one of 4.5 x 1.8 m that stands still.
+Both plan from (0, 0) along +x at 20 m/s past stationary cars of 4.5 x 1.8 m.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,28 +12,19 @@ import numpy as np
 import pytest
 
 LENGTH, WIDTH, SPEED = 4.5, 1.8, 20.0
-Place = tuple[float, float]  # middle of a car [m]
+Point = tuple[float, float]  # center of a car [m]
 
 
 @dataclass(frozen=True)
 class Peer:
-    """A planner, ready to run, and how to read what it returns.
+    """A planner that is ready to run, and the reader of its result."""
 
-    Parameters
-    ----------
-    run : callable
-        Plans once; this is what is to be timed.
-    driven : callable
-        What `run` returned as an array of shape (n, 4): x, y [m], heading [rad], curvature [1/m], finely
-        sampled; None if it found nothing.
-    """
-
-    run: Callable[[], Any]
-    driven: Callable[[Any], np.ndarray | None]
+    run: Callable[[], Any]  # plans once; this is timed
+    trajectory: Callable[[Any], np.ndarray | None]  # of a result: x, y, heading, curvature (n, 4), or None
 
 
 def _installed(module: str) -> Any:
-    """Return a module that only the comparison needs; its absence is a failure, not a reason to skip."""
+    """Return a module that only this comparison needs; its absence is a failure, not a reason to skip."""
     try:
         return import_module(module)
     except ImportError:
@@ -42,12 +33,12 @@ def _installed(module: str) -> Any:
         )
 
 
-def nmpc(length: float, cars: Sequence[Place], lefts: Sequence[bool], intervals: int = 20) -> Peer:
-    """Nonlinear model predictive control in CasADi and IPOPT, begun on the given side of every car.
+def nmpc(length: float, cars: Sequence[Point], lefts: Sequence[bool], intervals: int = 20) -> Peer:
+    """Nonlinear model predictive control in CasADi and IPOPT, from a guess on the given side of every car.
 
     Kinematic bicycle, multiple shooting by a Runge-Kutta step an interval, acceleration and steering rate as
-    inputs (so that the curvature is continuous), IPOPT's own tolerances. A car is the smallest ellipse around
-    the places where boxes with the road's heading overlap, to be kept out of at every node.
+    inputs, which makes the curvature continuous, and IPOPT's own tolerances. A car is the smallest ellipse
+    around the positions at which boxes along the road overlap; every node stays outside.
     """
     casadi = _installed("casadi")
     wheelbase, n = 2.7, intervals
@@ -83,26 +74,26 @@ def nmpc(length: float, cars: Sequence[Place], lefts: Sequence[bool], intervals:
     guess = np.zeros((5, n + 1))
     guess[0], guess[3] = np.linspace(0.0, length, n + 1), SPEED
     for (p, q), left in zip(cars, lefts, strict=True):
-        beside = q + around[1] if left else q - around[1]
-        if (beside > 0.0) == left:
-            guess[1] += beside * np.exp(-(((guess[0] - p) / 8.0) ** 2))
+        passing = q + around[1] if left else q - around[1]
+        if (passing > 0.0) == left:
+            guess[1] += passing * np.exp(-(((guess[0] - p) / 8.0) ** 2))
     guess[2] = np.gradient(guess[1], guess[0])
     guess[4] = np.arctan(wheelbase * np.gradient(guess[2], guess[0]))
-    least = np.tile([[-np.inf], [-5.0], [-0.8], [0.0], [-0.5]], n + 1)
-    most = np.tile([[np.inf], [5.0], [0.8], [30.0], [0.5]], n + 1)
-    least[:, 0] = most[:, 0] = [0.0, 0.0, 0.0, SPEED, 0.0]
+    low = np.tile([[-np.inf], [-5.0], [-0.8], [0.0], [-0.5]], n + 1)
+    high = np.tile([[np.inf], [5.0], [0.8], [30.0], [0.5]], n + 1)
+    low[:, 0] = high[:, 0] = [0.0, 0.0, 0.0, SPEED, 0.0]
     given = {
         "x0": np.concatenate((guess.ravel("F"), np.zeros(2 * n))),
-        "lbx": np.concatenate((least.ravel("F"), np.tile([-6.0, -0.5], n))),
-        "ubx": np.concatenate((most.ravel("F"), np.tile([3.0, 0.5], n))),
+        "lbx": np.concatenate((low.ravel("F"), np.tile([-6.0, -0.5], n))),
+        "ubx": np.concatenate((high.ravel("F"), np.tile([3.0, 0.5], n))),
         "lbg": np.concatenate((np.zeros(5 * n), np.ones(len(outside)))),
         "ubg": np.concatenate((np.zeros(5 * n), np.full(len(outside), np.inf))),
     }
     fine = 40
     state, act = casadi.SX.sym("state", 5), casadi.SX.sym("act", 2)
-    onwards = casadi.Function("onwards", [state, act], [after(state, act, step / fine)])
+    onward = casadi.Function("onward", [state, act], [after(state, act, step / fine)])
 
-    def driven(solution: Any) -> np.ndarray | None:
+    def trajectory(solution: Any) -> np.ndarray | None:
         if not solver.stats()["success"]:
             return None
         found = np.asarray(solution["x"]).ravel()
@@ -111,18 +102,18 @@ def nmpc(length: float, cars: Sequence[Place], lefts: Sequence[bool], intervals:
         for node, held in zip(nodes[:-1], inputs, strict=True):
             states.append(node)
             for _ in range(fine - 1):
-                states.append(np.asarray(onwards(states[-1], held)).ravel())
+                states.append(np.asarray(onward(states[-1], held)).ravel())
         x, y, heading, _, steering = np.array(states).T
         return np.column_stack((x, y, heading, np.tan(steering) / wheelbase))
 
-    return Peer(lambda: solver(**given), driven)
+    return Peer(lambda: solver(**given), trajectory)
 
 
-def fiss(cars: Sequence[Place], *, least_time_to_collision: float | None) -> Peer:
-    """FISS on a road with one more lane to the left, guided by its last plan.
+def fiss(cars: Sequence[Point], *, min_ttc: float | None) -> Peer:
+    """FISS on a road with a second lane on the left, guided by its last plan.
 
-    Of its safety rules the least time to collision [s] is relaxed (1.5 s by default, which finds nothing
-    where the way around begins 50 m before a car); None turns them all off.
+    `min_ttc` [s] relaxes that safety rule, whose default of 1.5 s rejects every trajectory that starts 50 m
+    before a car; None turns all safety rules off.
     """
     fiss_planner = _installed("fiss_planner")
     x = np.arange(0.0, 301.0, 5.0)
@@ -131,10 +122,10 @@ def fiss(cars: Sequence[Place], *, least_time_to_collision: float | None) -> Pee
     vehicle = fiss_planner.VehicleParams()
     vehicle.length, vehicle.width = LENGTH, WIDTH
     config = fiss_planner.make_config("fiss")
-    if least_time_to_collision is None:
+    if min_ttc is None:
         config.safety.enabled = False
     else:
-        config.safety.min_ttc = least_time_to_collision
+        config.safety.min_ttc = min_ttc
     planner = fiss_planner.make_planner(config, vehicle)
     others = [
         fiss_planner.predict_constant_velocity(i, x, y, 0.0, 0.0, LENGTH, WIDTH, horizon=6.0, dt=0.1)
@@ -142,7 +133,7 @@ def fiss(cars: Sequence[Place], *, least_time_to_collision: float | None) -> Pee
     ]
     start = fiss_planner.FrenetState(s=0.0, s_d=SPEED)
 
-    def driven(plan: Any) -> np.ndarray | None:
+    def trajectory(plan: Any) -> np.ndarray | None:
         if not plan.success:
             return None
         found = plan.trajectory
@@ -150,4 +141,4 @@ def fiss(cars: Sequence[Place], *, least_time_to_collision: float | None) -> Pee
         fine = np.linspace(t[0], t[-1], 400)
         return np.column_stack([np.interp(fine, t, v) for v in (found.x, found.y, found.yaw, found.kappa)])
 
-    return Peer(lambda: planner.plan(start, road, lanes, others, target_speed=SPEED), driven)
+    return Peer(lambda: planner.plan(start, road, lanes, others, target_speed=SPEED), trajectory)

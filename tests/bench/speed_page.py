@@ -1,7 +1,7 @@
-"""Write docs/performance.md from what pytest-benchmark and pytest have measured. Called by `make bench`.
+"""Write docs/performance.md from the results of pytest-benchmark and pytest. Called by `make bench`.
 
-`python -m tests.bench.speed_page BENCH.json JUNIT.xml`: run times from the first; from the second budgets, as
-the fixture `budget` noted them, what became of them, and what has no run time of its own.
+`python -m tests.bench.speed_page BENCH.json JUNIT.xml`: run times from the first file; budgets, outcomes and
+tests without a run time from the second.
 """
 
 import ast
@@ -16,8 +16,8 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "performance.md"
 REFERENCE = "test_speed", "test_reference_solve_banded"
-# their result is not a run time: the tables of docs/steering.md
-OTHERWISE = (
+# the result is not a run time but a table of docs/steering.md
+WITHOUT_RUN_TIME = (
     "test_errors", "test_high_gain_controllers_with_dead_time", "test_robust", "test_recorded_drive",
     "test_table",
 )  # fmt: skip
@@ -35,14 +35,13 @@ TITLES = {
 }
 HEAD = """# Performance
 
-Made by `make bench`, which times everything with pytest-benchmark on one thread, beside references in the
-same run, and asserts a budget for most of it: the last column tells what was compared with what was allowed,
-"-" where nothing was. Budgets are meant for a machine that solves a banded system of 100 rows
-(`scipy.linalg.solve_banded`, two right-hand sides) in 16.6 µs, and grow in proportion on a slower one; that
-reference is timed once, before the rest, and allowances are told as they have grown. A missed budget is told
-here and fails the command. Ratios travel between machines, times do not.
+`make bench` measures these times with pytest-benchmark on one thread, with references in the same run, and
+asserts a budget for most of them. The last column compares the measured value with its budget, "-" if there is
+none. Budgets hold for a machine that solves a banded system of 100 rows (`scipy.linalg.solve_banded`, two
+right-hand sides) in 16.6 µs. On a slower machine they grow in proportion to this reference, which is timed once
+before all tests. A missed budget fails the command. Ratios are comparable between machines, times are not.
 
-Of [Table 1's methods](table1.md) and of [steering laws](steering.md) those pages tell more.
+More on these pages: [Table 1's methods](table1.md), [steering laws](steering.md).
 """
 
 
@@ -55,14 +54,14 @@ def main() -> int:
 
 
 def read_outcomes(report: Path) -> dict[tuple[str, str], tuple[str, dict[str, str]]]:
-    """For each test by module and name: ``""``, ``"skipped"`` or why it failed; and its properties."""
+    """State of each test, empty, "skipped" or the failure, and its properties, by module and name."""
     found = {}
     for case in ElementTree.parse(report).getroot().iter("testcase"):
         failed = case.find("failure") if case.find("failure") is not None else case.find("error")
         state = "skipped" if case.find("skipped") is not None else ""
         if failed is not None:
-            why = (failed.get("message") or "failed").splitlines()[0]
-            state = re.sub(r"\d+\.\d+", lambda number: f"{float(number[0]):.4g}", why)
+            message = (failed.get("message") or "failed").splitlines()[0]
+            state = re.sub(r"\d+\.\d+", lambda number: f"{float(number[0]):.4g}", message)
         properties = {p.get("name", ""): p.get("value", "") for p in case.iter("property")}
         found[case.get("classname", "").rpartition(".")[2], case.get("name", "")] = state, properties
     return found
@@ -82,18 +81,18 @@ def page(bench: dict[str, Any], outcomes: dict[tuple[str, str], tuple[str, dict[
         f"Measured on {made}: {cpu.get('brand_raw', 'unknown processor')}, {cpu.get('count', '?')} cores, "
         f"Python {bench['machine_info']['python_version']}, commit {commit}"
         f"{' with local changes' if bench['commit_info'].get('dirty') else ''}. "
-        + (f"The reference takes {told(1e-6 * float(reference['us']))}. " if reference else "")
+        + (f"The reference takes {format_time(1e-6 * float(reference['us']))}. " if reference else "")
         + (f"{missed} of {len(budgets)} budgets missed." if missed else f"All {len(budgets)} budgets kept.")
-        + (f" {failed} failed otherwise." if failed else ""),
+        + (f" {failed} failed for other reasons." if failed else ""),
     ]
     for module in sorted({module for module, _ in outcomes}):
         rows = [
             row(module, name, timed.get((module, name)), *outcomes[module, name])
             for at, name in outcomes
-            if at == module and name.partition("[")[0] not in OTHERWISE
+            if at == module and name.partition("[")[0] not in WITHOUT_RUN_TIME
         ]
         if rows:
-            head = ["| what | median | least | beside it | budget |", "|---|---|---|---|---|"]
+            head = ["| measurement | median | smallest | further figures | budget |", "|---|---|---|---|---|"]
             lines += [
                 "",
                 f"## {TITLES.get(module, module)}",
@@ -115,20 +114,20 @@ def key_of(entry: dict[str, Any]) -> tuple[str, str]:
 def row(module: str, name: str, entry: dict[str, Any] | None, state: str, properties: dict[str, str]) -> str:
     """One line of a table."""
     extra = (entry["extra_info"] if entry else {}) | properties
-    beside = ", ".join(f"{key} {value}" for key, value in extra.items() if key not in INTERNAL)
-    times = [told(entry["stats"][key]) for key in ("median", "min")] if entry else ["", ""]
+    further = ", ".join(f"{key} {value}" for key, value in extra.items() if key not in INTERNAL)
+    times = [format_time(entry["stats"][key]) for key in ("median", "min")] if entry else ["", ""]
     if "us" in extra and not times[0]:
-        times[0] = told(1e-6 * float(extra["us"]))
+        times[0] = format_time(1e-6 * float(extra["us"]))
     if "budget" in extra:
         kept = f"{'**missed**' if state else 'kept'}: {extra['budget']}"
     else:
         kept = {"": "-", "skipped": "not run"}.get(state, f"**failed**: {state}")
-    cells = (what(module, name), *times, beside, kept)
+    cells = (title(module, name), *times, further, kept)
     return f"| {' | '.join(cell.replace('|', '/').replace('<', '&lt;') for cell in cells)} |"
 
 
-def what(module: str, name: str) -> str:
-    """A test's name in words, and its docstring."""
+def title(module: str, name: str) -> str:
+    """Name of a test in words, and its docstring."""
     function, _, values = name.partition("[")
     tree = ast.parse((ROOT / "tests" / "bench" / f"{module}.py").read_text(encoding="utf-8"))
     found = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == function)
@@ -137,8 +136,8 @@ def what(module: str, name: str) -> str:
     return f"{words}{f' ({values[:-1]})' if values else ''}{f': {text[0].lower()}{text[1:]}' if text else ''}"
 
 
-def told(seconds: float) -> str:
-    """A time with a unit that suits it."""
+def format_time(seconds: float) -> str:
+    """Time with a suitable unit."""
     unit, size = next(pair for pair in (("s", 1.0), ("ms", 1e-3), ("µs", 0.0)) if seconds >= pair[1])
     size = size or 1e-6
     digits = f"{seconds / size:.3g}"

@@ -1,7 +1,7 @@
-"""Run times of the band, scaled by a reference timed in the same run, and of two peers; `make bench`.
+"""Run times of the band and of two peers, scaled by a reference timed in the same run; `make bench`.
 
-Sides are given, as to the peers. Beside each time stands what was bought with it: least distance to the cars,
-largest curvature, and the lateral acceleration at 20 m/s.
+The sides are given, as for the peers. Each time comes with the quality of the result: smallest distance to
+the cars, largest curvature, lateral acceleration at 20 m/s.
 """
 
 from collections.abc import Callable
@@ -18,24 +18,24 @@ from cca_core.band.corridor import Corridor, make_corridor
 from cca_core.band.stiffness import deformed
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import interpolate_path
-from tests.bench.conftest import Budget, median_us
-from tests.bench.peers import LENGTH, SPEED, WIDTH, Peer, Place, fiss, nmpc
+from tests.bench.peers import LENGTH, SPEED, WIDTH, Peer, Point, fiss, nmpc
+from tests.bench.timing import Budget, median_us
 
 pytestmark = pytest.mark.benchmark(disable_gc=True, min_rounds=100, warmup=True, warmup_iterations=20)
 
 CAR = replace(VehicleParams.bmw_320i(), length=LENGTH, width=WIDTH)
 Within = Callable[..., None]
 STRING, DRIVABLE = BandStiffness(k_s=1.0, k_c=0.0, k_e=0.05), BandStiffness()
-TOLERANCE = 1.3  # what a run may scatter
+TOLERANCE = 1.3  # scatter of a run
 BATCH = 64
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Cars that stand on or beside a straight road, and the room asked."""
+    """Stationary cars on a straight road, and the clearance."""
 
     length: float
-    cars: tuple[Place, ...]
+    cars: tuple[Point, ...]
     clearance: float
 
     @property
@@ -57,11 +57,13 @@ class Problem:
     def relaxed(self) -> Band:
         return relax_band(self.nodes, self.obstacles, side=self.sides, vehicle=CAR, clearance=self.clearance)
 
-    def many(self) -> tuple[np.ndarray, list[Boxes]]:
-        """Nodes and obstacles of a batch in which each car stands elsewhere by up to 3 m."""
+    def batch(self) -> tuple[np.ndarray, list[Boxes]]:
+        """Nodes and obstacles of a batch in which each car is shifted by up to 3 m."""
         ahead = np.random.default_rng(0).uniform(-3.0, 3.0, (len(self.cars), BATCH, 1))
-        placed = [boxes(x + off, y, 0.0, LENGTH, WIDTH) for (x, y), off in zip(self.cars, ahead, strict=True)]
-        return np.repeat(self.nodes[None], BATCH, axis=0), placed
+        shifted = [
+            boxes(x + off, y, 0.0, LENGTH, WIDTH) for (x, y), off in zip(self.cars, ahead, strict=True)
+        ]
+        return np.repeat(self.nodes[None], BATCH, axis=0), shifted
 
 
 SLALOM = ((35.0, 0.0), (60.0, 3.5), (85.0, 0.0))
@@ -71,7 +73,7 @@ EACH = pytest.mark.parametrize("problem", [A, A_CLOSE, B], ids=["A_1.0", "A_0.5"
 TWO = pytest.mark.parametrize("problem", [A, B], ids=["A_1.0", "B_0.3"])
 
 
-def driven(path: Path) -> np.ndarray:
+def trajectory_of(path: Path) -> np.ndarray:
     """Middle of the body, heading and curvature along a path, shape (n, 4)."""
     s = np.linspace(path.start, path.end, 2000)
     psi = path.heading(s)
@@ -79,36 +81,39 @@ def driven(path: Path) -> np.ndarray:
     return np.column_stack((xy, psi, path.curvature(s)))
 
 
-def keep(benchmark: Any, problem: Problem, way: np.ndarray, **more: Any) -> float:
-    """Note what a way keeps beside its time; returns its clearance [m]."""
-    x, y, psi, kappa = way.T
+def record_quality(benchmark: Any, problem: Problem, trajectory: np.ndarray, **more: Any) -> float:
+    """Record the quality of a trajectory with its time; return its clearance [m]."""
+    x, y, psi, kappa = trajectory.T
     clearance = min(float(box_gap(boxes(x, y, psi, LENGTH, WIDTH), o).min()) for o in problem.obstacles)
-    most = float(np.abs(kappa).max())
+    curvature = float(np.abs(kappa).max())
     benchmark.extra_info.update(
-        clearance_m=round(clearance, 3), curvature=round(most, 5), a_y_at_20=round(SPEED**2 * most, 2), **more
+        clearance_m=round(clearance, 3),
+        curvature=round(curvature, 5),
+        a_y_at_20=round(SPEED**2 * curvature, 2),
+        **more,
     )
     return clearance
 
 
 @pytest.fixture
 def within(benchmark: Any, slowness: float, budget: Budget) -> Within:
-    """At most so many microseconds a band on the reference machine, of which a run makes `share`."""
+    """Assert the time per band on the reference machine [us], of which a run computes `count`."""
 
-    def judge(most: float, share: int = 1) -> None:
-        spent = 1e6 * benchmark.stats.stats.median / share
-        budget(spent, "µs a band", most=most * slowness * TOLERANCE)
+    def check(max_us: float, count: int = 1) -> None:
+        spent = 1e6 * benchmark.stats.stats.median / count
+        budget(spent, "µs per band", max_value=max_us * slowness * TOLERANCE)
 
-    return judge
+    return check
 
 
 def corridor_of(problem: Problem, nodes: np.ndarray, obstacles: list[Boxes]) -> Callable[[], Corridor]:
-    """How the corridor of a straight road is found, given what a planner has at hand."""
+    """Computation of the corridor of a straight road, from what a planner has at hand."""
     base = nodes.view(np.complex128).reshape(-1, nodes.shape[-2])
-    tangents, leading = np.ones_like(base), nodes.shape[:-2]
-    return lambda: make_corridor(base, tangents, obstacles, None, CAR, problem.clearance, 0.0, leading)
+    tangents, batch_shape = np.ones_like(base), nodes.shape[:-2]
+    return lambda: make_corridor(base, tangents, obstacles, None, CAR, problem.clearance, 0.0, batch_shape)
 
 
-def contact(stiffness: BandStiffness, spacing: float) -> tuple[np.ndarray, float]:
+def stencil_and_penalty(stiffness: BandStiffness, spacing: float) -> tuple[np.ndarray, float]:
     return stiffness.stencil(spacing), stiffness.k_e * spacing
 
 
@@ -117,36 +122,40 @@ def contact(stiffness: BandStiffness, spacing: float) -> tuple[np.ndarray, float
 
 @EACH
 def test_string(benchmark: Any, problem: Problem, within: Within) -> None:
-    """Contact under tension alone, between bounds that are given."""
+    """Equilibrium under tension alone, between given bounds."""
     nodes = problem.nodes
     bounds = corridor_of(problem, nodes, problem.obstacles)().bounds(np.array(problem.lefts)[:, None])
-    row, force = contact(STRING, nodes[1, 0])
-    u, solves, settled = benchmark(equilibrium, row, force, *bounds)
-    assert settled.all()
-    bent = interpolate_path(deformed(nodes, np.column_stack((0.0 * u[0], u[0]))))
-    keep(benchmark, problem, driven(bent), status="not judged", solves=int(solves[0]))
+    row, force = stencil_and_penalty(STRING, nodes[1, 0])
+    u, solves, converged = benchmark(equilibrium, row, force, *bounds)
+    assert converged.all()
+    path = interpolate_path(deformed(nodes, np.column_stack((0.0 * u[0], u[0]))))
+    record_quality(benchmark, problem, trajectory_of(path), status="not certified", n_solves=int(solves[0]))
     within(60.0 if problem is B else 30.0)
 
 
 @EACH
 def test_drivable(benchmark: Any, problem: Problem, within: Within) -> None:
-    """Contact of the band that bends, with the corridor found."""
+    """Equilibrium of the relaxed band, with its corridor."""
     nodes = problem.nodes
     find, lefts = corridor_of(problem, nodes, problem.obstacles), np.array(problem.lefts)[:, None]
-    row, force = contact(DRIVABLE, nodes[1, 0])
-    u, solves, settled = benchmark(lambda: equilibrium(row, force, *find().bounds(lefts)))
-    assert settled.all()
-    bent = deformed(nodes, np.column_stack((0.0 * u[0], u[0])))
+    row, force = stencil_and_penalty(DRIVABLE, nodes[1, 0])
+    u, solves, converged = benchmark(lambda: equilibrium(row, force, *find().bounds(lefts)))
+    assert converged.all()
+    moved = deformed(nodes, np.column_stack((0.0 * u[0], u[0])))
     flat = {"start_tangent": (1.0, 0.0), "end_tangent": (1.0, 0.0)}
-    keep(
-        benchmark, problem, driven(interpolate_path(bent, **flat)), status="not judged", solves=int(solves[0])
+    record_quality(
+        benchmark,
+        problem,
+        trajectory_of(interpolate_path(moved, **flat)),
+        status="not certified",
+        n_solves=int(solves[0]),
     )
     within(150.0 if problem is B else 80.0)
 
 
 @EACH
 def test_certified_path(benchmark: Any, problem: Problem, within: Within) -> None:
-    """Arguments checked, the band that bends, its certificate and its path."""
+    """Relaxed band with checked arguments, its certificate and its path."""
     nodes, obstacles, sides = problem.nodes, problem.obstacles, problem.sides
 
     def run() -> tuple[Band, Path]:
@@ -154,17 +163,19 @@ def test_certified_path(benchmark: Any, problem: Problem, within: Within) -> Non
         return band, band.path()
 
     band, path = benchmark(run)
-    kept = keep(benchmark, problem, driven(path), status=band.status.name, solves=band.solves)
+    clearance = record_quality(
+        benchmark, problem, trajectory_of(path), status=band.status.name, n_solves=band.n_solves
+    )
     spline = median_us(lambda: CubicSpline(nodes[:, 0], band.nodes), 500)
     benchmark.extra_info["scipy_CubicSpline_us"] = round(spline, 1)
     assert band.status.name == "OK"
-    assert kept >= problem.clearance - 1e-9
+    assert clearance >= problem.clearance - 1e-9
     within(300.0 if problem is B else 250.0)
 
 
 @EACH
 def test_smoothed(benchmark: Any, problem: Problem, within: Within) -> None:
-    """The same, smoothed by a quadratic program in PIQP."""
+    """Certified path, smoothed by a quadratic program in PIQP."""
     nodes, obstacles, sides = problem.nodes, problem.obstacles, problem.sides
 
     def run() -> Band:
@@ -172,58 +183,58 @@ def test_smoothed(benchmark: Any, problem: Problem, within: Within) -> None:
         return smooth_band(band, solver="piqp")
 
     band = benchmark(run)
-    kept = keep(benchmark, problem, driven(band.path()), status=band.status.name)
+    clearance = record_quality(benchmark, problem, trajectory_of(band.path()), status=band.status.name)
     assert band.status.name == "OK"
     assert band.qp_residual is not None
-    assert kept >= problem.clearance - 1e-9
+    assert clearance >= problem.clearance - 1e-9
     within(1400.0 if problem is B else 1200.0)
 
 
-# --- many bands, long bands ---------------------------------------------------------------------------
+# --- batches, long bands ------------------------------------------------------------------------------
 
 
 @TWO
 def test_batch_of_strings(benchmark: Any, problem: Problem, within: Within) -> None:
-    nodes, obstacles = problem.many()
+    nodes, obstacles = problem.batch()
     lefts = np.repeat(np.array(problem.lefts)[:, None], BATCH, axis=1)
     bounds = corridor_of(problem, nodes, obstacles)().bounds(lefts)
-    row, force = contact(STRING, nodes[0, 1, 0])
-    _, _, settled = benchmark(equilibrium, row, force, *bounds)
-    assert settled.all()
+    row, force = stencil_and_penalty(STRING, nodes[0, 1, 0])
+    _, _, converged = benchmark(equilibrium, row, force, *bounds)
+    assert converged.all()
     within(10.0, BATCH)
 
 
 @TWO
 def test_batch_of_drivable_bands(benchmark: Any, problem: Problem, within: Within) -> None:
-    nodes, obstacles = problem.many()
+    nodes, obstacles = problem.batch()
     find, lefts = (
         corridor_of(problem, nodes, obstacles),
         np.repeat(np.array(problem.lefts)[:, None], BATCH, 1),
     )
-    row, force = contact(DRIVABLE, nodes[0, 1, 0])
-    _, _, settled = benchmark(lambda: equilibrium(row, force, *find().bounds(lefts)))
-    assert settled.all()
+    row, force = stencil_and_penalty(DRIVABLE, nodes[0, 1, 0])
+    _, _, converged = benchmark(lambda: equilibrium(row, force, *find().bounds(lefts)))
+    assert converged.all()
     within(40.0, BATCH)
 
 
 @TWO
 def test_batch_of_certified_bands(benchmark: Any, problem: Problem, within: Within) -> None:
-    """Cheaper by the band than one by one."""
-    nodes, obstacles = problem.many()
+    """Cheaper per band than one at a time."""
+    nodes, obstacles = problem.batch()
     band = benchmark(
         relax_band, nodes, obstacles, side=problem.sides, vehicle=CAR, clearance=problem.clearance
     )
     assert band.ok.all()
-    most = float(band.curvature.max())
+    curvature = float(band.curvature.max())
     benchmark.extra_info.update(
-        clearance_m=round(float(band.clearance.min()), 3), curvature=round(most, 5),
-        a_y_at_20=round(SPEED**2 * most, 2), status=f"{int(band.ok.sum())} OK",
+        clearance_m=round(float(band.clearance.min()), 3), curvature=round(curvature, 5),
+        a_y_at_20=round(SPEED**2 * curvature, 2), status=f"{int(band.ok.sum())} OK",
     )  # fmt: skip
     within(300.0 if problem is B else 250.0, BATCH)
 
 
 def test_ten_thousand_nodes(benchmark: Any, budget: Budget) -> None:
-    """A hundred times the nodes cost at most 150 times as much."""
+    """At most 150 times the time for 100 times the nodes."""
     x = np.arange(10_000.0)
     nodes, car = np.column_stack((x, 0.0 * x)), [boxes(5000.0, 0.0, 0.0, LENGTH, WIDTH)]
     long = benchmark.pedantic(
@@ -231,49 +242,49 @@ def test_ten_thousand_nodes(benchmark: Any, budget: Budget) -> None:
     )
     short = median_us(lambda: A.relaxed().path(), 500)
     times = 1e6 * benchmark.stats.stats.median / short
-    keep(benchmark, Problem(10_000.0, ((5000.0, 0.0),), 1.0), driven(long))
-    budget(times, "times", most=150.0)
+    record_quality(benchmark, Problem(10_000.0, ((5000.0, 0.0),), 1.0), trajectory_of(long))
+    budget(times, "times", max_value=150.0)
 
 
 # --- peers --------------------------------------------------------------------------------------------
 
 
-def against(benchmark: Any, peer: Peer, problem: Problem) -> float:
-    """Time a peer, ours before and after it, and note the ratio of the medians; the peer must not collide."""
+def time_peer(benchmark: Any, peer: Peer, problem: Problem) -> float:
+    """Time a peer, and the band before and after it; record the ratio. The peer must not collide."""
 
-    def ours() -> Path:
+    def band_path() -> Path:
         return relax_band(nodes, obstacles, side=sides, vehicle=CAR, clearance=problem.clearance).path()
 
     nodes, obstacles, sides = problem.nodes, problem.obstacles, problem.sides
     band = problem.relaxed()
-    before = median_us(ours, 300)
-    way = peer.driven(benchmark(peer.run))
-    spent = 0.5 * (before + median_us(ours, 300))
+    before = median_us(band_path, 300)
+    trajectory = peer.trajectory(benchmark(peer.run))
+    spent = 0.5 * (before + median_us(band_path, 300))
     assert band.status.name == "OK"
-    assert way is not None
+    assert trajectory is not None
     ratio = 1e6 * benchmark.stats.stats.median / spent
-    kept = keep(
-        benchmark, problem, way, ours_us=round(spent, 1), times_ours=round(ratio, 2),
-        ours_clearance_m=round(band.clearance, 3), ours_a_y_at_20=round(SPEED**2 * band.curvature, 2),
+    clearance = record_quality(
+        benchmark, problem, trajectory, band_us=round(spent, 1), times_band=round(ratio, 2),
+        band_clearance_m=round(band.clearance, 3), band_a_y_at_20=round(SPEED**2 * band.curvature, 2),
     )  # fmt: skip
-    assert kept > 0.0
+    assert clearance > 0.0
     return ratio
 
 
 @TWO
-def test_nmpc_takes_8_times_as_long(benchmark: Any, problem: Problem, budget: Budget) -> None:
+def test_nmpc_time_over_band(benchmark: Any, problem: Problem, budget: Budget) -> None:
     peer = nmpc(problem.length, problem.cars, problem.lefts)
-    budget(against(benchmark, peer, problem), "times ours", least=8.0)
+    budget(time_peer(benchmark, peer, problem), "times the band", min_value=8.0)
 
 
-def test_fiss_takes_as_long(benchmark: Any, budget: Budget) -> None:
-    """With its safety rules relaxed so far that it finds a way."""
-    peer = fiss(A.cars, least_time_to_collision=0.5)
-    budget(against(benchmark, peer, A), "times ours", least=1.0)
+def test_fiss_time_over_band(benchmark: Any, budget: Budget) -> None:
+    """With safety rules relaxed until FISS finds a trajectory."""
+    peer = fiss(A.cars, min_ttc=0.5)
+    budget(time_peer(benchmark, peer, A), "times the band", min_value=1.0)
 
 
-@pytest.mark.parametrize("least", [0.0, None], ids=["no_time_to_collision", "no_rules"])
-def test_fiss_without_rules(benchmark: Any, least: float | None) -> None:
-    """For the record: less than the meter that ours keeps is what its speed then costs."""
-    against(benchmark, fiss(A.cars, least_time_to_collision=least), A)
+@pytest.mark.parametrize("min_ttc", [0.0, None], ids=["no_time_to_collision", "no_rules"])
+def test_fiss_without_rules(benchmark: Any, min_ttc: float | None) -> None:
+    """No budget: its clearance is then less than that of the band."""
+    time_peer(benchmark, fiss(A.cars, min_ttc=min_ttc), A)
     assert benchmark.extra_info["clearance_m"] < A.clearance

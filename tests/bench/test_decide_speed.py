@@ -1,4 +1,4 @@
-"""Run times of the decision and of the warnings with twenty vehicles around."""
+"""Run times of the decision and of the warnings with twenty other vehicles."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,14 +10,14 @@ from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleState
 from cca_core.decide import Action, Candidate, LeadVehicle, choose_action
 from cca_core.path import fit_path
 from cca_core.warnings import warn
-from tests.bench.conftest import Budget, median_us
+from tests.bench.timing import Budget, median_us
 from tests.support.planner_drives import ALL_KNOWN, BLOCKED, CAR
 
 Report = Callable[[str, object], None]
 
 
 def traffic() -> tuple[Planner, VehicleState, list[RemoteVehicle]]:
-    """Twenty cars on three lanes of a curve; the ego closes in on the first one of its lane."""
+    """Twenty cars on three lanes of a curve; the ego approaches the first one in its lane."""
     s = np.arange(0.0, 1501.0, 10.0)
     path = fit_path(1500.0 * np.column_stack((np.sin(s / 1500.0), 1.0 - np.cos(s / 1500.0))), tolerance=0.05)
     planner = Planner(
@@ -48,10 +48,10 @@ def test_choose_action(slowness: float, budget: Budget, record_property: Report,
     assert action is (Action.EVADE_RIGHT if free else Action.FOLLOW)
     took = median_us(lambda: choose_action(lead, candidates), 500)
     record_property("us", round(took, 1))
-    budget(took, "µs", most=15.0 * slowness)
+    budget(took, "µs", max_value=15.0 * slowness)
 
 
-def test_decision_cycle_of_the_planner(slowness: float, budget: Budget, record_property: Report) -> None:
+def test_decision_cycle_of_planner(slowness: float, budget: Budget, record_property: Report) -> None:
     """Every cycle decides: both adjacent lanes are checked and blocked."""
     planner, ego, others = traffic()
     clock = [0.0]
@@ -65,11 +65,11 @@ def test_decision_cycle_of_the_planner(slowness: float, budget: Budget, record_p
     assert "right" in reason
     took = median_us(step, 40)
     record_property("us", round(took))
-    budget(1e-3 * took, "ms", most=6.0 * slowness)
+    budget(1e-3 * took, "ms", max_value=6.0 * slowness)
 
 
 def test_warnings(slowness: float, budget: Budget, record_property: Report) -> None:
     planner, ego, others = traffic()
     took = median_us(lambda: warn(ego, CAR, planner.road, others, s_guess=200.0), 100)
     record_property("us", round(took))
-    budget(1e-3 * took, "ms", most=3.0 * slowness)
+    budget(1e-3 * took, "ms", max_value=3.0 * slowness)

@@ -1,4 +1,4 @@
-"""The double lane changes of ISO 3888 on two plants, and the highest entry speed passed."""
+"""Double lane changes of ISO 3888 on two plants: the highest entry speed that passes."""
 
 import math
 from collections.abc import Callable
@@ -18,7 +18,7 @@ from cca_core.sim import (
 )
 
 CAR = VehicleParams.bmw_320i()
-COURSES: dict[str, tuple[DoubleLaneChange, int]] = {  # entry speed that must be passed [km/h]
+COURSES: dict[str, tuple[DoubleLaneChange, int]] = {  # with the required entry speed [km/h]
     "part 1, center to center": (iso3888_1(CAR.width), 80),
     "part 1, edge to center": (iso3888_1(CAR.width, offset="edge to center"), 80),
     "part 1, edge to edge": (iso3888_1(CAR.width, offset="edge to edge"), 80),
@@ -32,12 +32,12 @@ PLANTS: dict[str, Callable[[VehicleState], Any] | None] = {"single_track": None,
     "plant", ["single_track", pytest.param("multi_body", marks=pytest.mark.requires("vehiclemodels"))]
 )
 @pytest.mark.parametrize("name", COURSES)
-def test_passed_up_to(benchmark: Any, name: str, plant: str) -> None:
-    """The speed asked for is passed; then 1 km/h more each time until a gate is touched."""
-    course, wanted = COURSES[name]
+def test_highest_entry_speed(benchmark: Any, name: str, plant: str) -> None:
+    """The required speed passes; then 1 km/h more each time until a gate is hit."""
+    course, required = COURSES[name]
 
     def highest() -> tuple[int, GateRun]:
-        speed_kmh, first = wanted - 1, None
+        speed_kmh, first = required - 1, None
         while True:
             speed = (speed_kmh + 1) / 3.6
             band = plan_gate_path(course, CAR, speed)

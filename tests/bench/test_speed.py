@@ -1,4 +1,4 @@
-"""Run times; `make bench`. Compare ratios within one run: the reference is timed in the same one."""
+"""Run times of a cycle; `make bench`. The reference is timed in the same run."""
 
 import subprocess
 import sys
@@ -13,7 +13,7 @@ from cca_core import Lane, Path, Planner, PreviewController, RemoteVehicle, Road
 from cca_core.path import fit_path
 from cca_core.planner.settings import EvasionSettings
 from cca_core.sim import paper_scenarios, simulate
-from tests.bench.conftest import REFERENCE, Budget
+from tests.bench.timing import REFERENCE, Budget
 
 CAR = replace(VehicleParams.bmw_320i(), length=4.5, width=1.8)
 CASES = ("1-fast", "1-smooth", "2", "3")
@@ -32,37 +32,37 @@ def _state(path: Path, s: float, v_x: float = 20.0) -> VehicleState:
 
 
 def test_reference_solve_banded(reference_us: float, record_property: Callable[[str, object], None]) -> None:
-    """What budgets are scaled by: 100 rows, two right-hand sides."""
+    """Scale of the budgets: 100 rows, two right-hand sides."""
     assert REFERENCE().max() == pytest.approx(0.5 * 50.5**2, rel=0.01)
     record_property("us", round(reference_us, 1))
 
 
 @pytest.mark.parametrize(
-    ("places", "news", "action"),
+    ("positions", "replans", "action"),
     [
         (((120.0, 0.0), (170.0, 3.5), (-60.0, 3.5)), False, "KEEP"),
         (((60.0, 0.0), (25.0, 3.5), (25.0, -3.5)), True, "FOLLOW"),
         (((55.0, 0.0),), True, "EVADE"),
     ],
-    ids=["steers", "waits", "evades"],
+    ids=["keeps", "follows", "evades"],
 )
 def test_planner_step(
-    benchmark: Bench, route: Path, places: tuple[tuple[float, float], ...], news: bool, action: str
+    benchmark: Bench, route: Path, positions: tuple[tuple[float, float], ...], replans: bool, action: str
 ) -> None:
-    """A cycle: without news; looking for a way on two sides, in vain; renewing the band of a swerve."""
+    """One cycle: without a new decision; with rejected candidates on both sides; replanning a maneuver."""
     road = Road(route, (Lane(d=0.0), Lane(d=3.5), Lane(d=-3.5)))
     planner = Planner(CAR, road, cruise_speed=20.0, evasion=EvasionSettings(awareness_range=np.inf))
     ego = _state(route, 20.0)
     others = []
-    for i, (s, d) in enumerate(places):
+    for i, (s, d) in enumerate(positions):
         x, y = route.to_cartesian(s, d)
         v = 12.0 if d == 0.0 else 20.0
         others.append(RemoteVehicle(id=str(i), x=float(x), y=float(y), psi=float(route.heading(s)), v_x=v))
     clock = [0.0]
 
     def step() -> Any:
-        clock[0] += 0.1 if news else 1e-4
-        return planner.step(clock[0], ego, others if news else [replace(r, age=clock[0]) for r in others])
+        clock[0] += 0.1 if replans else 1e-4
+        return planner.step(clock[0], ego, others if replans else [replace(r, age=clock[0]) for r in others])
 
     command = benchmark(step)
     assert command.decision.action.name.startswith(action)
@@ -80,8 +80,8 @@ def test_steer(benchmark: Bench, route: Path) -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_maneuvering_in_real_time(benchmark: Bench, case: str, slowness: float, budget: Budget) -> None:
-    """At least 50 times faster than real time, less 30 % of scatter, planner and lossy channel included."""
+def test_maneuver_in_real_time(benchmark: Bench, case: str, slowness: float, budget: Budget) -> None:
+    """At least 50 times faster than real time with planner and lossy channel, less 30 % of scatter."""
     (scenario,) = (s for s in paper_scenarios() if s.name == "maneuver" and s.v2v and s.case == case)
     log = benchmark.pedantic(simulate, args=(scenario,), rounds=3, iterations=1, warmup_rounds=1)
     factor = float(log.t[-1]) / benchmark.stats.stats.min
@@ -89,7 +89,7 @@ def test_maneuvering_in_real_time(benchmark: Bench, case: str, slowness: float, 
         realtime_factor=round(factor, 1), cycle_us_median=round(float(np.median(log.cycle_us))),
         cycle_us_p99=round(float(np.percentile(log.cycle_us, 99))),
     )  # fmt: skip
-    budget(factor, "times", least=50.0 / 1.3 / slowness)
+    budget(factor, "times", min_value=50.0 / 1.3 / slowness)
 
 
 def test_import(benchmark: Any, slowness: float, budget: Any) -> None:
@@ -101,4 +101,4 @@ def test_import(benchmark: Any, slowness: float, budget: Any) -> None:
 
     took = min(run() for _ in range(5))
     benchmark.pedantic(run, rounds=1)
-    budget(took, "s", most=0.4 * slowness)
+    budget(took, "s", max_value=0.4 * slowness)

@@ -1,6 +1,6 @@
 """Lateral errors of four steering laws on two plants; `make bench` prints the table.
 
-`python tests/bench/test_steering.py` finds the tuning of the three other laws anew.
+`python tests/bench/test_steering.py` repeats the tuning of the three other laws.
 """
 
 import math
@@ -35,13 +35,13 @@ NOISE = 0.1  # [m]
 PLANTS = ("single_track", "multi_body")
 Law = Callable[[VehicleState, Path], float]
 
-# found by `python tests/bench/test_steering.py`: least rms error on `tuning_track`, single track
+# by `python tests/bench/test_steering.py`: smallest rms error on `tuning_track`, single track
 TUNED: dict[str, dict[str, float]] = {
     "pure pursuit": {"look_ahead_time": 0.6769, "min_look_ahead": 3.368},
     "Stanley": {"gain": 29.12, "softening": 19.48, "yaw_damping": 0.2234},
     "LQR": {"q_d": 0.01017, "q_rate": 1.855e-6, "q_psi": 1.423},
 }
-# where one of them has less error, given the exact state and the dead time it was tuned for: docs/steering.md
+# where one of them has less error, with the exact state and the dead time it was tuned for: docs/steering.md
 WINS: dict[str, set[tuple[str, str]]] = {
     "Stanley": {
         ("3.5 m over 44 m, 50 km/h", "multi_body"),
@@ -72,10 +72,10 @@ def interstate(data: FilePath) -> Path:
     """The 20 km of I-80 with the greatest rms curvature on which no radius is below 300 m."""
     points = read_waypoints(data / "gps" / "I_80_Eastbound_Vertices.csv")
     whole = fit_path(LocalFrame(points.lat[0], points.lon[0]).to_local(points.lat, points.lon), tolerance=0.5)
-    return stretch(whole, 20e3)
+    return curviest_part(whole, 20e3)
 
 
-def stretch(path: Path, length: float) -> Path:
+def curviest_part(path: Path, length: float) -> Path:
     """Part of a path with the greatest rms curvature; a radius below 300 m counts as a defect of the map."""
     step = 5.0
     kappa = path.curvature(np.arange(path.start, path.end, step))
@@ -105,7 +105,7 @@ TRACKS = {
     "3.5 m over 60 m, 25 m/s": Track(lambda _: lane_change_path(3.5, 60.0), 25.0, (0.08, 0.08)),
     "I-80, 20 km, 30 m/s": Track(interstate, 30.0, (0.04, 0.06), recorded=True),
     "I-80, 2 km, 30 m/s": Track(
-        lambda data: stretch(interstate(data), 2e3), 30.0, (0.04, 0.06), recorded=True
+        lambda data: curviest_part(interstate(data), 2e3), 30.0, (0.04, 0.06), recorded=True
     ),
 }
 CASES = [
@@ -116,11 +116,11 @@ CASES = [
 ]
 
 
-# --- variants: what the controller does not know, unless "told" ---------------------------------------
+# --- variants: changes that the controller does not know of, but for "delay known" ---------------------
 
 
 @cache
-def told_of_delay() -> Any:
+def gains_for_delay() -> Any:
     return design_gains(CAR, SPEEDS, region=StabilityRegion(delay=0.04 + DELAY, decay=0.4, damping=0.35))
 
 
@@ -132,19 +132,19 @@ def make_plant(name: str, start: VehicleState, variant: str) -> Any:
     return SingleTrackPlant(replace(CAR, m=CAR.m * mass, I_z=CAR.I_z * mass, mu=CAR.mu * friction), start)
 
 
-VARIANTS = ("mass +30 %", "friction 0.5", "delay told", "delay not told", "noise")
+VARIANTS = ("mass +30 %", "friction 0.5", "delay known", "delay unknown", "noise")
 Key = tuple[str, str, str, str]
 RUNS: dict[Key, TrackingRun] = {}
 
 
 def drive(name: str, plant: str, law: str, data: FilePath, variant: str = "") -> TrackingRun:
-    """One run; equal runs are driven once."""
+    """Run of a law; equal runs are simulated once."""
     key = (name, plant, law, variant)
     if key not in RUNS:
         path, speed = TRACKS[name].path(data), TRACKS[name].speed
         steer = LAWS[law]()
-        if variant == "delay told":
-            steer = PreviewController(CAR, told_of_delay(), delay=DELAY).steer
+        if variant == "delay known":
+            steer = PreviewController(CAR, gains_for_delay(), delay=DELAY).steer
         RUNS[key] = track_path(
             make_plant(plant, steady_turn(path, path.start, speed, CAR), variant), steer, path, speed,
             delay=DELAY if "delay" in variant else 0.0, fix_sigma=NOISE if variant == "noise" else 0.0,
@@ -164,43 +164,41 @@ def data_for(name: str, request: pytest.FixtureRequest) -> FilePath:
 
 @pytest.mark.parametrize(("name", "plant"), CASES)
 def test_errors(benchmark: Any, request: pytest.FixtureRequest, name: str, plant: str) -> None:
-    """Ours stays within its bounds, and below the three others wherever all four are driven."""
+    """The preview law stays within its bounds, and below the three other laws but for known cases."""
     needs(plant)
     data = data_for(name, request)
-    ours = benchmark.pedantic(drive, args=(name, plant, "preview", data), rounds=1)
-    assert ours.peak <= TRACKS[name].bounds[PLANTS.index(plant)]
+    preview = benchmark.pedantic(drive, args=(name, plant, "preview", data), rounds=1)
+    assert preview.peak <= TRACKS[name].bounds[PLANTS.index(plant)]
     if "20 km" in name and plant == "multi_body":
-        return  # a minute and a half for each law: the others are driven on the worst 2 km of it
+        return  # 90 s for each law: the others follow the worst 2 km of it
     for law in list(LAWS)[1:]:
         other = drive(name, plant, law, data)
         if (name, plant) not in WINS.get(law, ()):
-            assert ours.rms < other.rms, law
-            assert ours.peak < other.peak, law
+            assert preview.rms < other.rms, law
+            assert preview.peak < other.peak, law
 
 
 @pytest.mark.parametrize("name", [name for name, on in TRACKS.items() if not on.recorded])
 @pytest.mark.parametrize("law", ["Stanley", "LQR"])
 def test_high_gain_controllers_with_dead_time(benchmark: Any, name: str, law: str) -> None:
-    """With a dead time nobody told them of they leave the track, or nearly so; ours only loses accuracy."""
-    other = benchmark.pedantic(
-        drive, args=(name, "single_track", law, FilePath(), "delay not told"), rounds=1
-    )
-    ours = drive(name, "single_track", "preview", FilePath(), "delay not told")
-    assert ours.peak < 0.1 * other.peak
+    """With an unknown dead time they leave the track, or nearly; the preview law only loses accuracy."""
+    other = benchmark.pedantic(drive, args=(name, "single_track", law, FilePath(), "delay unknown"), rounds=1)
+    preview = drive(name, "single_track", "preview", FilePath(), "delay unknown")
+    assert preview.peak < 0.1 * other.peak
 
 
-def test_steer_takes_at_most_20_us(benchmark: Any, slowness: float, budget: Any) -> None:
-    """On the reference machine, and in proportion on a slower one."""
+def test_steering_cycle(benchmark: Any, slowness: float, budget: Any) -> None:
+    """One cycle of the preview law."""
     path, controller = lane_change_path(3.5, 60.0), PreviewController(CAR)
     state = VehicleState(x=110.0, y=1.0, psi=0.08, v_x=20.0)
     benchmark(controller.steer, state, path)
-    budget(1e6 * benchmark.stats.stats.median, "µs", most=20.0 * slowness)
+    budget(1e6 * benchmark.stats.stats.median, "µs", max_value=20.0 * slowness)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 @pytest.mark.parametrize("plant", PLANTS)
 def test_robust(benchmark: Any, plant: str, variant: str) -> None:
-    """At most twice the bounds, 0.15 m more with noise; an unknown delay has only to leave it stable."""
+    """At most twice the bounds, 0.15 m more with noise; with an unknown delay it stays stable."""
     needs(plant)
 
     def runs() -> list[tuple[Track, TrackingRun]]:
@@ -213,7 +211,7 @@ def test_robust(benchmark: Any, plant: str, variant: str) -> None:
     for on, run in benchmark.pedantic(runs, rounds=1):
         bound = 2.0 * on.bounds[PLANTS.index(plant)] + (0.15 if variant == "noise" else 0.0)
         assert run.finished
-        if variant == "delay not told":
+        if variant == "delay unknown":
             assert np.abs(run.d[-50:]).max() < 0.1
         else:
             assert run.peak <= bound
@@ -221,7 +219,7 @@ def test_robust(benchmark: Any, plant: str, variant: str) -> None:
 
 @pytest.mark.parametrize(("plant", "bound"), [("single_track", 0.15), ("multi_body", 0.25)])
 def test_recorded_drive(benchmark: Any, plant: str, bound: float, data_dir: FilePath) -> None:
-    """A recorded drive through a village, cleaned, at the speed that its bends allow."""
+    """A recorded drive through a village, cleaned, at the speed that its curves allow."""
     needs(plant)
     points = read_waypoints(data_dir / "gps" / "around-visnjan-with-car.gpx")
     xy = LocalFrame(points.lat[0], points.lon[0]).to_local(points.lat, points.lon)
@@ -239,11 +237,11 @@ def test_recorded_drive(benchmark: Any, plant: str, bound: float, data_dir: File
 
 def test_gain_schedule(benchmark: Any, slowness: float, budget: Any) -> None:
     benchmark.pedantic(design_gains, args=(CAR,), rounds=1)
-    budget(benchmark.stats.stats.max, "s", most=2.2 * slowness)
+    budget(benchmark.stats.stats.max, "s", max_value=2.2 * slowness)
 
 
 def test_table(benchmark: Any, request: pytest.FixtureRequest) -> None:
-    """Print what the tests above have driven."""
+    """Print the runs of the tests above."""
     lines = benchmark.pedantic(table, rounds=1)
     reporter = request.config.pluginmanager.getplugin("terminalreporter")
     with request.config.pluginmanager.getplugin("capturemanager").global_and_fixture_disabled():
@@ -255,14 +253,14 @@ def test_table(benchmark: Any, request: pytest.FixtureRequest) -> None:
 
 def table() -> list[str]:
     lines = [f"{'track':26}{'plant':14}{'law':28}{'peak [m]':>9}{'rms [m]':>9}{'a_y [m/s^2]':>13}"]
-    for (name, plant, law, variant), run in sorted(RUNS.items(), key=_place):
+    for (name, plant, law, variant), run in sorted(RUNS.items(), key=_order):
         a_y = np.abs(run.a_y).max()
         title = f"{law}, {variant}" if variant else law
         lines.append(f"{name:26}{plant:14}{title:28}{run.peak:9.3f}{run.rms:9.4f}{a_y:13.2f}")
     return lines
 
 
-def _place(item: tuple[Key, TrackingRun]) -> tuple[bool, int, int, int]:
+def _order(item: tuple[Key, TrackingRun]) -> tuple[bool, int, int, int]:
     (name, plant, law, variant), _ = item
     return (
         bool(variant),
@@ -272,15 +270,15 @@ def _place(item: tuple[Key, TrackingRun]) -> tuple[bool, int, int, int]:
     )
 
 
-# --- tuning of the others -----------------------------------------------------------------------------
+# --- tuning of the other laws -------------------------------------------------------------------------
 
 
 @cache
 def tuning_track() -> Path:
-    """Lane change of 3.0 m over 50 m, then a bend of 200 m radius to the right with clothoids of 40 m."""
+    """Lane change of 3.0 m over 50 m, then a right curve of 200 m radius with clothoids of 40 m."""
     s = np.arange(0.0, 520.0, 1.0)
-    share = np.clip((s - 60.0) / 50.0, 0.0, 1.0)
-    kappa = 3.0 / 50.0**2 * (60.0 * share - 180.0 * share**2 + 120.0 * share**3)
+    fraction = np.clip((s - 60.0) / 50.0, 0.0, 1.0)
+    kappa = 3.0 / 50.0**2 * (60.0 * fraction - 180.0 * fraction**2 + 120.0 * fraction**3)
     kappa -= np.interp(s, [200.0, 240.0, 340.0, 380.0], [0.0, 1.0, 1.0, 0.0]) / 200.0
     psi = np.concatenate(([0.0], np.cumsum(0.5 * (kappa[1:] + kappa[:-1]))))
     middle = 0.5 * (psi[1:] + psi[:-1])
@@ -291,7 +289,7 @@ def tuning_track() -> Path:
 def cost(values: Any, law: type[Any], names: list[str], robust: bool) -> float:
     """Mean rms error at 14 and 25 m/s with 40 ms of dead time [m]; 10 m for a run that leaves the path.
 
-    `robust` asks for the stability that ours is designed for: 0.15 s of dead time must not make it swing.
+    `robust` requires the stability that the preview law is designed for, with 0.15 s of dead time.
     """
     path, total = tuning_track(), 0.0
     for speed in (14.0, 25.0):

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 from cca_core.v2x import decode_bsm, encode_bsm
-from tests.bench.conftest import Budget
+from tests.bench.timing import Budget
 from tests.support import asn1_peer as peer
 
-_COUNT = 200  # calls that are timed together
+_COUNT = 200  # calls per measurement
 
 
 def frames(count: int) -> list[bytes]:
@@ -21,10 +21,10 @@ def frames(count: int) -> list[bytes]:
 def test_decode(benchmark: Any, slowness: float, budget: Budget) -> None:
     data = frames(_COUNT)
     benchmark(lambda: [decode_bsm(frame) for frame in data])
-    budget(1e6 * benchmark.stats.stats.min / _COUNT, "µs each", most=15.0 * 1.3 * slowness)
+    budget(1e6 * benchmark.stats.stats.min / _COUNT, "µs per message", max_value=15.0 * 1.3 * slowness)
 
 
 def test_encode(benchmark: Any, slowness: float, budget: Budget) -> None:
     messages = [decode_bsm(frame) for frame in frames(_COUNT)]
     benchmark(lambda: [encode_bsm(message) for message in messages])
-    budget(1e6 * benchmark.stats.stats.min / _COUNT, "µs each", most=20.0 * 1.3 * slowness)
+    budget(1e6 * benchmark.stats.stats.min / _COUNT, "µs per message", max_value=20.0 * 1.3 * slowness)
