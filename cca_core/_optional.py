@@ -1,4 +1,4 @@
-"""Import of optional packages; their absence becomes a `MissingExtraError`."""
+"""Import of optional packages; a missing package raises `MissingExtraError`."""
 
 from importlib import import_module
 from importlib.util import find_spec
@@ -8,10 +8,8 @@ from cca_core.errors import MissingExtraError
 
 
 def require_extra(module: str, extra: str) -> ModuleType:
-    """Import `module`, or say how to install the extra that brings it.
-
-    Only absence is translated: an error inside the package itself passes through unchanged.
-    """
+    """Import `module`, or raise an error with the pip command of the extra that contains it."""
+    # only absence is translated: an error inside the package passes unchanged
     if find_spec(module.partition(".")[0]) is None:
         raise MissingExtraError(f"{module} is not installed; run: pip install 'cca-planner[{extra}]'")
     return import_module(module)

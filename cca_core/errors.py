@@ -1,7 +1,6 @@
-"""Errors for misuse, and the outcome of a computation.
+"""Errors for misuse, and the status of a result.
 
-Misuse raises. An outcome that is merely unwanted (no clear path, no convergence) is a `Status`, so that a
-control loop never has to catch anything.
+Misuse raises. A result that is infeasible or has not converged has a `Status`, so control loops catch nothing.
 """
 
 from enum import Enum
@@ -10,15 +9,15 @@ __all__ = ["CcaError", "InfeasibleError", "InputError", "MissingExtraError", "St
 
 
 class CcaError(Exception):
-    """Root of all errors that the library raises."""
+    """Base class of all errors of the library."""
 
 
 class InputError(CcaError, ValueError):
-    """An argument cannot be used; the message names it, what it must be and what it was."""
+    """An argument is invalid; the message names it, its condition and its value."""
 
 
 class MissingExtraError(CcaError, ImportError):
-    """An optional package is absent; the message prints the pip command that installs it."""
+    """An optional package is missing; the message contains the pip command that installs it."""
 
 
 class InfeasibleError(CcaError, RuntimeError):
@@ -27,9 +26,9 @@ class InfeasibleError(CcaError, RuntimeError):
     Parameters
     ----------
     message : str
-        What was asked and why it cannot be had.
+        What was requested and why it is infeasible.
     result : object, optional
-        The result as far as it was reached, for inspection.
+        Partial result, for inspection.
     """
 
     def __init__(self, message: str, result: object = None) -> None:
@@ -38,10 +37,10 @@ class InfeasibleError(CcaError, RuntimeError):
 
 
 class Status(Enum):
-    """Outcome of a computation; only `OK` means that every promise of the result holds."""
+    """Status of a result; only `OK` guarantees its promises."""
 
     OK = "every promise of the result holds"
     INFEASIBLE = "no solution within the limits was found"
     NOT_CONVERGED = "the iteration ended before its tolerance"
-    DEGRADED = "the wish could not be carried out safely; a safer action was taken"
-    INVALID_INPUT = "an input could not be used; the safest action was taken"
+    DEGRADED = "the requested result was not safe; a safer one was taken"
+    INVALID_INPUT = "an input was invalid; the safest action was taken"

@@ -66,7 +66,7 @@ def test_box_gap_equals_shapely(a: tuple, b: tuple) -> None:
 
 @given(box, box)
 def test_overlap_depth_is_shortest_push_along_axis(a: tuple, b: tuple) -> None:
-    """Moving b by the depth along one of the four axes, one way or the other, just parts the boxes."""
+    """A displacement of b by the depth along one of the four axes just separates the boxes."""
     depth = -gap(a, b)
     if depth <= 1e-3:
         return

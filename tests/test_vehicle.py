@@ -57,7 +57,7 @@ def test_params_are_frozen_and_keyword_only() -> None:
         VehicleParams(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)  # type: ignore[misc]
 
 
-# theory.md section 1: the source's C = 21.92 Fz makes it exactly neutral, the table's rounding hides that
+# theory.md, Follow: the source's C = 21.92 Fz makes it exactly neutral, the table's rounding hides that
 @pytest.mark.parametrize("preset", PRESETS)
 def test_presets_are_neutral_steer(preset: type) -> None:
     """In degrees per g the understeer gradient is m g (l_r / C_f - l_f / C_r) / L: within table rounding."""

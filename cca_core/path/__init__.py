@@ -1,4 +1,4 @@
-"""Roads: from GPS to meters, from waypoints to a smooth curve, lanes along it."""
+"""Roads: local frame, waypoints, cleaning, smooth paths, lanes."""
 
 from cca_core.path.clean import CleanedRoute, CleaningReport, clean_route
 from cca_core.path.fit import fit_path

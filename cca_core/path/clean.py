@@ -29,7 +29,7 @@ class CleaningReport:
     isolated : ndarray of int, shape (n_isolated,)
         Rows dropped because they are alone between two gaps.
     reversals : ndarray of int, shape (n_reversals,)
-        Rows kept although the route turns back there: no single point causes it.
+        Rows preserved although the route turns back there: no single point causes it.
     closed : bool
         Whether the route is one part that returns to its start.
     """

@@ -104,7 +104,7 @@ class LocalFrame:
         xy = check_any("xy", xy, (2,))
         if np.abs(xy).max(initial=0.0) > MAX_COORDINATE:
             raise InputError("xy must be within 1000 km of the origin")
-        # height above the plane that puts the point on the ellipsoid: the line along `up` meets the quadric
+        # height above the plane of the point on the ellipsoid: the line along `up` intersects the quadric
         quadric = np.array([1.0, 1.0, 1.0 / (1.0 - ECCENTRICITY_SQUARED)])
         foot, up = self._origin + xy @ self._axes[:2], self._axes[2]
         a, b = up @ (quadric * up), foot @ (quadric * up)

@@ -68,7 +68,7 @@ def read_waypoints(file: str | FilePath) -> Waypoints:
     except (ElementTree.ParseError, LookupError, ValueError, csv.Error) as error:
         raise InputError(f"file {file.name!r} is broken: {error}") from None
     if len(pairs) < 2:
-        raise InputError(f"file {file.name!r} must hold at least two points, held {len(pairs)}")
+        raise InputError(f"file {file.name!r} must have at least two points, had {len(pairs)}")
     table = np.array(pairs)
     for column, name, limit in ((0, "latitude", 90.0), (1, "longitude", 180.0)):
         bad = ~(np.abs(table[:, column]) <= limit)
@@ -83,7 +83,7 @@ def read_waypoints(file: str | FilePath) -> Waypoints:
             )
     keep = np.concatenate(([True], (np.diff(table, axis=0) != 0.0).any(axis=1)))
     if keep.sum() < 2:
-        raise InputError(f"file {file.name!r} must hold at least two different points")
+        raise InputError(f"file {file.name!r} must have at least two different points")
     table = table[keep]
     table.setflags(write=False)
     return Waypoints(lat=table[:, 0], lon=table[:, 1], duplicates=int((~keep).sum()))

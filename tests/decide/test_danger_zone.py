@@ -15,7 +15,7 @@ LENGTH = 4.5
 
 
 def zone(rear: float, front: float, v_adj: float, v_ego: float, t: float, **kwargs: Any) -> Any:
-    """Zone for an ego at constant speed_st."""
+    """Zone for an ego at constant speed."""
     return danger_zone(rear, front, v_adj, times=[0.0, t], ego_travel=[0.0, v_ego * t], **kwargs)
 
 
@@ -24,7 +24,7 @@ class TestEquation11:
         assert float(danger_zone_end(-40.0, 33.0, 21.0, 5.0, 7.0)) == -40.0 + 12.0 * 5.0 + 7.0
 
     def test_signed_and_unsigned_speed_differ_by_160_m(self) -> None:
-        # 20 / -20 m/s, 4 s, x_s 10: printed with a signed speed_st -150 m, read unsigned +10 m
+        # 20 / -20 m/s, 4 s, x_s 10: printed with a signed speed -150 m, read unsigned +10 m
         assert float(danger_zone_end(0.0, -20.0, 20.0, 4.0, 10.0)) == -150.0
         assert float(danger_zone_end(0.0, 20.0, 20.0, 4.0, 10.0)) == 10.0
 
@@ -79,7 +79,7 @@ class TestSingleCases:
         assert z[1] == pytest.approx(34.5)
 
     def test_extreme_within_maneuver_is_found(self) -> None:
-        # the ego first falls back, then catches up: the zone's front end is reached half-way
+        # the ego first falls back, then catches up: the front end of the zone is at half time
         z = danger_zone(0.0, 4.0, 20.0, times=[0.0, 2.0, 4.0], ego_travel=[0.0, 30.0, 90.0], x_safety=0.0)
         assert z.tolist() == pytest.approx([-10.0, 14.0])
 
@@ -93,24 +93,24 @@ class TestSingleCases:
         )
 
 
-position_st = st.floats(-300.0, 300.0)
-size_st = st.floats(0.5, 25.0)
-speed_st = st.floats(-40.0, 40.0)
-growth_st = st.floats(0.0, 20.0)
-duration_st = st.floats(0.1, 15.0)
+positions = st.floats(-300.0, 300.0)
+sizes = st.floats(0.5, 25.0)
+speeds = st.floats(-40.0, 40.0)
+growths = st.floats(0.0, 20.0)
+durations = st.floats(0.1, 15.0)
 
 
 class TestProperties:
     @given(
-        position_st,
-        size_st,
-        speed_st,
+        positions,
+        sizes,
+        speeds,
         st.floats(0.0, 40.0),
-        duration_st,
-        growth_st,
-        growth_st,
-        growth_st,
-        growth_st,
+        durations,
+        growths,
+        growths,
+        growths,
+        growths,
         st.floats(0.0, 5.0),
     )
     def test_larger_margins_never_shrink_zone(
@@ -134,7 +134,7 @@ class TestProperties:
             assert wider[0] <= base[0] + 1e-9
             assert wider[1] >= base[1] - 1e-9
 
-    @given(position_st, size_st, speed_st, st.floats(0.0, 40.0), st.floats(-2.0, 2.0), duration_st, growth_st)
+    @given(positions, sizes, speeds, st.floats(0.0, 40.0), st.floats(-2.0, 2.0), durations, growths)
     def test_zone_contains_body_at_every_sample(
         self, x: float, length: float, v: float, v_ego: float, a: float, t: float, x_safety: float
     ) -> None:
@@ -152,19 +152,17 @@ class TestProperties:
             max(x + length + v * k - e for k, e in zip(times, travel, strict=True)) + x_safety
         )
 
-    @given(position_st, size_st, speed_st, st.floats(0.0, 40.0), duration_st, growth_st)
+    @given(positions, sizes, speeds, st.floats(0.0, 40.0), durations, growths)
     def test_zone_is_mirrored_along_road(
         self, x: float, length: float, v: float, v_ego: float, t: float, x_safety: float
     ) -> None:
-        """Everything with its sign reversed gives the zone reversed: neither direction is special."""
+        """All signs reversed reverse the zone: no direction is special."""
         times = np.linspace(0.0, t, 7)
         z = danger_zone(x, x + length, v, times=times, ego_travel=v_ego * times, x_safety=x_safety)
         m = danger_zone(-x - length, -x, -v, times=times, ego_travel=-v_ego * times, x_safety=x_safety)
         assert m.tolist() == pytest.approx([-z[1], -z[0]])
 
-    @given(
-        position_st, size_st, speed_st, st.floats(0.0, 40.0), duration_st, st.randoms(use_true_random=False)
-    )
+    @given(positions, sizes, speeds, st.floats(0.0, 40.0), durations, st.randoms(use_true_random=False))
     def test_order_of_samples_has_no_effect(
         self, x: float, length: float, v: float, v_ego: float, t: float, random: Any
     ) -> None:
@@ -185,7 +183,7 @@ class TestProperties:
         )
         assert z.tolist() == w.tolist()
 
-    @given(position_st, size_st, speed_st, st.floats(0.0, 40.0), duration_st)
+    @given(positions, sizes, speeds, st.floats(0.0, 40.0), durations)
     def test_constant_speeds_need_only_both_ends(
         self, x: float, length: float, v: float, v_ego: float, t: float
     ) -> None:
@@ -193,11 +191,11 @@ class TestProperties:
         fine = danger_zone(x, x + length, v, times=times, ego_travel=v_ego * times)
         assert fine.tolist() == pytest.approx(zone(x, x + length, v, v_ego, t).tolist())
 
-    @given(st.floats(-200.0, 200.0), st.floats(-35.0, 35.0), st.floats(5.0, 35.0), duration_st)
+    @given(st.floats(-200.0, 200.0), st.floats(-35.0, 35.0), st.floats(5.0, 35.0), durations)
     def test_zone_blocks_exactly_below_safety_distance(
         self, x: float, v: float, v_ego: float, t: float
     ) -> None:
-        """Against a simulation in small steps: touching the zone is coming within x_s, and sweeping past."""
+        """A simulation in small steps: the ego overlaps the zone if and only if the gap is below x_s."""
         half, x_s = 0.5 * LENGTH, 7.0
         rear, front = zone(x, x + LENGTH, v, v_ego, t, x_safety=x_s)
         moments = np.linspace(0.0, t, 4001)

@@ -32,7 +32,7 @@ CARS = [*PRESETS, UNDERSTEER]
 def nonlinear(
     x: np.ndarray, delta: float, rho: float, car: VehicleParams, v: float, l_s: float
 ) -> np.ndarray:
-    """Bicycle with tan, sin and cos kept, linear tires, v_x held, on a path of curvature rho.
+    """Bicycle with tan, sin and cos, linear tires and constant v_x, on a path of curvature rho.
 
     x = [beta, r, e_psi, h + l_s e_psi]; the foot point moves at (v_x cos e - v_y sin e) / (1 - h rho).
     """
@@ -91,7 +91,7 @@ def test_matrices_equal_hand_values() -> None:
 def test_pd_steering_reaches_predicted_steady_state(
     car: VehicleParams, v: float, rho: float, l_s: float, k_p: float, k_d: float
 ) -> None:
-    """A x + B delta + E rho = 0 with delta = -k_p e_y - k_d e_y': theory.md section 1."""
+    """A x + B delta + E rho = 0 with delta = -k_p e_y - k_d e_y': theory.md, Follow."""
     model = single_track(car, v, l_s)
     # e_y' = c x + e rho does not depend on delta, so the loop closes in one step
     gain = np.array([0.0, 0.0, 0.0, k_p]) + k_d * model.A[3]
@@ -113,7 +113,7 @@ def test_pd_steering_reaches_predicted_steady_state(
 
 @given(st.floats(2.0, 40.0), st.floats(-0.02, 0.02))
 def test_exact_feedforward_leaves_error_l_s_beta(v: float, rho: float) -> None:
-    """With e_y = 0 held the car runs beside the path by l_s beta_ss."""
+    """With e_y = 0 the car has a lateral error of l_s beta_ss."""
     l_s, car = 15.0, UNDERSTEER
     model = single_track(car, v, l_s)
     x = np.array([steady_sideslip(rho, v, car), v * rho, -steady_sideslip(rho, v, car), 0.0], dtype=float)
@@ -146,7 +146,7 @@ def test_steady_formulas_broadcast() -> None:
 
 @pytest.mark.parametrize("radius", [200.0, -400.0])
 def test_steady_turn_has_no_rates(radius: float) -> None:
-    """In the path's frame nothing changes: the linear model is at rest there."""
+    """All rates of the linear model are zero."""
     angle = np.linspace(0.0, 1.0, 60)
     circle = interpolate_path(np.column_stack((abs(radius) * np.sin(angle), radius * (1.0 - np.cos(angle)))))
     state = steady_turn(circle, 80.0, 15.0, BMW)
@@ -193,7 +193,7 @@ def poles(car: VehicleParams, v: float, lag: float = 0.1) -> np.ndarray:
 
 @pytest.mark.parametrize("v", [4.0, 5.0, 7.0, 10.0, 11.5, 15.0, 18.0, 20.0, 25.0, 30.0, 32.5])
 def test_default_gains_are_d_stable_for_vehicle_2(v: float) -> None:
-    """Re < -0.8 1/s and a damping of at least 0.6 (theory.md section 1), between the grid points too."""
+    """Re < -0.8 1/s and a damping of at least 0.6 (theory.md, Follow), between the grid points too."""
     roots = poles(VehicleParams.bmw_320i(), v)
     assert roots.real.max() < -0.8
     assert (-roots.real / np.abs(roots)).min() >= 0.6
@@ -201,7 +201,7 @@ def test_default_gains_are_d_stable_for_vehicle_2(v: float) -> None:
 
 @pytest.mark.parametrize("v", [35.0, 37.5, 40.0])
 def test_default_gains_are_d_stable_up_to_end_of_schedule(v: float) -> None:
-    """'Schedule for passenger cars from 2 to 40 m/s ... in the middle of the region'."""
+    """The schedule covers 2 to 40 m/s."""
     roots = poles(VehicleParams.bmw_320i(), v)
     assert roots.real.max() < -0.8
     assert (-roots.real / np.abs(roots)).min() >= 0.6

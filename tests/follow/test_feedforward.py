@@ -73,7 +73,7 @@ def test_steering_is_always_finite(points: list[tuple[float, float]], car: Vehic
 
 
 def test_motion_is_stored_by_station() -> None:
-    """Asked for where it was five cycles ago, it says what it said there; in between, what lies between."""
+    """The motion at an earlier station is that of its cycle, interpolated between cycles."""
     now, later = InverseSteering(CARS[0]), InverseSteering(CARS[0])
     passed: list[float] = []
     for k in range(100):

@@ -34,7 +34,7 @@ DELAY = 0.04
 
 
 def open_loop(car: VehicleParams, gains: PreviewGains, v: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A, B and C from steering command to k_p e_y + k_d e_y', written down anew: model, lag, law."""
+    """A, B and C from steering command to k_p e_y + k_d e_y', written independently: model, lag, law."""
     k_p, k_d, l_s = gains.at(v)
     model = single_track(car, v, l_s)
     A = np.block([
@@ -119,7 +119,7 @@ def test_margins_equal_python_control(name: str, v: float) -> None:
 
 
 def growth(car: VehicleParams, gains: PreviewGains, v: float, delay: float, factor: float) -> float:
-    """How fast the linear loop grows, in 1/s: spectral radius of the loop with a line of held commands."""
+    """Growth rate of the linear loop [1/s], from the spectral radius with a line of held commands."""
     dt = delay / max(8, math.ceil(delay / 0.005))
     A, B, C = open_loop(car, gains, v)
     step = discretized(SingleTrack(A=A, B=B, E=np.zeros(5)), dt)
@@ -156,7 +156,7 @@ def test_shipped_schedules_have_robust_margins() -> None:
 
 
 def test_unstable_loop_has_no_margin() -> None:
-    """Not even an infinite one: with much dead time the phase has passed -180 degrees before it is seen."""
+    """With much dead time the phase passes -180 degrees below the lowest frequency."""
     for delay in (0.5, 1.0, 2.0):
         margins = stability_margins(BMW, shipped_gains(BMW), 20.0, delay=delay)
         assert growth(BMW, shipped_gains(BMW), 20.0, delay, 1.0) > 0.0

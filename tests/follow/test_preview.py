@@ -67,7 +67,7 @@ def test_law_on_straight_path_equals_formula(d: float, psi: float, v: float, v_y
 @pytest.mark.parametrize("car", [CAR, UNDERSTEER])
 @pytest.mark.parametrize("v", [5.0, 15.0, 25.0])
 def test_steady_turn_keeps_steady_steering(car: VehicleParams, v: float) -> None:
-    """On the circle with sideslip beta_ss and r = v kappa only the feed-forward remains."""
+    """On the circle with sideslip beta_ss and r = v kappa only the feedforward remains."""
     kappa = 1.0 / 300.0
     car = dataclasses.replace(car, mu=1e3)  # tires as linear as those of the formulas
     beta = float(steady_sideslip(kappa, v, car))
@@ -231,7 +231,7 @@ def test_steering_is_finite_down_to_standstill(v: float) -> None:
 
 
 def test_standstill_with_error_does_not_wind_up() -> None:
-    """Ten seconds of standstill beside the path leave the law where it was."""
+    """Ten seconds of standstill with a lateral error do not change the law."""
     state = VehicleState(x=50.0, y=0.08, psi=0.0, v_x=0.0)
     controller = PreviewController(CAR)
     first = controller.steer(state, LINE)
@@ -281,7 +281,7 @@ def test_steering_rate_is_limited() -> None:
 
 @pytest.mark.parametrize("v", [10.0, 20.0, 30.0])
 def test_lateral_acceleration_is_limited(v: float) -> None:
-    """Of the steady turn of the largest command, and of the front tires before the car has begun to turn."""
+    """In the steady turn, and of the front tires before the car has begun to turn."""
     controller = PreviewController(CAR, a_y_max=3.0)
     plant = SingleTrackPlant(CAR, VehicleState(x=50.0, y=-50.0, psi=0.0, v_x=v))
     deltas, a_y = [], []
@@ -303,7 +303,7 @@ def test_sudden_maneuver_may_exceed_steady_turn_angle() -> None:
 
 
 def test_tangent_reference_tracks_better() -> None:
-    """The path itself at the preview point sees a bend too early: an error where curvature changes."""
+    """The path at the preview point anticipates a curve: an error while the curvature changes."""
     peaks = {}
     path = lane_change_path(3.5, 60.0)
     for error in ("tangent", "ahead"):

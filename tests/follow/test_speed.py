@@ -96,13 +96,13 @@ def test_required_deceleration_equals_hand_values() -> None:
     assert required_deceleration(10.0, g + 5.0, 12.0, S) == 0.0
     assert required_deceleration(20.0, g, 10.0, S) == math.inf
     assert required_deceleration(20.0, -1.0, 10.0, S) == math.inf
-    # both at 20 m/s, leader brakes at 4: its 50 m and 30 m of gap to stop in
+    # both at 20 m/s, the lead brakes at 4 m/s^2: its 50 m and 30 m of gap remain
     assert required_deceleration(20.0, g + 30.0, 20.0, S, a_lead=-4.0) == pytest.approx(400.0 / 160.0)
     assert required_deceleration(0.0, g + 1.0, 0.0, S) == 0.0
 
 
 def min_gap(v: float, gap: float, v_lead: float, a_lead: float, b: float) -> float:
-    """Least gap until the ego stands, if it brakes at b; both brake to standstill, in closed form."""
+    """Least gap if the ego brakes at b; both brake to standstill, in closed form."""
     a = max(-a_lead, 0.0)
     t = np.linspace(0.0, v / b, 4001) if b > 0.0 else np.linspace(0.0, 60.0, 4001)
     ego = v * t - 0.5 * b * t * t
@@ -113,7 +113,7 @@ def min_gap(v: float, gap: float, v_lead: float, a_lead: float, b: float) -> flo
 
 @given(st.floats(1.0, 40.0), st.floats(0.0, 40.0), st.floats(0.5, 150.0))
 def test_required_deceleration_keeps_standstill_gap(v: float, v_lead: float, distance: float) -> None:
-    """Leader at constant speed: that deceleration is enough and nine tenths of it are not."""
+    """Lead at constant speed: the deceleration suffices, and nine tenths of it do not."""
     gap = S.standstill_gap + distance
     b = required_deceleration(v, gap, v_lead, S)
     assert min_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-6 * max(distance, 1.0)
@@ -126,7 +126,7 @@ def test_required_deceleration_keeps_standstill_gap(v: float, v_lead: float, dis
 def test_required_deceleration_behind_braking_lead(
     v: float, v_lead: float, distance: float, a_lead: float
 ) -> None:
-    """'Keeps the standstill gap to a leader ... braking is taken to previous until standstill.'"""
+    """The least gap to a lead that brakes to standstill equals the standstill gap."""
     gap = S.standstill_gap + distance
     b = required_deceleration(v, gap, v_lead, S, a_lead)
     assert min_gap(v, gap, v_lead, a_lead, b) >= S.standstill_gap - 1e-3 * max(distance, 1.0)
@@ -135,7 +135,7 @@ def test_required_deceleration_behind_braking_lead(
 @given(st.floats(1.0, 30.0), st.floats(-30.0, -0.1), st.floats(10.0, 200.0))
 @example(20.0, -10.0, 100.0)
 def test_required_deceleration_toward_oncoming_vehicle(v: float, v_lead: float, distance: float) -> None:
-    """'Negative if it comes toward the ego': the gap is kept until the ego stands."""
+    """The gap to an oncoming vehicle is preserved until the ego stops."""
     gap = S.standstill_gap + distance
     b = required_deceleration(v, gap, v_lead, S)
     assert min_gap(v, gap, v_lead, 0.0, b) >= S.standstill_gap - 1e-3 * distance
@@ -147,7 +147,7 @@ def test_required_deceleration_toward_oncoming_vehicle(v: float, v_lead: float, 
 def follow(
     v: float, gap: float, lead: list[tuple[float, float]], seconds: float, lag: float = 0.0, dt: float = 0.02
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Closed loop; `lead` is a list of (time, acceleration of the leader from then on)."""
+    """Closed loop; `lead` is a list of (time, acceleration of the lead from then on)."""
     v_lead, a, out = lead[0][1], 0.0, []
     plan = lead[1:]
     for i in range(round(seconds / dt)):
@@ -212,7 +212,7 @@ def test_follow_is_finite_and_not_below_b_max(v: float, gap: float, v_lead: floa
 
 @pytest.mark.parametrize("gap", [S.standstill_gap + 1e-6, S.standstill_gap, S.standstill_gap - 1e-6])
 def test_tiny_gap_error_needs_no_full_braking(gap: float) -> None:
-    """Same speed, a hair inside the standstill gap: the answer must not depend on the previous digit."""
+    """Same speed, a hair inside the standstill gap: the result must not depend on the last digit."""
     calm = follow_acceleration(5.0, gap, 5.0, S)
     assert follow_acceleration(5.0 + 1e-6, gap, 5.0, S) == pytest.approx(calm, abs=0.1)
 
@@ -248,7 +248,7 @@ def test_invalid_settings_raise(name: str, value: object) -> None:
 
 @given(st.floats(0.0, 25.0), st.floats(26.0, 40.0))
 def test_idm_equilibrium(v: float, target: float) -> None:
-    """At equal speeds the gap (s_0 + v T) / sqrt(1 - (v/v_0)^4) is held; more accelerates, less brakes."""
+    """At equal speeds the gap (s_0 + v T) / sqrt(1 - (v/v_0)^4) is constant; more accelerates, less brakes."""
     gap = (S.standstill_gap + v * S.time_gap) / math.sqrt(1.0 - (v / target) ** 4)
     assert idm_acceleration(v, gap, v, target, S) == pytest.approx(0.0, abs=1e-9)
     assert idm_acceleration(v, 1.01 * gap, v, target, S) > 0.0
@@ -272,7 +272,7 @@ def test_cacc_equilibrium(v: float) -> None:
 
 
 def test_cacc_platoon_is_string_stable() -> None:
-    """Eight cars behind one whose speed swings: each swings, and leaves its gap, less than the one before."""
+    """Eight cars behind an oscillating lead: speed and gap of each oscillate less than those ahead."""
     dt, n = 0.02, 8
     speeds, a = np.full(n + 1, 20.0), np.zeros(n + 1)
     positions = -np.arange(n + 1) * (S.standstill_gap + S.time_gap * 20.0)
@@ -294,7 +294,7 @@ def test_cacc_platoon_is_string_stable() -> None:
 @pytest.mark.parametrize("v", [3.0, 10.0, 20.0, 30.0])
 @pytest.mark.parametrize("more", [1.0, 1.5, 4.0])
 def test_ego_stops_at_point(v: float, more: float) -> None:
-    """Comfortable braking or up to four times its distance away: at rest within 0.1 m."""
+    """From one to four times the distance of comfort braking the ego stops within 0.1 m."""
     dt, position, distance = 0.005, 0.0, more * v * v / (2.0 * S.b_comfort)
     hardest = 0.0
     for _ in range(60_000):
@@ -335,7 +335,7 @@ def test_limited_acceleration_is_in_friction_circle(a_x: float, a_y: float, mu: 
 
 @pytest.mark.parametrize("amplitude", [0.0, 5.0, 15.0])
 def test_speed_limit_along_path_is_feasible(amplitude: float) -> None:
-    """Never above cruise or what the bend allows; never falling faster than comfortable braking."""
+    """At most cruise speed and the limit of the curve; never falling faster than comfort braking."""
     x = np.arange(0.0, 801.0, 10.0)
     path = fit_path(np.column_stack((x, amplitude * np.sin(x / 40.0))), tolerance=0.05)
     s, squared = squared_speed_limit(path, 25.0, 2.5, S)
@@ -345,6 +345,6 @@ def test_speed_limit_along_path_is_feasible(amplitude: float) -> None:
     assert (np.diff(squared) >= -2.0 * S.b_comfort * np.diff(s) - 1e-6).all()
     assert np.interp(path.end, s, squared) == pytest.approx(0.0, abs=1e-9)
     tight = np.minimum(625.0, 2.5 / np.maximum(np.abs(path.curvature(s[on])), 1e-9))
-    # where it is below both, it is because of a slower position ahead, exactly
+    # where it is below both, it is because of a slower point ahead, exactly
     for i in np.flatnonzero(squared[on] < tight - 1e-6)[:-1]:
         assert squared[i + 1] - squared[i] == pytest.approx(-2.0 * S.b_comfort * (s[i + 1] - s[i]), rel=1e-6)

@@ -116,7 +116,7 @@ def test_infeasible_fit_raises_infeasible_error(radius: float) -> None:
 
 
 def swing(path: Path, xy: np.ndarray, tolerance: float) -> float:
-    """How far the path leaves the polyline of waypoints beyond the tolerance, in chords nearby."""
+    """Deviation of the path from the polyline beyond the tolerance, per nearby chord."""
     s = np.linspace(path.start, path.end, int(path.length / 0.1) + 2)
     start, step = xy[:-1], np.diff(xy, axis=0)
     chord = np.hypot(*step.T)
@@ -136,7 +136,7 @@ def noisy_road(seed: int, spacing: float, noise: float, n: int = 60) -> np.ndarr
 
 @pytest.mark.parametrize("tolerance", [4.5, 6.0])
 def test_noise_causes_no_spike_at_end(tolerance: float) -> None:
-    """Noise of 3 m on the demonstration road: between the last two points a fit once ran 46 m off."""
+    """Noise of 3 m on the demonstration road: a fit once deviated by 46 m between the last two points."""
     route = demo_route()
     frame = LocalFrame(route.lat[0], route.lon[0])
     road = fit_path(frame.to_local(route.lat, route.lon), tolerance=0.5)
@@ -160,10 +160,10 @@ def test_noise_causes_no_spike_at_end(tolerance: float) -> None:
 def test_path_stays_near_chords_of_waypoints(
     seed: int, spacing: float, noise: float, tolerance: float, segmentation: str
 ) -> None:
-    """Never far off the polyline, whatever the noise; and not in countless segments."""
+    """Any noise: small deviation from the polyline with few segments."""
     xy = noisy_road(seed, spacing, noise * spacing)
     path = fit_path(xy, tolerance=tolerance * spacing, segmentation=segmentation)
-    assert swing(path, xy, tolerance * spacing) <= 0.3 + 0.02  # it is looked at in seven places a chord
+    assert swing(path, xy, tolerance * spacing) <= 0.3 + 0.02  # the fit checks seven points per chord
     assert len(path.coefficients) <= 20 * len(xy)
 
 

@@ -128,7 +128,7 @@ def test_invalid_cut_raises(start: float, end: float) -> None:
 
 
 def test_one_position_gives_scalars() -> None:
-    """Not arrays without axes, which no record takes for numbers."""
+    """Records reject arrays without axes."""
     path = interpolate_path([[0.0, 0.0], [10.0, 0.0], [20.0, 1.0]])
     s, d = path.project((5.0, 1.0))
     assert (isinstance(s, float), isinstance(d, float)) == (True, True)
