@@ -77,9 +77,44 @@ def solve_smoothing_qp(
     qpsolvers = require_extra("qpsolvers", "qp")
     require_extra(solver, "qp")
 
-    inner = n - 4
-    nodes_per_unit = (n - 1) / _UNITS_PER_BAND
-    unit = nodes_per_unit * spacing
+    unit = (n - 1) / _UNITS_PER_BAND * spacing
+    problem = _scaled_problem(
+        unit, spacing, route_curvature, curvature_error, lower[2:-2], upper[2:-2], curvature_limit,
+        curvature_rate_limit, weights,
+    )  # fmt: skip
+    guess = None
+    if start is not None and solver == "osqp":
+        guess = np.concatenate((start[2:-2], problem.A[:, : n - 4] @ start[2:-2]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # infeasibility is a result
+        solution = qpsolvers.solve_problem(problem, solver, initvals=guess, **SOLVER_OPTIONS[solver])
+    info = solution.extras["info"]
+    message = _words(solver, str(getattr(info.status, "name", info.status)))
+    violation = solution.primal_residual()
+    solved = bool(violation <= 1e-6 * min(unit**2, 1.0))  # [m, 1/m]
+    if solved:
+        u[2:-2] = solution.x[: n - 4]
+    elif solution.found:
+        message += f", but violates a bound by {violation:.1e}"
+    return QpSolution(u=u, solved=solved, message=message, iterations=int(info.iter), solution=solution)
+
+
+def _scaled_problem(
+    unit: float,
+    spacing: float,
+    route_curvature: Array,
+    curvature_error: float | Array,
+    lower: Array,
+    upper: Array,
+    curvature_limit: float | Array,
+    curvature_rate_limit: float,
+    weights: tuple[float, float],
+) -> Any:
+    """Return the quadratic program in lengths of `unit` [m]."""
+    from qpsolvers import Problem
+
+    n = len(route_curvature)
+    inner, nodes_per_unit = n - 4, (n - 1) / _UNITS_PER_BAND
     bending = weights[0] * unit**2 / (weights[0] * unit**2 + weights[1])
     level, slope, link, rates = _templates(n)
     cost = copy(level)
@@ -91,31 +126,16 @@ def solve_smoothing_qp(
     if not np.isfinite(base).all():
         raise InputError("route_curvature and curvature_error must be finite")
     limit = unit**2 * np.asarray(curvature_limit)
-    problem = qpsolvers.Problem(
+    problem = Problem(
         cost, np.zeros(inner + n), A=linked, b=np.zeros(n),
-        lb=np.concatenate((lower[2:-2], -limit - base)), ub=np.concatenate((upper[2:-2], limit - base)),
+        lb=np.concatenate((lower, -limit - base)), ub=np.concatenate((upper, limit - base)),
     )  # fmt: skip
     if curvature_rate_limit < math.inf:
         step = np.zeros(n + 1)
         step[1:-1] = np.diff(base)
         max_step = unit**2 * curvature_rate_limit * spacing
         problem.G, problem.h = rates, np.concatenate((max_step - step, max_step + step))
-    guess = None
-    if start is not None and solver == "osqp":
-        guess = np.concatenate((start[2:-2], linked[:, :inner] @ start[2:-2]))
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # infeasibility is a result
-        solution = qpsolvers.solve_problem(problem, solver, initvals=guess, **SOLVER_OPTIONS[solver])
-    info = solution.extras["info"]
-    message = _words(solver, str(getattr(info.status, "name", info.status)))
-    violation = solution.primal_residual()
-    solved = bool(violation <= 1e-6 * min(unit**2, 1.0))  # [m, 1/m]
-    if solved:
-        u[2:-2] = solution.x[:inner]
-    elif solution.found:
-        message += f", but violates a bound by {violation:.1e}"
-    return QpSolution(u=u, solved=solved, message=message, iterations=int(info.iter), solution=solution)
+    return problem
 
 
 def _words(solver: QPSolver, status: str) -> str:

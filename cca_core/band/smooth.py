@@ -62,15 +62,7 @@ def smooth_band(
     >>> smooth_band(band, curvature_rate_limit=0.001).status.name
     'OK'
     """
-    if not isinstance(band, Band):
-        raise InputError(f"band must be a Band, was {type(band).__name__}")
-    if band.nodes.ndim != 2:
-        raise InputError("band must be a single band; choose one, as in band[0]")
-    if band.problem.free_displacement.any():
-        raise InputError("band must begin on its route to be smoothed")
-    pair = check_array("weights", weights, (2,))
-    if pair.min() < 0.0 or not pair.any():
-        raise InputError(f"weights must not be negative and not both 0, were {weights!r}")
+    _check(band, weights)
     rate_limit = check_real("curvature_rate_limit", curvature_rate_limit, gt=0.0, allow_inf=True)
     problem, passes_left = band.problem, band.passes_left[:, None]
     h, route_curvature = float(problem.h[0]), problem.curvature[0]
@@ -113,6 +105,20 @@ def smooth_band(
         message = f"{missing} still missing after {_MAX_PASSES} passes"
     status = Status.DEGRADED if band.ok else band.status
     return replace(band, status=status, message=f"not smoothed ({message}); {band.message}")
+
+
+def _check(band: Band, weights: tuple[float, float]) -> None:
+    """Check that a band can be smoothed with weights."""
+    kind: object = band
+    if not isinstance(kind, Band):
+        raise InputError(f"band must be a Band, was {type(band).__name__}")
+    if band.nodes.ndim != 2:
+        raise InputError("band must be a single band; choose one, as in band[0]")
+    if band.problem.free_displacement.any():
+        raise InputError("band must begin on its route to be smoothed")
+    pair = check_array("weights", weights, (2,))
+    if pair.min() < 0.0 or not pair.any():
+        raise InputError(f"weights must not be negative and not both 0, were {weights!r}")
 
 
 def _safe_displacement_bounds(
