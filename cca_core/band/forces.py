@@ -34,7 +34,7 @@ def external_force(nodes: ArrayLike, obstacle: ArrayLike, *, k_e: float, r_0: fl
     -----
     ``-k_e (|r| - r_0) r / |r|`` with r from the obstacle to the node (the other reading of the paper's
     "position vector between each node and the obstacle" would attract). A node exactly on the
-    obstacle has no direction to flee to and gets no force.
+    obstacle has no direction and gets no force.
 
     Examples
     --------

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cca_core.band import BandStiffness, relax_band
+from cca_core.band import BandSettings, BandStiffness, relax_band
 from cca_core.errors import InputError, Status
 from cca_core.geometry import Boxes, boxes
 from tests.support.band_cases import Case
@@ -188,6 +188,27 @@ def test_number_of_solves_is_small() -> None:
     assert np.median(solves) <= 12
 
 
+def test_settings_limit_the_search() -> None:
+    case = scene(straight(), [boxes(75.0, 0.3, 0.4, 4.5, 1.8)], curvature_limit=0.004)
+    band, first, smooth = (
+        relax(case, side="left", settings=settings)
+        for settings in (None, BandSettings(max_tightenings=1), BandSettings(curvature_margin=0.02))
+    )
+    assert band.ok
+    assert smooth.ok
+    assert not first.ok
+    assert first.n_solves < band.n_solves
+    assert smooth.curvature < 0.995 * band.curvature
+
+
+@pytest.mark.parametrize(
+    "values", [{"max_solves": 0}, {"max_stalls": 1.5}, {"min_progress": 1.1}, {"clearance_margin": -1.0}]
+)
+def test_invalid_settings_raise(values: dict) -> None:
+    with pytest.raises(InputError, match=next(iter(values))):
+        BandSettings(**values)
+
+
 def test_result_is_read_only_and_input_unchanged() -> None:
     route = straight()
     before = route.copy()
@@ -249,6 +270,7 @@ def test_repr() -> None:
         ({"stiffness": 1.0}, "^stiffness must"),
         ({"previous": 1.0}, "^previous must"),
         ({"vehicle": None}, "^vehicle must"),
+        ({"settings": 1}, "^settings must be BandSettings, was int"),
     ],
 )  # fmt: skip
 def test_invalid_argument_raises(changes: dict, words: str) -> None:

@@ -267,7 +267,15 @@ def test_invalid_time_raises(t: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    "values", [{"max_tracks": 0}, {"max_tracks": 2.5}, {"braking": 0.0}, {"plausibility": None}]
+    "values",
+    [
+        {"position_errors": None},
+        {"readmit_distance": -1.0},
+        {"max_tracks": 0},
+        {"max_tracks": 2.5},
+        {"braking": 0.0},
+        {"plausibility": None},
+    ],
 )
 def test_invalid_settings_raise(values: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(values))):
