@@ -1,5 +1,8 @@
 """Names of records, fields and values in dictionaries of version 1."""
 
+from collections.abc import Mapping
+from typing import Any
+
 CLASSES = {
     "BandProblem": "Task",
     "BrakeAction": "Brakes",
@@ -112,8 +115,25 @@ FIELDS = {
 }
 """Class today to its fields that had another name: old to new."""
 
-VALUES = {"FALLBACK": "DEGRADED"}
-"""Member of an enum in version 1 to its name today."""
+VALUES = {
+    "Status": {"FALLBACK": "DEGRADED"},
+    "LeadVehicle.kind": {"ahead": "direct", "hidden": "downstream"},
+}
+"""Enum or field today to its values in version 1, each with its value today."""
 
 ADDED = {"BandProblem": {"settings": {"type": "BandSettings"}}}
 """Class today to values of fields that version 1 did not have."""
+
+
+def updated_fields(name: str, data: Mapping[str, Any]) -> dict[str, Any]:
+    """Fields of a class with the names and values of today."""
+    renamed, updated = FIELDS.get(name, {}), dict(ADDED.get(name, {}))
+    for key, value in data.items():
+        field = renamed.get(key, key)
+        updated[field] = updated_value(f"{name}.{field}", value)
+    return updated
+
+
+def updated_value(name: str, value: Any) -> Any:
+    """Value of an enum or of a field (`Class.field`) today."""
+    return VALUES.get(name, {}).get(value, value) if isinstance(value, str) else value

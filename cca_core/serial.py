@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core._version_1 import ADDED, CLASSES, FIELDS, VALUES
+from cca_core._version_1 import CLASSES, updated_fields, updated_value
 from cca_core.errors import InputError
 from cca_core.path import Lane, LocalFrame, Path, Road
 
@@ -165,8 +165,7 @@ def _object(kind: type, data: Any, where: str, old: bool) -> Any:
     if data.get("type", _name(kind, old)) != _name(kind, old):
         raise InputError(f"{prefix}type must be {_name(kind, old)}, was {data['type']!r}")
     if old:
-        renamed, added = FIELDS.get(kind.__name__, {}), ADDED.get(kind.__name__, {})
-        data = {**added, **{renamed.get(name, name): value for name, value in data.items()}}
+        data = updated_fields(kind.__name__, data)
     hints = _fields(kind) or {}
     for name in data:
         if name not in hints and name != "type" and (name != "version" or where):
@@ -211,7 +210,7 @@ def _made(hint: Any, data: Any, where: str, old: bool = False) -> Any:
         return _object(hint, data, where, old)
     if isinstance(hint, type) and issubclass(hint, Enum):
         names = list(hint.__members__)
-        data = VALUES.get(data, data) if old and isinstance(data, str) else data
+        data = updated_value(hint.__name__, data) if old else data
         _checked(isinstance(data, str) and data in names, data, where, f"one of {', '.join(names)}")
         return hint[data]
     if hint not in _SIMPLE:
