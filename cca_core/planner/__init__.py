@@ -1,17 +1,10 @@
 """Planner: one cycle from vehicles around the ego to steering and acceleration."""
 
 from cca_core.planner.command import Command
+from cca_core.planner.maneuver_tuning import AbortSettings, LastResortSettings, ReplanSettings
 from cca_core.planner.planner import Planner
 from cca_core.planner.settings import EvasionSettings
-from cca_core.planner.tuning import (
-    AbortSettings,
-    ActuationSettings,
-    DecisionSettings,
-    LastResortSettings,
-    LeadSettings,
-    ReplanSettings,
-    YieldSettings,
-)
+from cca_core.planner.tuning import ActuationSettings, DecisionSettings, LeadSettings, YieldSettings
 
 __all__ = [
     "AbortSettings",

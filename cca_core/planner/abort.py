@@ -8,8 +8,8 @@ from cca_core.decide import Rejection
 from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.path import Lane, Path, Road
 from cca_core.planner.maneuver import Maneuver
+from cca_core.planner.maneuver_tuning import AbortSettings
 from cca_core.planner.return_path import return_length, return_maneuver
-from cca_core.planner.tuning import AbortSettings
 
 __all__ = ["delay_return", "plan_abort", "plan_early_return", "return_deceleration", "vehicle_alongside"]
 
@@ -68,8 +68,8 @@ def plan_early_return(
             passed = gap_behind >= _following_gap(n.v_s, v, settings)
             stopping = settings.standstill_gap + max(v - n.v_s, 0.0) ** 2 / (2.0 * settings.deceleration)
             followable = gap_ahead >= max(stopping, settings.time_gap * v)
-            beside_path = lateral >= n.body_half_width + settings.lateral_gap
-            clear &= followable | (passed if n.s <= ego.s_cg or beside_path else False)
+            off_path = lateral >= n.body_half_width + settings.lateral_gap
+            clear &= followable | (passed if n.s <= ego.s_cg or off_path else False)
         elif n.s > ego.s_cg and lateral < n.half_width:
             clear &= gap_ahead + (n.v_s - v) * t_return >= settings.standstill_gap
     if not clear.any():

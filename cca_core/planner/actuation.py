@@ -5,10 +5,10 @@ from cca_core.follow import SpeedSettings, friction_limited, jerk_limited
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import GRAVITY, VehicleParams
 
-__all__ = ["braking_is_insufficient", "limit_acceleration", "wanted_acceleration"]
+__all__ = ["limit_acceleration", "requested_acceleration"]
 
 
-def wanted_acceleration(
+def requested_acceleration(
     cruise: float, action: Action, lead: LeadVehicle | None, speed: SpeedSettings, settings: EvasionSettings
 ) -> float:
     """Return the acceleration that the action asks for [m/s^2], at most that of the speed profile."""
@@ -24,7 +24,7 @@ def wanted_acceleration(
 
 
 def limit_acceleration(
-    wanted: float,
+    requested: float,
     last: float,
     a_y: float,
     dt: float,
@@ -37,19 +37,11 @@ def limit_acceleration(
 ) -> float:
     """Return the acceleration within the limits of friction and jerk [m/s^2]."""
     actuation, grip = settings.actuation, vehicle.mu * GRAVITY
-    emergency = wanted < -min(2.0 * speed.b_comfort, actuation.hard_braking_fraction * speed.b_max)
+    emergency = requested < -min(2.0 * speed.b_comfort, actuation.hard_braking_fraction * speed.b_max)
     fraction = actuation.emergency_grip_fraction if emergency else actuation.grip_fraction
     if emergency and lead is not None:  # all of the grip if less does not avoid the collision
         fraction = min(max(lead.required_deceleration / grip, fraction), 1.0)
-    limited = friction_limited(wanted, a_y, vehicle.mu, grip_fraction=fraction)
+    limited = friction_limited(requested, a_y, vehicle.mu, grip_fraction=fraction)
     # no jerk limit on brake release: the maneuver was timed for the target speed
     releasing = maneuvering and last < min(limited, 0.0)
     return jerk_limited(limited, last, dt, speed, emergency=emergency or releasing)
-
-
-def braking_is_insufficient(
-    lead: LeadVehicle, vehicle: VehicleParams, speed: SpeedSettings, settings: EvasionSettings
-) -> bool:
-    """Return whether the brakes cannot avoid a collision with the lead vehicle."""
-    available = min(speed.b_max, settings.actuation.emergency_grip_fraction * vehicle.mu * GRAVITY)
-    return lead.required_deceleration > available

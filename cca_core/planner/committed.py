@@ -6,7 +6,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.geometry import Boxes, box_gap
-from cca_core.planner.tuning import ReplanSettings
+from cca_core.planner.maneuver_tuning import ReplanSettings
 
 __all__ = ["committed_nodes", "first_replannable_node", "relax_clearance", "resample_displacement"]
 

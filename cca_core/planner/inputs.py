@@ -1,13 +1,33 @@
-"""Inputs of a cycle: whether its time and the ego's state can be used."""
+"""Inputs of a planner and of a cycle: which of them can be used."""
 
 import math
 from numbers import Real
+from types import NoneType
 
-from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED, VehicleState
+from cca_core.errors import InputError
+from cca_core.follow import PreviewController, SpeedSettings
+from cca_core.path import Path, Road
+from cca_core.planner.settings import EvasionSettings
+from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED, VehicleParams, VehicleState
 
-__all__ = ["invalid_input_reason"]
+__all__ = ["check_arguments", "invalid_input_reason"]
 
 _MAX_TIME = 1e12  # [s]; larger numbers have no resolution left for a cycle
+
+
+def check_arguments(
+    vehicle: object, road: object, evasion: object, speed: object, controller: object
+) -> None:
+    """Raise InputError for an argument of `Planner` that has the wrong type."""
+    for name, value, kinds in (
+        ("vehicle", vehicle, (VehicleParams,)),
+        ("road", road, (Road, Path)),
+        ("evasion", evasion, (EvasionSettings, NoneType)),
+        ("speed", speed, (SpeedSettings, NoneType)),
+        ("controller", controller, (PreviewController, NoneType)),
+    ):
+        if not isinstance(value, kinds):
+            raise InputError(f"{name} must be {kinds[0].__name__}, was {type(value).__name__}")
 
 
 def invalid_input_reason(t: object, last_t: float, state: object) -> str:

@@ -24,7 +24,7 @@ from cca_core.planner.committed import (
 )
 from cca_core.planner.gap_acceptance import check_adjacent_lane
 from cca_core.planner.settings import EvasionSettings
-from cca_core.planner.window import Window, assumed_interval, plan_window
+from cca_core.planner.window import Window, assumed_interval, is_following_ego, plan_window
 from cca_core.predict import occupancy_boxes
 from cca_core.vehicle import GRAVITY
 
@@ -100,7 +100,7 @@ def plan_maneuver(
                 side=side, rejection=rejection, available_distance=window.first,
                 required_distance=window.required, danger_zone=zone,
             )  # fmt: skip
-    relevant = [o for o in others if not ego.is_followed_by(o, road.ego_lane.right, road.ego_lane.left)]
+    relevant = [o for o in others if not is_following_ego(o, ego, road.ego_lane)]
     stretch = _plan_stretch(ego, window, current)
     problem = _band_problem(ego, road, side, lane, stretch, settings)
     obstacles = _occupancies(ego, road.path, stretch, [*blocking, *relevant], settings)

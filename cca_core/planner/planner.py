@@ -3,34 +3,31 @@
 import logging
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from importlib import import_module
-from types import NoneType
 
 import numpy as np
 
 from cca_core._checks import check_real
 from cca_core.decide import (
     Action,
-    Candidate,
     Conflict,
     Decision,
     LeadVehicle,
-    Rejection,
-    RejectionKind,
     choose_action,
 )
-from cca_core.errors import InputError, Status
+from cca_core.errors import Status
 from cca_core.follow import PreviewController, SpeedSettings, profile_acceleration, squared_speed_limit
 from cca_core.frenet import FrenetEgo, FrenetVehicle, to_frenet
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.abort import delay_return, return_deceleration, vehicle_alongside
-from cca_core.planner.actuation import braking_is_insufficient, limit_acceleration, wanted_acceleration
+from cca_core.planner.actuation import limit_acceleration, requested_acceleration
+from cca_core.planner.blocking import blocking_vehicles, blocks_offset, excluding, vehicles_on_maneuver
+from cca_core.planner.candidates import Plans, maneuver_levels, plan_around_lead
 from cca_core.planner.command import Command
-from cca_core.planner.inputs import invalid_input_reason
-from cca_core.planner.lead import find_lead, oncoming_assumed_in_lane, vehicles_to_follow
+from cca_core.planner.inputs import check_arguments, invalid_input_reason
+from cca_core.planner.lead import find_lead, oncoming_assumed_in_lane
 from cca_core.planner.maneuver import Maneuver
-from cca_core.planner.replan import Outcome, maneuver_levels, plan_candidates, replan
+from cca_core.planner.replan import Outcome, replan
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.yielding import find_yield_conflict, virtual_lead
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -74,15 +71,7 @@ class Planner:
         speed: SpeedSettings | None = None,
         controller: PreviewController | None = None,
     ) -> None:
-        for name, value, kinds in (
-            ("vehicle", vehicle, (VehicleParams,)),
-            ("road", road, (Road, Path)),
-            ("evasion", evasion, (EvasionSettings, NoneType)),
-            ("speed", speed, (SpeedSettings, NoneType)),
-            ("controller", controller, (PreviewController, NoneType)),
-        ):
-            if not isinstance(value, kinds):
-                raise InputError(f"{name} must be {kinds[0].__name__}, was {type(value).__name__}")
+        check_arguments(vehicle, road, evasion, speed, controller)
         self.vehicle = vehicle
         self.road = road if isinstance(road, Road) else Road(road)
         self.cruise_speed = check_real("cruise_speed", cruise_speed, gt=0.0)
@@ -182,7 +171,9 @@ class Planner:
             v_target=v_target, speed=self.speed,
         )  # fmt: skip
         vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range)
-        blocking = self._blocking_vehicles(ego, vehicles)
+        lead_settings = self.evasion.lead
+        in_lane = oncoming_assumed_in_lane(vehicles, self.vehicle, self._was_on_route, lead_settings)
+        blocking = blocking_vehicles(vehicles, ego, lead_settings, in_lane)
         self._end_maneuver(ego)
         lead = self._select_lead(blocking, ego)
         if self._replan_due(t, vehicles):
@@ -192,7 +183,13 @@ class Planner:
             lead = self._select_lead(blocking, ego)
             self._decide(ego, lead, blocking, vehicles)
         if self._maneuver is not None and self._decision.action.is_evading:
-            lead = self._select_lead(self._blocking_maneuver(self._maneuver, vehicles), ego)
+            degraded = self._status is not Status.OK
+            lead = self._select_lead(
+                vehicles_on_maneuver(
+                    self._maneuver, vehicles, ego, lead_settings, self._followed_ids, degraded=degraded
+                ),
+                ego,
+            )
         reference = path if self._maneuver is None else self._maneuver.reference
         a_x = self._acceleration(ego, state.r, lead, vehicles, reference, dt)
         delta = self._controller.steer(state, reference, dt, s_guess=s)
@@ -222,31 +219,6 @@ class Planner:
         self._known_events, self._t_decided = events, t
         return True
 
-    def _blocking_vehicles(self, ego: FrenetEgo, vehicles: list[FrenetVehicle]) -> list[FrenetVehicle]:
-        """Vehicles on the route whose front is not behind the ego's rear, nearest first."""
-        lead = self.evasion.lead
-        assumed_in_lane = oncoming_assumed_in_lane(vehicles, self.vehicle, self._was_on_route, lead)
-        found = [
-            n for n in vehicles
-            if n.front > ego.rear and self._is_blocking(n, 0.0) and n.id not in assumed_in_lane
-        ]  # fmt: skip
-        return sorted(found, key=lambda n: n.s)
-
-    def _blocking_maneuver(self, maneuver: Maneuver, vehicles: list[FrenetVehicle]) -> list[FrenetVehicle]:
-        """Vehicles to keep behind during a maneuver, nearest first: followed ones; degraded, also on its path."""
-        kept = [n for n in vehicles if n.id in self._followed_ids]
-        if self._status is not Status.OK:
-            # nominal positions of stale ones: braking for their bounds endangers those that are being passed
-            others = [n.nominal() if n.is_stale else n for n in vehicles if n not in kept]
-            offset = maneuver.offset_at
-            kept += [replace(n, d=n.d - offset(n.s)) for n in others if self._is_blocking(n, offset(n.s))]
-        return sorted(kept, key=lambda n: n.s)
-
-    def _is_blocking(self, other: FrenetVehicle, d: float) -> bool:
-        """Whether a vehicle leaves less than the blocking gap beside an ego at a lateral offset."""
-        gap = self.evasion.lead.blocking_gap
-        return abs(other.d - d) < 0.5 * self.vehicle.width + gap + other.half_width
-
     def _select_lead(self, blocking: list[FrenetVehicle], ego: FrenetEgo) -> LeadVehicle | None:
         """Return what demands most of the ego: a vehicle on the route, or the stop point of a conflict."""
         lead = find_lead(blocking, ego, self.evasion.lead, self._stopping_for)
@@ -273,60 +245,42 @@ class Planner:
                 self._replan(ego, self._maneuver, lead, vehicles)
             return
         decision = self.evasion.decision
-        plans, candidates, status = self._candidates(ego, lead, blocking, vehicles)
+        waiting = self._decision.action in (Action.FOLLOW, Action.BRAKE)
+        plans: Plans = {}, [], Status.OK
+        if (
+            lead is not None
+            and lead.kind != "crossing"
+            and lead.comfort_stop_deceleration > decision.comfort_deceleration
+            and (waiting or lead.follow_acceleration < -decision.follow_threshold)
+        ):
+            plans, self._followed_ids = plan_around_lead(
+                ego, self.road, lead, blocking, vehicles, self._levels, start_now=waiting,
+                awareness_range=self._awareness_range,
+            )  # fmt: skip
+        maneuvers, candidates, status = plans
         self._decision = choose_action(
             lead, candidates, previous=self._decision.action, follow_threshold=-decision.follow_threshold,
             comfort_deceleration=decision.comfort_deceleration,
         )  # fmt: skip
         if self._decision.action.is_evading:
             side = "left" if self._decision.action is Action.EVADE_LEFT else "right"
-            self._maneuver, self._within_lane, self._status = plans[side], True, status
+            self._maneuver, self._within_lane, self._status = maneuvers[side], True, status
         elif lead is not None and lead.comfort_stop_deceleration < math.inf:
             self._stopping_for.add(lead.id)
-
-    def _candidates(
-        self,
-        ego: FrenetEgo,
-        lead: LeadVehicle | None,
-        blocking: list[FrenetVehicle],
-        vehicles: list[FrenetVehicle],
-    ) -> tuple[dict[str, Maneuver], list[Candidate], Status]:
-        """Plan maneuvers around the lead vehicle if it asks for one."""
-        decision = self.evasion.decision
-        waiting = self._decision.action in (Action.FOLLOW, Action.BRAKE)
-        if (
-            lead is None
-            or lead.kind == "crossing"
-            or not lead.comfort_stop_deceleration > decision.comfort_deceleration
-            or not (waiting or lead.follow_acceleration < -decision.follow_threshold)
-        ):
-            return {}, [], Status.OK
-        ahead = [b for b in blocking if b.s > ego.s_cg]
-        followed = vehicles_to_follow(ahead, lead, ego, self.evasion.lead)
-        self._followed_ids = {n.id for n in followed}
-        max_speed = ego.v_target - self.evasion.min_speed_advantage
-        if lead.v_x > max_speed:
-            kind = RejectionKind.TOO_FAST
-            rejection = Rejection(kind=kind, vehicle_id=lead.id, value=lead.v_x, limit=max_speed)
-            return {}, [Candidate(side="left", rejection=rejection)], Status.OK
-        insufficient = braking_is_insufficient(lead, self.vehicle, self.speed, self.evasion)
-        levels = (self._levels[0], self._levels[-1]) if insufficient else self._levels[:1]
-        return plan_candidates(
-            ego, self.road, _excluding(ahead, followed), _excluding(vehicles, ahead), levels, start_now=waiting,
-            braking_insufficient=insufficient, awareness_range=self._awareness_range,
-        )  # fmt: skip
 
     def _replan(
         self, ego: FrenetEgo, maneuver: Maneuver, lead: LeadVehicle | None, vehicles: list[FrenetVehicle]
     ) -> None:
         """Replan, cancel or abort the ongoing maneuver."""
         vehicles = [n for n in vehicles if n.id not in self._followed_ids]
-        overtaken = [n for n in vehicles if self._is_blocking(n, 0.0) and n.front > maneuver.start]
+        overtaken = [
+            n for n in vehicles if blocks_offset(n, 0.0, ego, self.evasion.lead) and n.front > maneuver.start
+        ]
         if not overtaken:
             return
         need = 0.0 if lead is None else lead.required_deceleration
         result = replan(
-            ego, self.road, maneuver, sorted(overtaken, key=lambda n: n.s), _excluding(vehicles, overtaken),
+            ego, self.road, maneuver, sorted(overtaken, key=lambda n: n.s), excluding(vehicles, overtaken),
             self._levels, within_lane=self._within_lane, awareness_range=self._awareness_range,
             following_feasible=need < self.evasion.replan.cancel_brake_fraction * self.speed.b_max,
         )  # fmt: skip
@@ -351,10 +305,10 @@ class Planner:
             cruise = min(cruise, -return_deceleration(reference, ego.s_cg, ego.v_x, abort))
             if vehicle_alongside(ego, self.road, vehicles, abort):
                 cruise = min(cruise, 0.0)
-        wanted = wanted_acceleration(cruise, self._decision.action, lead, self.speed, self.evasion)
+        requested = requested_acceleration(cruise, self._decision.action, lead, self.speed, self.evasion)
         last = 0.0 if self._command is None else self._command.a_x
         return limit_acceleration(
-            wanted, last, ego.v_x * yaw_rate, dt, lead, self.vehicle, self.speed, self.evasion,
+            requested, last, ego.v_x * yaw_rate, dt, lead, self.vehicle, self.speed, self.evasion,
             maneuvering=self._maneuver is not None,
         )  # fmt: skip
 
@@ -374,8 +328,3 @@ class Planner:
         if last is None or last.decision.action is not new.action or last.status is not command.status:
             _LOG.debug("t = %.2f s: %s, %s (%s)", self._t, new.action.value, new.reason, command.status.name)
         return command
-
-
-def _excluding(vehicles: list[FrenetVehicle], excluded: list[FrenetVehicle]) -> list[FrenetVehicle]:
-    ids = {n.id for n in excluded}
-    return [n for n in vehicles if n.id not in ids]

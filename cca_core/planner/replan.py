@@ -1,24 +1,22 @@
-"""Replanning: maneuver levels, candidates of both sides, and the next step of an ongoing maneuver."""
+"""Replanning of an ongoing maneuver: continue, cancel, return early or abort."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 
-from cca_core.band import Side
-from cca_core.decide import Candidate, Rejection
+from cca_core.decide import Rejection
 from cca_core.errors import Status
 from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.geometry import box_gap
 from cca_core.path import Road
 from cca_core.planner.abort import plan_abort, plan_early_return
+from cca_core.planner.candidates import Levels
 from cca_core.planner.maneuver import Maneuver, plan_maneuver, predicted_occupancy
 from cca_core.planner.settings import EvasionSettings
-from cca_core.vehicle import GRAVITY, VehicleParams
+from cca_core.planner.window import is_following_ego
 
-__all__ = ["Outcome", "ReplanResult", "maneuver_levels", "plan_candidates", "replan"]
-
-_SIDES: tuple[Side, Side] = ("left", "right")
+__all__ = ["Outcome", "ReplanResult", "replan"]
 
 
 class Outcome(Enum):
@@ -44,60 +42,13 @@ class ReplanResult:
         return "" if self.outcome is Outcome.CONTINUED else f"{self.outcome.value}: {self.rejection}"
 
 
-def maneuver_levels(
-    settings: EvasionSettings, vehicle: VehicleParams
-) -> tuple[tuple[EvasionSettings, Status], ...]:
-    """Return the settings of each maneuver level: comfort, hard, and last resort."""
-    grip, resort = vehicle.mu * GRAVITY, settings.last_resort
-    hard = replace(settings, lateral_acceleration_limit=resort.grip_fraction * grip)
-    last = replace(
-        hard, clearance=min(resort.clearance, hard.clearance), min_ttc=resort.min_ttc,
-        lateral_acceleration=min(resort.lateral_acceleration, 0.5 * grip),
-    )  # fmt: skip
-    return (settings, Status.OK), (hard, Status.DEGRADED), (last, Status.DEGRADED)
-
-
-def plan_candidates(
-    ego: FrenetEgo,
-    road: Road,
-    blocking: Sequence[FrenetVehicle],
-    others: Sequence[FrenetVehicle],
-    levels: Sequence[tuple[EvasionSettings, Status]],
-    *,
-    start_now: bool,
-    braking_insufficient: bool = False,
-    awareness_range: float = math.inf,
-) -> tuple[dict[str, Maneuver], list[Candidate], Status]:
-    """Plan both sides at the first level with a feasible candidate; of the best level if there is none."""
-    found: list[tuple[dict[str, Maneuver], list[Candidate], Status]] = []
-    attempts = [(settings, status, blocking) for settings, status in levels]
-    if braking_insufficient:  # a collision is certain otherwise: pass the nominal positions
-        attempts.append((*levels[-1], [b.nominal() for b in blocking]))
-    for settings, status, overtaken in attempts:
-        plans: dict[str, Maneuver] = {}
-        candidates = []
-        for side in _SIDES:
-            plan = plan_maneuver(
-                ego, road, overtaken, others, side, settings, start_now=start_now,
-                awareness_range=awareness_range,
-            )  # fmt: skip
-            if isinstance(plan, Maneuver):
-                plans[side] = plan
-                plan = plan.candidate
-            candidates.append(plan)
-        found.append((plans, candidates, status))
-        if not all(c.rejection for c in candidates):
-            return found[-1]
-    return found[0]
-
-
 def replan(
     ego: FrenetEgo,
     road: Road,
     maneuver: Maneuver,
     overtaken: Sequence[FrenetVehicle],
     others: Sequence[FrenetVehicle],
-    levels: Sequence[tuple[EvasionSettings, Status]],
+    levels: Levels,
     *,
     within_lane: bool,
     following_feasible: bool,
@@ -136,8 +87,7 @@ def _remaining_clearance(
     behind = 2.0  # nodes up to this far behind the ego still count, as its body does [m]
     remaining = maneuver.stations >= ego.s_cg - behind
     s = maneuver.stations[remaining]
-    lane = road.ego_lane
-    relevant = [o for o in others if not ego.is_followed_by(o, lane.right, lane.left)]
+    relevant = [o for o in others if not is_following_ego(o, ego, road.ego_lane)]
     if len(s) < 2 or not relevant:
         return math.inf
     t, body = ego.arrival_times(s), ego.swept_boxes(road.path, s, maneuver.displacement[remaining])

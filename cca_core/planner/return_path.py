@@ -12,7 +12,7 @@ from cca_core.frenet import FrenetEgo
 from cca_core.geometry import QUINTIC_PEAK, quintic_step
 from cca_core.path import Road, splice_path
 from cca_core.planner.maneuver import Maneuver
-from cca_core.planner.tuning import AbortSettings
+from cca_core.planner.maneuver_tuning import AbortSettings
 
 __all__ = ["return_length", "return_maneuver"]
 

@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass, field
 
+from cca_core.planner.maneuver_tuning import AbortSettings, LastResortSettings, ReplanSettings
 from cca_core.planner.tuning import (
-    AbortSettings,
     ActuationSettings,
     DecisionSettings,
-    LastResortSettings,
     LeadSettings,
-    ReplanSettings,
     YieldSettings,
     check_fields,
 )

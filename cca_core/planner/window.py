@@ -14,12 +14,12 @@ from cca_core.geometry import QUINTIC_PEAK
 from cca_core.path import Lane, Road
 from cca_core.planner.settings import EvasionSettings
 
-__all__ = ["HORIZON", "Window", "assumed_interval", "plan_window"]
+__all__ = ["HORIZON", "Window", "assumed_interval", "is_following_ego", "plan_window"]
 
 HORIZON = 600.0
 """Longest maneuver [m]."""
 
-_START_OFFSET = 2.0  # a window begins this far behind the ego, whose place between nodes may err [m]
+_START_OFFSET = 2.0  # a window begins this far behind the ego, which may stop between nodes [m]
 _DISTANCES = np.arange(-_START_OFFSET, HORIZON, 1.0)  # at which the ego is compared with vehicles [m]
 
 
@@ -98,6 +98,11 @@ def assumed_interval(
     """Return the stations that a vehicle may cover under the assumptions of the settings."""
     acceleration = settings.assumed_acceleration_passed if overtaken else settings.assumed_acceleration
     return other.occupied_interval(t, braking=settings.assumed_braking, acceleration=acceleration)
+
+
+def is_following_ego(other: FrenetVehicle, ego: FrenetEgo, lane: Lane) -> bool:
+    """Return whether a vehicle is behind the ego in a lane, so that it must keep the gap."""
+    return other.front < ego.rear and lane.right < other.d < lane.left and other.v_s >= 0.0
 
 
 def _offset_time(

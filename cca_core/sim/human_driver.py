@@ -141,8 +141,8 @@ class Driver:
                 self._t_alarmed = t
         braking = t >= self._t_alarmed + self.reaction_time - 1e-9
         cruise = profile_acceleration(s, state.v_x, self._speed_profile, self.speed)
-        wanted = -self.speed.b_max if braking else cruise
-        self._a_x = jerk_limited(wanted, self._a_x, dt, self.speed, emergency=braking)
+        requested = -self.speed.b_max if braking else cruise
+        self._a_x = jerk_limited(requested, self._a_x, dt, self.speed, emergency=braking)
         if braking:
             reason = f"braking for {self._hazard} (seen {self.reaction_time:g} s ago)"
             decision = Decision(action=Action.BRAKE, reason=reason)

@@ -152,12 +152,12 @@ def blind_spot(view: WarningView, other: VehicleInView, settings: AlertSettings)
     """
     lateral_gap = abs(other.lateral_offset) - 0.5 * view.ego.vehicle.width - other.vehicle.half_width
     far_side = lateral_gap + 2.0 * other.vehicle.half_width
-    beside = lateral_gap < settings.bsw_far and far_side > settings.bsw_near
+    within_zone = lateral_gap < settings.bsw_far and far_side > settings.bsw_near
     # the zone reaches from the ego's center to behind its rear
     front = other.gap + 0.5 * view.ego.vehicle.length
     behind = -(other.gap + 2.0 * other.vehicle.half_length) - view.ego.vehicle.length
-    in_zone = front <= 0.0 and behind <= settings.bsw_behind
-    if not (beside and in_zone) or abs(other.vehicle.angle) > PARALLEL_ANGLE:
+    behind_center = front <= 0.0 and behind <= settings.bsw_behind
+    if not (within_zone and behind_center) or abs(other.vehicle.angle) > PARALLEL_ANGLE:
         return None
     side = "left" if other.lateral_offset > 0.0 else "right"
     reason = f"{other.vehicle.id} in the {side} blind spot"

@@ -8,7 +8,7 @@ from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.path import Path, interpolate_path
 from cca_core.planner.abort import delay_return, plan_abort, plan_early_return, return_deceleration
 from cca_core.planner.maneuver import Maneuver
-from cca_core.planner.tuning import AbortSettings
+from cca_core.planner.maneuver_tuning import AbortSettings
 from tests.support.planner_drives import (
     BLOCKED,
     CAR,

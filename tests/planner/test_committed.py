@@ -12,7 +12,7 @@ from cca_core.planner.committed import (
     relax_clearance,
     resample_displacement,
 )
-from cca_core.planner.tuning import ReplanSettings
+from cca_core.planner.maneuver_tuning import ReplanSettings
 
 SETTINGS = ReplanSettings()
 N = 101
@@ -68,7 +68,7 @@ def test_replanning_starts_at_first_node_ahead(here: float, k: int) -> None:
     assert first_replannable_node(S, here) == k
 
 
-def test_committed_nodes_span_half_second_and_at_least_three() -> None:
+def test_committed_nodes_span_half_second_and_minimum_of_three() -> None:
     assert committed_nodes(T, SETTINGS) == 10
     assert committed_nodes(10.0 * S, SETTINGS) == 3
 

@@ -49,7 +49,7 @@ def noisy(seed: int) -> Reception:
 
 
 def changes(run: ClosedLoop, since: float = 0.0, until: float = math.inf) -> list[Action]:
-    """Actions after the first one within a stretch of time, of a run without contact."""
+    """Actions after the first one within ten seconds, of a run without collision."""
     assert run.collided_with is None
     actions = [
         c.decision.action for i, c in enumerate(run.commands) if since <= i * CYCLE < min(until, since + 10.0)
@@ -65,7 +65,7 @@ class TestActionChanges:
         )
         assert len(changes(run)) <= 1
 
-    def test_following_beside_blocked_lane_is_stable(self, seed: int) -> None:
+    def test_following_with_blocked_adjacent_lane_is_stable(self, seed: int) -> None:
         traffic = [ScriptedVehicle("R", 25.5, 0.0, 12.0), ScriptedVehicle("L", 0.0, 3.5, 12.0)]
         run = ClosedLoop(make_planner(), traffic, 10.0, v=12.0, receive=noisy(seed))
         assert len(changes(run)) <= 1

@@ -205,7 +205,7 @@ class TestUncertainLead:
 
 
 class TestStaleOncoming:
-    """One that comes toward the ego, heard at a station, and then no more: its bounds grow, it drifts."""
+    """A stale oncoming vehicle: its uncertainty bound grows and its dead-reckoned position drifts."""
 
     def then(
         self, last_d: float, d: float, age: float, sigma: float, v: float = -20.0, turn: float = 0.0,
@@ -221,7 +221,7 @@ class TestStaleOncoming:
         return command
 
     @pytest.mark.parametrize("d", [0.0, 1.4, -1.0])
-    def test_vehicle_last_beside_route_is_assumed_in_its_lane(self, d: float) -> None:
+    def test_vehicle_last_off_route_is_assumed_in_its_lane(self, d: float) -> None:
         command = self.then(3.5, d, 4.0, 3.4)
         assert command.decision.action is Action.KEEP
         assert command.a_x > -0.5

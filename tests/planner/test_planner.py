@@ -65,23 +65,23 @@ class TestRoute:
         assert ClosedLoop(planner, [], 20.0, v=10.0).v[-1] == pytest.approx(15.0, abs=0.1)
 
     def test_ego_slows_for_curve(self) -> None:
-        """A 90 degree bend of 40 m radius between straights: at most the 2.5 m/s^2 that speed is cut for."""
+        """A 90 degree curve of 40 m radius: lateral acceleration up to the 2.5 m/s^2 that limit the speed."""
         angle = np.linspace(0.0, math.pi / 2.0, 40)
-        bend = np.column_stack((200.0 + 40.0 * np.sin(angle), 40.0 * (1.0 - np.cos(angle))))
+        arc = np.column_stack((200.0 + 40.0 * np.sin(angle), 40.0 * (1.0 - np.cos(angle))))
         before = np.column_stack((np.arange(0.0, 199.0, 2.0), np.zeros(100)))
         after = np.column_stack((np.full(100, 240.0), np.arange(42.0, 241.0, 2.0)))
-        path = fit_path(np.vstack((before, bend, after)), tolerance=0.05)
+        path = fit_path(np.vstack((before, arc, after)), tolerance=0.05)
         planner = Planner(CAR, path, cruise_speed=20.0)
         plant = SingleTrackPlant(CAR, ego_state(2.0))
-        a_y, v, place = [], [], 2.0
+        a_y, v, station = [], [], 2.0
         for k in range(1600):
             s = plant.state
-            place, d, _, _ = path.foot_point(s.x, s.y, place)
+            station, d, _, _ = path.foot_point(s.x, s.y, station)
             assert abs(d) < 0.5
             plant.step(*(lambda c: (c.delta, c.a_x))(planner.step(CYCLE * k, s, [])), CYCLE)
             a_y.append(abs(plant.a_y))
             v.append(s.v_x)
-            if place > path.end - 120.0:
+            if station > path.end - 120.0:
                 break
         assert min(v) == pytest.approx(10.0, abs=1.0)
         assert max(a_y) < 2.5 * 1.25

@@ -29,10 +29,10 @@ from tests.support.planner_drives import (
 
 
 class TestHazards:
-    """What must not happen on the road; each was once tried as an attack."""
+    """Hazards on a straight road; each was once tried as an attack."""
 
     def test_stale_lead_is_followed(self) -> None:
-        """Dead-reckoned with growing age, as a tracker does: the ego must not keep its last decision."""
+        """Dead-reckoned with growing age, as by a tracker."""
         kept: dict[str, tuple[float, RemoteVehicle]] = {}
 
         def silent(t: float, remotes: list[RemoteVehicle]) -> list[RemoteVehicle]:
@@ -51,15 +51,15 @@ class TestHazards:
         assert run.collided_with is None
 
     def test_truck_across_road_is_not_hit(self) -> None:
-        lorry = ScriptedVehicle("X", 150.0, 6.2, 0.0, psi=math.pi / 2.0, length=12.0, width=2.5)
-        assert ClosedLoop(make_planner(), [lorry], 20.0).collided_with is None
+        truck = ScriptedVehicle("X", 150.0, 6.2, 0.0, psi=math.pi / 2.0, length=12.0, width=2.5)
+        assert ClosedLoop(make_planner(), [truck], 20.0).collided_with is None
 
     @pytest.mark.parametrize("gap", [0.0, -5.0])
     def test_maneuver_is_canceled_within_lane(self, gap: float) -> None:
-        """A car beside is heard for the first time when the swerve has begun, the ego's body still inside."""
-        beside = ScriptedVehicle("L", gap, 3.5, 20.0)
+        """The first message of a car alongside comes after the start, with the body still in its lane."""
+        alongside = ScriptedVehicle("L", gap, 3.5, 20.0)
         run = ClosedLoop(
-            make_planner(), [ScriptedVehicle("R", 70.0, 0.0, 12.0), beside], 14.0,
+            make_planner(), [ScriptedVehicle("R", 70.0, 0.0, 12.0), alongside], 14.0,
             receive=lambda t, remotes: [r for r in remotes if r.id != "L" or t > 3.64],
         )  # fmt: skip
         assert 0.5 < run.y[181] < 1.75 - 0.9
@@ -79,8 +79,8 @@ class TestHazards:
 
     @pytest.mark.parametrize("begin", [4.2, 4.6, 5.0, 5.5])
     def test_lead_braking_during_maneuver_is_not_hit(self, begin: float) -> None:
-        leader = ScriptedVehicle("R", 70.0, 0.0, 12.0, a=lambda t: -7.0 if t >= begin else 0.0)
-        run = ClosedLoop(make_planner(), [leader], 18.0)
+        lead = ScriptedVehicle("R", 70.0, 0.0, 12.0, a=lambda t: -7.0 if t >= begin else 0.0)
+        run = ClosedLoop(make_planner(), [lead], 18.0)
         assert "EVADE_LEFT" in run.actions
         assert run.collided_with is None
         assert run.gaps["R"] > 0.5
@@ -107,16 +107,16 @@ class TestHazards:
     def test_feasible_maneuver_is_within_grip(self, gap: float) -> None:
         """Status OK promises a band that the tires can hold, with some reserve."""
         run = ClosedLoop(make_planner(), [ScriptedVehicle("R", gap, 0.0, 0.0)], 8.0)
-        swerves = [
+        lateral = [
             v * v * c.band.curvature
             for c, v in zip(run.commands, run.v, strict=True)
             if c.band is not None and c.status is Status.OK
         ]
-        assert len(swerves) > 100
-        assert max(swerves) <= 0.85 * CAR.mu * 9.81
+        assert len(lateral) > 100
+        assert max(lateral) <= 0.85 * CAR.mu * 9.81
 
     def test_stale_vehicle_blocks_its_lane(self) -> None:
-        """Older than a second: its lane is not free (theory.md, section 3)."""
+        """A vehicle older than a second blocks its lane (theory.md, section 3)."""
         run = ClosedLoop(
             make_planner(), [ScriptedVehicle("R", 70.0, 0.0, 12.0), ScriptedVehicle("L", -30.0, 3.5, 12.0)], 12.0,
             receive=lambda t, remotes: [replace(r, age=r.age + 3.0) if r.id == "L" else r for r in remotes],
@@ -133,7 +133,7 @@ class TestHazards:
     def test_late_maneuver_keeps_lateral_limit(self, gap: float, driven: float) -> None:
         """At a difference of 21 m/s: faster than comfort, the band within the limit of 4 m/s^2.
 
-        Steering that lags catches up in a swerve that begins at once.
+        Steering that lags catches up in a maneuver that starts at once.
         """
         run = ClosedLoop(make_planner(cruise=27.9), [ScriptedVehicle("R", gap, 0.0, 6.9)], 15.0, v=27.9)
         assert run.collided_with is None
@@ -164,7 +164,6 @@ def test_steady_traffic_is_never_hit(
     traffic += [
         ScriptedVehicle(f"L{i}", left + x, 3.5, v_left) for i, x in enumerate(np.cumsum(gaps).tolist())
     ]
-    # a script that touches the standing start itself is no test
     run = ClosedLoop(make_planner(cruise=cruise), traffic, 14.0, v=cruise)
     assert run.collided_with is None
 
@@ -172,7 +171,7 @@ def test_steady_traffic_is_never_hit(
 @pytest.mark.parametrize("v_x", [15.0, 20.0, 28.0])
 @pytest.mark.parametrize("d", [0.0, 0.3, -0.5])
 def test_replanning_past_parked_car_keeps_side_and_shape(v_x: float, d: float) -> None:
-    """Ten times a second on the way past: the side stays, d(s) moves by millimeters, nothing tightens."""
+    """Replanned ten times a second: the side stays, d(s) moves by millimeters, no curve tightens."""
     x = np.arange(0.0, 801.0, 5.0)
     path = fit_path(np.column_stack((x, np.zeros_like(x))), tolerance=0.05)
     road = Road(path, (Lane(d=0.0), Lane(d=3.5), Lane(d=-3.5)))

@@ -199,8 +199,8 @@ class TestDropping:
         [
             (car(math.nan, id="X"), "x"), (car(50.0, math.inf, id="X"), "y"),
             (car(50.0, id="X", psi=math.nan), "psi"),
-            (car(50.0, v_x=math.nan, id="X"), "v_x"), (car(50.0, id="X", length=-4.0), "size"),
-            (car(50.0, id="X", width=0.0), "size"), (car(50.0, v_x=300.0, id="X"), "speed"),
+            (car(50.0, v_x=math.nan, id="X"), "v_x"), (car(50.0, id="X", length=-4.0), "length"),
+            (car(50.0, id="X", width=0.0), "width"), (car(50.0, v_x=300.0, id="X"), "v_x"),
             (car(50.0, id="X", age=-1.0), "age"), (car(50.0, id="X", a_x=math.nan), "a_x"),
         ],
         ids=lambda v: v if isinstance(v, str) else "",

@@ -6,8 +6,9 @@ from cca_core import Status
 from cca_core.decide import Candidate, Rejection, RejectionKind
 from cca_core.frenet import FrenetVehicle
 from cca_core.planner import replan as replan_module
+from cca_core.planner.candidates import maneuver_levels, plan_candidates
 from cca_core.planner.maneuver import Maneuver
-from cca_core.planner.replan import Outcome, ReplanResult, maneuver_levels, plan_candidates, replan
+from cca_core.planner.replan import Outcome, ReplanResult, replan
 from tests.support.planner_drives import CAR, NO_ASSUMPTIONS, TWO_LANE_ROAD, frenet_car, frenet_ego
 
 LEVELS = maneuver_levels(NO_ASSUMPTIONS, CAR)

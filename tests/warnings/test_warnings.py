@@ -22,7 +22,7 @@ EEBL, FCW, IMA, LTA = Application.EEBL, Application.FCW, Application.IMA, Applic
 CURB_SIDE, BSW, LCW, DNPW = Application.CURB_SIDE, Application.BSW, Application.LCW, Application.DNPW
 
 
-def bent(radius: float) -> Path:
+def curved(radius: float) -> Path:
     """Constant curvature to the left (negative radius: to the right), s = 0 in its middle."""
     s = np.arange(-200.0, 901.0, 4.0)
     xy = np.column_stack((radius * np.sin(s / radius), radius * (1.0 - np.cos(s / radius))))
@@ -32,7 +32,7 @@ def bent(radius: float) -> Path:
 
 
 STRAIGHT = Path([-200.0, 900.0], [[[0, 0, 1100, -200], [0, 0, 0, 0]]])
-ROADS = {"straight": STRAIGHT, "left bend": bent(600.0), "right bend": bent(-600.0)}
+ROADS = {"straight": STRAIGHT, "left curve": curved(600.0), "right curve": curved(-600.0)}
 
 
 def turning(sign: float = 1.0) -> Path:
@@ -88,7 +88,7 @@ ALONG = {
     "FCW ego lane": (FCW, 20.0, ahead(15.0, 10.0), ahead(15.0, 10.0, d=3.5), {}),
     "FCW half in the lane": (FCW, 20.0, ahead(15.0, 10.0, d=1.7), ahead(15.0, 10.0, d=1.9), {}),
     "FCW behind": (FCW, 20.0, ahead(15.0, 10.0), {"s": -15.0, "d": 0.0, "v": 10.0}, {}),
-    "FCW faster leader": (FCW, 20.0, ahead(15.0, 10.0), ahead(15.0, 25.0), {}),
+    "FCW faster lead": (FCW, 20.0, ahead(15.0, 10.0), ahead(15.0, 25.0), {}),
     "EEBL flag": (EEBL, 29.0, ahead(60.0, 29.0, **HARD), ahead(60.0, 29.0, a_x=-0.39 * G), {}),
     "EEBL without a flag": (
         EEBL, 29.0, ahead(60.0, 29.0, a_x=-0.41 * G), ahead(60.0, 29.0, a_x=-0.39 * G), {},
@@ -135,7 +135,7 @@ SIDES = {"left": "right", "right": "left", None: None}
 @pytest.mark.parametrize("road", ROADS)
 @pytest.mark.parametrize("mirror", [1.0, -1.0])
 def test_alert_along_road_has_its_trigger(name: str, road: str, mirror: float) -> None:
-    """In bends, too; distances within 0.3 % there (the body is straight, the road is not)."""
+    """Also in curves; distances within 0.3 % there (the body is straight, the road is not)."""
     application, v, trigger, silent, more = ALONG[name]
     path = ROADS[road]
     if mirror < 0.0:
@@ -148,7 +148,7 @@ def test_alert_along_road_has_its_trigger(name: str, road: str, mirror: float) -
             turned["angle"] = mirror * where["angle"]
         return found(path, v, [other(path, **turned)], **more)
 
-    # in a bend its bound, 360 m away, moves by more than the meter on either side of it
+    # in a curve its bound, 360 m away, moves by more than the meter on either side of it
     if road == "straight" or name != "DNPW time":
         assert application in alerts_of(trigger)
         assert application not in alerts_of(silent)
@@ -156,7 +156,7 @@ def test_alert_along_road_has_its_trigger(name: str, road: str, mirror: float) -
 
 def test_lanes_follow_the_curve() -> None:
     """200 m ahead in the curve the ego lane is 33 m beside the straight line."""
-    path = ROADS["left bend"]
+    path = ROADS["left curve"]
     hard = other(path, 200.0, 0.0, 29.0, **HARD)
     assert found(path, 29.0, [hard])[EEBL] is not Level.INFORM
     assert EEBL not in found(STRAIGHT, 29.0, [hard])
@@ -375,7 +375,7 @@ def test_no_warning_without_vehicles() -> None:
 
 
 def test_view_positions_along_road() -> None:
-    path = ROADS["left bend"]
+    path = ROADS["left curve"]
     view = warning_view(ego(path, 10.0, 20.0, 0.5), CAR, path, [other(path, 110.0, 3.5, 15.0)])
     (other_vehicle,) = view.vehicles
     ego_view, vehicle = view.ego, other_vehicle.vehicle
