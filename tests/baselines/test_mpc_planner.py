@@ -24,7 +24,8 @@ STATE = VehicleState(x=100.0, y=0.0, psi=0.0, v_x=20.0)
 
 def drive(method: Any, *users: RoadUser, duration: float, road: Road = ROAD) -> Log:
     scenario = Scenario(
-        name="test", case=None, road=road, vehicle=CAR, start=20.0, v_x=20.0, cruise_speed=20.0, road_users=users,
+        name="test", case=None, road=road, vehicle=CAR, start=20.0, v_x=20.0, cruise_speed=20.0,
+        road_users=users,
         duration=duration,
     )  # fmt: skip
     planner = MpcPlanner(CAR, road, cruise_speed=20.0, method=method)

@@ -40,7 +40,8 @@ def test_choose_action(slowness: float, budget: Budget, record_property: Report,
     candidates = [
         Candidate(
             side="left" if i % 2 else "right", rejection=None if free else BLOCKED,
-            available_distance=20.0, required_distance=50.0, t_maneuver=6.0, danger_zone=(-40.0, 10.0), cost=3.0 + i,
+            available_distance=20.0, required_distance=50.0, t_maneuver=6.0, danger_zone=(-40.0, 10.0),
+            cost=3.0 + i,
         )
         for i in range(20)
     ]  # fmt: skip

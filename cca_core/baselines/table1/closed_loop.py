@@ -46,7 +46,8 @@ def drive_closed(
     """Drive each scenario with each planner, on the single-track plant, unless the store holds the drive."""
     return [
         kept_row(
-            store, ("drive", name, scenario.case), ClosedLoop, partial(_driven, name, make, scenario), progress
+            store, ("drive", name, scenario.case), ClosedLoop,
+            partial(_driven, name, make, scenario), progress,
         )
         for scenario in scenarios
         for name, make in planners.items()

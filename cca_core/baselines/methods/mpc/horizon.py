@@ -170,7 +170,7 @@ class Horizon:
         return s
 
     def swept_half_lengths(self) -> Array:
-        """Half lengths (m,) of the vehicles, plus half of their motion relative to the ego per interval [m]."""
+        """Half lengths (m,) of the vehicles, plus half of their relative motion per interval [m]."""
         return np.array([o.half_length + 0.5 * self.step * abs(self.v_wanted - o.v_s) for o in self.others])
 
 

@@ -94,7 +94,8 @@ class LateralQp:
         )  # fmt: skip
         if self._given is None:
             self._solver.setup(
-                P, np.zeros(5 * n + 3), A, self._now, G, np.full(2 * n, -_UNBOUNDED), np.full(2 * n, _UNBOUNDED),
+                P, np.zeros(5 * n + 3), A, self._now, G, np.full(2 * n, -_UNBOUNDED),
+                np.full(2 * n, _UNBOUNDED),
                 self._low, self._high,
             )  # fmt: skip
         else:

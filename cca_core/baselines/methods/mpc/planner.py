@@ -11,10 +11,11 @@ from cca_core.baselines.methods.mpc.horizon import FrenetState, Horizon, MpcSett
 from cca_core.baselines.methods.mpc.linear import LinearMpc
 from cca_core.baselines.methods.mpc.nonlinear import NonlinearMpc
 from cca_core.baselines.methods.mpc.planner_settings import MpcPlannerSettings
+from cca_core.baselines.methods.mpc.speed_profile import SpeedProfile
 from cca_core.baselines.methods.mpc.trajectory import Trajectory
 from cca_core.decide import Action, Decision
 from cca_core.errors import InputError, Status
-from cca_core.follow import SpeedSettings, cruise_acceleration, follow_acceleration, jerk_limited
+from cca_core.follow import SpeedSettings, jerk_limited
 from cca_core.frenet import FrenetVehicle, to_frenet
 from cca_core.path import Path, Road
 from cca_core.planner.command import Command
@@ -87,10 +88,8 @@ class MpcPlanner:
             for vehicles in range(self.planning.prepared_vehicles + 1):
                 self._nonlinear.prepare(vehicles)
         path = self.road.path
-        self._s_limit = np.linspace(path.start, path.end, max(2, math.ceil(path.length / 5.0)))
-        curvature = np.maximum(np.abs(path.curvature(self._s_limit)), 1e-9)
         v_max = min(self.cruise_speed, self.road.speed_limit)
-        self._v_limit = np.minimum(np.sqrt(self.planning.curve_a_y / curvature), v_max)
+        self._profile = SpeedProfile(path, vehicle, self.speed, v_max, self.planning.curve_a_y)
         self._t = self._t_solved = self._t_found = -math.inf
         self._s: float | None = None
         self._last_s: dict[str, float] = {}
@@ -219,11 +218,12 @@ class MpcPlanner:
             lead = None if passes else self._find_lead(others, start)
             if not passes and lead is None:
                 break
-            s, v = self._profile(start, lead, times)
+            starts = passes and not self._passing
+            s, v = self._profile.at(times, start, lead)
             horizon = Horizon(
                 road=self.road, vehicle=self.vehicle, t=times, others=others, v_wanted=float(v.max()),
                 clearance=self.settings.clearance, a_y_max=a_y_factor * self.settings.a_y_max,
-                clearance_fraction=own.continue_fraction if self._passing or not passes else own.start_fraction,
+                clearance_fraction=own.start_fraction if starts else own.continue_fraction,
                 final_d=(lane.right + half, lane.left - half),
             )  # fmt: skip
             trajectory = self._linear.solve(horizon, start, s, v)
@@ -244,7 +244,7 @@ class MpcPlanner:
         guess: Trajectory,
         v: Array,
     ) -> Trajectory:
-        """Solve for steering and speed from the last trajectory if it passes and is young, else from a guess."""
+        """Solve from the last trajectory if it passes and is recent, else from a guess."""
         last = self._trajectory
         if self._passing and last is not None and age < 3.5 * self.planning.replan_period:
             beyond = age + horizon.t - last.t[-1]
@@ -277,21 +277,6 @@ class MpcPlanner:
             if n.s > center and (abs(n.d) < half + n.half_width or abs(n.d - start.d) < half + n.half_width)
         ]  # fmt: skip
         return min(ahead, key=lambda n: n.s - n.half_length, default=None)
-
-    def _profile(self, start: FrenetState, lead: FrenetVehicle | None, t: Array) -> tuple[Array, Array]:
-        """Stations and speeds at times, freely or behind a lead vehicle."""
-        s, v = np.empty_like(t), np.empty_like(t)
-        s[0], v[0], h, last = start.s, max(start.v, 0.0), float(t[1] - t[0]), start.a_x
-        for k in range(len(t) - 1):
-            a = cruise_acceleration(v[k], float(np.interp(s[k], self._s_limit, self._v_limit)), self.speed)
-            if lead is not None:
-                rear = lead.occupied_interval(t[k : k + 1], braking=0.0, acceleration=0.0)[0][0]
-                gap = rear - s[k] - self.vehicle.front
-                a = min(a, follow_acceleration(v[k], gap, lead.v_s, self.speed))
-            last = jerk_limited(a, last, h, self.speed, emergency=a < -2.0 * self.speed.b_comfort)
-            v[k + 1] = max(v[k] + h * last, 0.0)
-            s[k + 1] = s[k] + 0.5 * h * (v[k] + v[k + 1])
-        return s, v
 
     def _brake(self, reason: str, status: Status) -> Command:
         """Hold the steering and brake."""
