@@ -53,6 +53,11 @@ def quintic_step(z: float | Array, height: float = 1.0) -> float | Array:
     return height * z**3 * (10.0 - 15.0 * z + 6.0 * z * z)
 
 
+def arc_length(points: Array) -> Array:
+    """Length (n,) of the polyline through points (n, 2) up to each of them."""
+    return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+
+
 QUINTIC_PEAK = 5.7735
 """Largest second derivative of the quintic step [-]."""
 

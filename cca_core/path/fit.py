@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, Index, Mask, check_points, check_real
 from cca_core.errors import InfeasibleError, InputError
+from cca_core.geometry import arc_length
 from cca_core.path.chords import bridge_gaps, chord_deviation, max_neighbor_chord
 from cca_core.path.interpolate import over_arc_length
 from cca_core.path.path import Path
@@ -117,7 +118,7 @@ class _Fit:
         self._points, given = bridge_gaps(points, chords)
         # residuals count with these weights: in gaps three tolerances are allowed
         self._weight = np.where(given, 1.0, 1.0 / 3.0)
-        self._chord = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
+        self._chord = arc_length(self._points)
         self._accepted = max(tolerance, 1e-6)
         loose = 1.0 / np.minimum(self._weight[1:], self._weight[:-1])
         self._max_deviation = tolerance * loose + 0.3 * max_neighbor_chord(self._points, closed)
@@ -183,7 +184,7 @@ class _Fit:
         self._points = np.insert(self._points, i + 1, middle, axis=0)
         self._weight = np.insert(self._weight, i + 1, weight)
         self._max_deviation = np.insert(self._max_deviation, i, self._max_deviation[i])
-        self._chord = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
+        self._chord = arc_length(self._points)
 
     def _segmented(self, per_segment: int | None) -> SmoothingSpline:
         n = len(self._points) - 1

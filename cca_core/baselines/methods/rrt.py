@@ -16,6 +16,7 @@ from cca_core.baselines.methods.free_space import clearance_shortfall, sample_ro
 from cca_core.baselines.methods.road_space import STATION_STEP, Pose, RoadSpace, State
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.errors import InputError, Status
+from cca_core.geometry import arc_length
 
 __all__ = ["Rrt", "Variant"]
 
@@ -260,7 +261,7 @@ def _sampled(space: Any, states: list[State]) -> Array:
 def _plan_of(problem: Problem, poses: Array) -> Plan:
     """Plan along poses that passes the stations at the wanted speed, checked exactly."""
     path = problem.road.path
-    length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))))
+    length = arc_length(poses[:, :2])
     s, d = path.project(poses[:, :2], s_guess=np.minimum(problem.start + length, problem.goal))
     s[0], s[-1] = problem.start, problem.goal
     at = sample_route(problem, s)

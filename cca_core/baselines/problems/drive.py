@@ -8,7 +8,7 @@ from cca_core._checks import Array
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.baselines.problems.verify import edge_distance, max_jerk
 from cca_core.follow import PreviewController, steady_turn
-from cca_core.geometry import box_gap
+from cca_core.geometry import arc_length, box_gap
 from cca_core.path import Path, interpolate_path
 from cca_core.sim.handling.tracking import track_path
 from cca_core.sim.loop import CYCLE_TIME
@@ -101,7 +101,7 @@ def drive_plan(problem: Problem, plan: Plan) -> DriveResult:
 
 def _path_to_follow(problem: Problem, plan: Plan) -> tuple[Path, tuple[Array, Array]]:
     """Path along a plan and then parallel to the route; squares of the speeds at arc lengths."""
-    distance = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(plan.xy, axis=0).T))))
+    distance = arc_length(plan.xy)
     nodes = np.linspace(0.0, distance[-1], max(round(distance[-1]), 4) + 1)  # about 1 m apart
     xy = np.column_stack([np.interp(nodes, distance, plan.xy[:, i]) for i in (0, 1)])
     s, d = problem.road.path.project(xy[-1])

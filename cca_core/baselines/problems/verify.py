@@ -6,7 +6,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.baselines.problems.problem import Plan, Problem
-from cca_core.geometry import Boxes, box_gap
+from cca_core.geometry import Boxes, arc_length, box_gap
 
 __all__ = ["Tolerances", "Verification", "verify_plan"]
 
@@ -139,7 +139,7 @@ class _Motion:
         end = float(plan.t[-1])
         t = np.linspace(0.0, end, max(round(end / 0.005), 2) + 1)
         xy, velocity = spline(t), spline(t, 1)
-        distance = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))))
+        distance = arc_length(xy)
         return cls(
             t, xy, np.arctan2(velocity[:, 1], velocity[:, 0]), distance, np.gradient(distance, t),
             _circle_curvature(xy, distance, 0.5), problem.road.path.project(xy)[0],

@@ -9,7 +9,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.errors import InputError
-from cca_core.geometry import quintic_step, wrap_angle
+from cca_core.geometry import arc_length, quintic_step, wrap_angle
 
 __all__ = ["Lanelet", "centerline", "extend_straight", "find_route", "inside"]
 
@@ -52,7 +52,7 @@ class Lanelet:
     @property
     def length(self) -> float:
         """Length of the centerline [m]."""
-        return float(_arc_length(self.center)[-1])
+        return float(arc_length(self.center)[-1])
 
     @property
     def width(self) -> float:
@@ -169,12 +169,8 @@ def _change(group: list[Lanelet], start: tuple[float, float] | None, change_leng
 
 
 def _resample(line: Array, fraction: Array) -> Array:
-    s = _arc_length(line)
+    s = arc_length(line)
     return np.column_stack([np.interp(fraction * s[-1], s, line[:, i]) for i in (0, 1)])
-
-
-def _arc_length(line: Array) -> Array:
-    return np.append(0.0, np.cumsum(np.hypot(*np.diff(line, axis=0).T)))
 
 
 def _direction(ends: Array) -> float:
