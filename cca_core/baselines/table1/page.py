@@ -7,7 +7,7 @@ from string import Template
 
 from cca_core.baselines.problems.compare import ComparisonRow
 from cca_core.baselines.problems.sampling import KINDS
-from cca_core.baselines.table1.better import better_than_bands
+from cca_core.baselines.table1.advantages import advantages_over_bands
 from cca_core.baselines.table1.closed_loop import ClosedLoop
 from cca_core.baselines.table1.experiment import AXES
 from cca_core.baselines.table1.scaling import ScalingResult
@@ -32,7 +32,7 @@ def page(
         kinds_table=_kinds_table(m),
         scaling_table=_scaling_table(scaling),
         closed_loop_table=_closed_loop_table(drives),
-        better=better_than_bands(m, drives),
+        advantages=advantages_over_bands(m, drives),
         **statement_values(m, scaling, drives),
     )
 

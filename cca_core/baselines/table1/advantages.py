@@ -21,7 +21,7 @@ _DRIVE_FIGURES: dict[str, Callable[[ClosedLoop], float]] = {  # less is better
 }
 
 
-def better_than_bands(m: Statistics, drives: Sequence[ClosedLoop]) -> str:
+def advantages_over_bands(m: Statistics, drives: Sequence[ClosedLoop]) -> str:
     """List of the figures; a ratio counts on problems that both methods solve."""
     others = [name for name in m.methods if name not in (*BANDS, EQ9)]
     lines = [*_solved(m, others), *_times(m, others), *_ratios(m, others), *_closed_loop(drives)]
