@@ -103,9 +103,18 @@ def check_sdist(sdist: Path, folder: Path) -> Path:
         names = {name.removeprefix(f"{NAME}/") for name in file.getnames()}
         file.extractall(folder, filter="data")
     for name in (
-        "pyproject.toml", "README.md", "LICENSE", "CITATION.cff", "CHANGELOG.md", "CONTRIBUTING.md",
-        "Makefile", "cca_core/py.typed", "tests/conftest.py", "docs/conf.py", "examples/bend_a_band.py",
-    ):  # fmt: skip
+        "pyproject.toml",
+        "README.md",
+        "LICENSE",
+        "CITATION.cff",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "Makefile",
+        "cca_core/py.typed",
+        "tests/conftest.py",
+        "docs/conf.py",
+        "examples/bend_a_band.py",
+    ):
         expect(name in names, f"{name} is not in the sdist")
     unwanted = {name for name in names if re.search(r"__pycache__|\.pyc$|_build|^out/|\.hypothesis", name)}
     expect(not unwanted, f"the sdist holds {unwanted}")

@@ -201,9 +201,10 @@ def internal_functions() -> dict[str, ast.FunctionDef | ast.ClassDef]:
 def test_internal_docstrings_are_short() -> None:
     """Inside a package a docstring has no sections; comments say why."""
     long = [
-        name for name, node in internal_functions().items()
+        name
+        for name, node in internal_functions().items()
         if re.search(r"^\s*-{4,}$", ast.get_docstring(node) or "", re.MULTILINE)
-    ]  # fmt: skip
+    ]
     assert long == []
 
 

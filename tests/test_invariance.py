@@ -45,9 +45,10 @@ def mirrored(scenario: Scenario, path: Path) -> Scenario:
     """The reflected scenario: the passing lane is on the right."""
     lanes = tuple(replace(lane, d=-lane.d) for lane in scenario.road.lanes)
     return replace(
-        scenario, road=Road(path, lanes, speed_limit=scenario.road.speed_limit),
+        scenario,
+        road=Road(path, lanes, speed_limit=scenario.road.speed_limit),
         road_users=tuple(replace(u, d=-u.d) for u in scenario.road_users),
-    )  # fmt: skip
+    )
 
 
 def mirrored_text(reason: str) -> str:
