@@ -1,6 +1,6 @@
 """Frenet: the ego and remote vehicles at stations and lateral offsets of the route."""
 
-from cca_core.frenet.convert import CROSSING_SINE, to_frenet, valid_vehicles
+from cca_core.frenet.convert import CROSSING_SINE, to_frenet
 from cca_core.frenet.records import FrenetEgo, FrenetVehicle
 
-__all__ = ["CROSSING_SINE", "FrenetEgo", "FrenetVehicle", "to_frenet", "valid_vehicles"]
+__all__ = ["CROSSING_SINE", "FrenetEgo", "FrenetVehicle", "to_frenet"]

@@ -11,7 +11,8 @@ from cca_core._checks import check_real
 from cca_core.decide.crossing import Conflict, find_conflict_for_sweep
 from cca_core.decide.sweep import Sweep
 from cca_core.errors import InputError
-from cca_core.frenet import FrenetEgo, to_frenet, valid_vehicles
+from cca_core.frenet import FrenetEgo, to_frenet
+from cca_core.frenet.convert import valid_vehicles
 from cca_core.geometry import wrap_angle
 from cca_core.path import Path, Road
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
