@@ -250,6 +250,10 @@ class RemoteVehicle:
         Reported event flags, such as ``"hard_braking"``.
     source : str
         ``"v2v"`` or ``"sensor"``.
+    z : float or None
+        Height in the local frame [m]; None, or a value that is not finite, is unknown.
+    sigma_z : float
+        Standard deviation of the height [m].
     """
 
     id: str
@@ -266,14 +270,15 @@ class RemoteVehicle:
     sigma_across: float = 0.0
     events: frozenset[str] = frozenset()
     source: str = "v2v"
+    z: float | None = None
+    sigma_z: float = 0.0
 
     @property
     def invalid_reason(self) -> str | None:
         """Why the record cannot be used; None if it can."""
         values = _REMOTE_VALUES(self)
         if not ({float, np.float64}.issuperset(map(type, values)) and all(map(math.isfinite, values))):
-            names = [field.name for field in fields(self) if field.name not in ("id", "events", "source")]
-            for name, value in zip(names, values, strict=True):
+            for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
                 if not isinstance(value, Real) or not abs(value) < float("inf"):  # type: ignore[operator]  # int, float
                     return f"{name} must be a finite number, was {type(value).__name__} {str(value)[:20]}"
         labels: tuple[object, object] = (self.id, self.events)
@@ -284,8 +289,8 @@ class RemoteVehicle:
             return f"position must be within {MAX_COORDINATE / 1e3:.0f} km of the origin"
         if max(abs(self.a_x), abs(self.r)) > 100.0:
             return f"a_x and r must be at most 100, were {self.a_x:g} m/s^2 and {self.r:g} rad/s"
-        if not (0.0 < self.length <= 40.0 and 0.0 < self.width <= 5.0):
-            return f"length and width must be within 40 m x 5 m, were {self.length:g} m x {self.width:g} m"
+        if not (0.0 < self.length <= 400.0 and 0.0 < self.width <= 20.0):  # a train
+            return f"length and width must be within 400 m x 20 m, were {self.length:g} m x {self.width:g} m"
         if not -20.0 <= self.v_x <= MAX_SPEED:
             return f"v_x must be between -20 and {MAX_SPEED:g} m/s, was {self.v_x:g} m/s"
         if not (
@@ -295,6 +300,7 @@ class RemoteVehicle:
         return None
 
 
-_REMOTE_VALUES = attrgetter(
-    "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across"
-)
+_REMOTE_NUMBERS = (
+    "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across",
+)  # fmt: skip
+_REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)

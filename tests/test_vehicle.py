@@ -121,9 +121,10 @@ def remote(**changes: object) -> RemoteVehicle:
 
 def test_valid_record_has_no_invalid_reason() -> None:
     assert remote().invalid_reason is None
-    assert remote(v_x=0, psi=7, length=40.0, width=5.0, age=0.0).invalid_reason is None
+    assert remote(v_x=0, psi=7, length=400.0, width=20.0, age=0.0).invalid_reason is None
     assert remote(v_x=np.float64(12.5), x=np.float64(3.0)).invalid_reason is None
     assert remote(v_x=-20.0).invalid_reason is None
+    assert remote(z=math.nan, sigma_z=math.nan).invalid_reason is None  # an unknown height blocks
 
 
 @pytest.mark.parametrize(
@@ -140,9 +141,9 @@ def test_invalid_reason_names_field(name: str, value: object) -> None:
     ("changes", "word"),
     [
         ({"length": 0.0}, "length and width"),
-        ({"length": 40.1}, "length and width"),
+        ({"length": 400.1}, "length and width"),
         ({"width": -1.8}, "length and width"),
-        ({"width": 5.1}, "length and width"),
+        ({"width": 20.1}, "length and width"),
         ({"v_x": 100.1}, "v_x"),
         ({"v_x": -20.1}, "v_x"),
         ({"age": -0.01}, "age and sigmas"),
