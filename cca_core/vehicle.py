@@ -193,6 +193,9 @@ class VehicleState:
         Road-wheel angle [rad], left positive.
     a_x : float
         Forward acceleration [m/s^2].
+    t : float, optional
+        Time of the measurement, on the clock of `Planner.step` [s]. The planner makes a safe stop if it is too
+        old. By default it is that of the step.
 
     Raises
     ------
@@ -208,17 +211,20 @@ class VehicleState:
     r: float = 0.0
     delta: float = 0.0
     a_x: float = 0.0
+    t: float | None = None
 
     def __post_init__(self) -> None:
         try:
             usable = math.isfinite(
                 self.x + self.y + self.psi + self.v_x + self.v_y + self.r + self.delta + self.a_x
-            )
-        except TypeError:
+                + (0.0 if self.t is None else self.t)
+            )  # fmt: skip
+        except (TypeError, OverflowError):
             usable = False
         if not usable:
             for field in fields(self):
-                check_real(field.name, getattr(self, field.name))
+                if field.name != "t" or self.t is not None:
+                    check_real(field.name, getattr(self, field.name))
         if self.v_x < -0.5:
             raise InputError(f"v_x must be at least -0.5 m/s (forward driving), was {self.v_x:g}")
 
@@ -279,7 +285,7 @@ class RemoteVehicle:
         values = _REMOTE_VALUES(self)
         if not ({float, np.float64}.issuperset(map(type, values)) and all(map(math.isfinite, values))):
             for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
-                if not isinstance(value, Real) or not abs(value) < float("inf"):  # type: ignore[operator]  # int, float
+                if not is_finite_number(value):
                     return f"{name} must be a finite number, was {type(value).__name__} {str(value)[:20]}"
         labels: tuple[object, object] = (self.id, self.events)
         if not (isinstance(labels[0], str) and isinstance(labels[1], frozenset)):
@@ -304,3 +310,11 @@ _REMOTE_NUMBERS = (
     "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across",
 )  # fmt: skip
 _REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)
+
+
+def is_finite_number(value: object) -> bool:
+    """Return whether a value is a real number that a float can hold."""
+    try:
+        return isinstance(value, Real) and math.isfinite(value)
+    except OverflowError:  # a whole number beyond all floats
+        return False

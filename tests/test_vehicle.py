@@ -105,6 +105,8 @@ def test_state_error_names_first_of_two_infinities() -> None:
 @pytest.mark.parametrize("value", [None, "fast"])
 def test_state_that_is_no_number_raises(name: str, value: object) -> None:
     good = {"x": 1.0, "y": 2.0, "psi": 0.1, "v_x": 10.0}
+    if name == "t" and value is None:  # no time of measurement
+        return
     with pytest.raises(InputError, match=rf"^{name} must be"):
         VehicleState(**{**good, name: value})
 
@@ -130,7 +132,7 @@ def test_valid_record_has_no_invalid_reason() -> None:
 @pytest.mark.parametrize(
     "name", ["x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across"]
 )
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "12", 1j])
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, None, "12", 1j, 10**400])
 def test_invalid_reason_names_field(name: str, value: object) -> None:
     reason = remote(**{name: value}).invalid_reason
     assert reason is not None
