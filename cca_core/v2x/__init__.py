@@ -8,6 +8,7 @@ from cca_core.v2x.sender import Sender, SenderSettings
 from cca_core.v2x.tracker import Tracker
 from cca_core.v2x.tracker_settings import TrackerSettings
 from cca_core.v2x.update_result import UpdateResult
+from cca_core.v2x.wrappers import MessageFrame, unwrap_message
 
 __all__ = [
     "PLAUSIBILITY_CHECKS",
@@ -16,6 +17,7 @@ __all__ = [
     "Channel",
     "ChannelSettings",
     "Fix",
+    "MessageFrame",
     "PlausibilitySettings",
     "PositionErrorModel",
     "PositionalAccuracy",
@@ -29,4 +31,5 @@ __all__ = [
     "decode_bsm",
     "encode_bsm",
     "position_bounds",
+    "unwrap_message",
 ]  # fmt: skip

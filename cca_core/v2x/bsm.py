@@ -10,6 +10,7 @@ from cca_core.errors import InputError
 from cca_core.v2x.events import decode_events, encode_events
 from cca_core.v2x.message import BrakeStatus, Bsm, PositionalAccuracy
 from cca_core.v2x.uper import BitFields, close_frame, open_frame
+from cca_core.v2x.wrappers import MessageFrame, unwrap_message
 
 __all__ = ["BrakeStatus", "Bsm", "PositionalAccuracy", "decode_bsm", "encode_bsm"]
 
@@ -57,24 +58,26 @@ def _heading_from_code(code: int) -> float:
     return (16383.75 - code if code <= 49151 else 81918.75 - code) * _UNIT["orientation"]
 
 
-def decode_bsm(data: bytes | bytearray) -> Bsm:
+def decode_bsm(data: bytes | bytearray | str) -> Bsm:
     """Decode a Basic Safety Message.
 
     Parameters
     ----------
-    data : bytes or bytearray
-        A MessageFrame in unaligned packed encoding. Bytes after its end are ignored.
+    data : bytes, bytearray or str
+        A MessageFrame in unaligned packed encoding, bare or in the wrappers that `unwrap_message` removes.
+        Bytes after its end are ignored.
 
     Returns
     -------
     bsm : Bsm
         Part I and the event flags; other content and regional extensions are skipped. Reserved codes are
-        decoded as unavailable.
+        decoded as unavailable. Signatures are not verified: see `Bsm.signed`.
 
     Raises
     ------
     InputError
-        If `data` is not such a message, is incomplete or has a value outside its range.
+        If `data` is not such a message, is incomplete or has a value outside its range. Another message is
+        named.
 
     Examples
     --------
@@ -82,7 +85,15 @@ def decode_bsm(data: bytes | bytearray) -> Bsm:
     >>> decode_bsm(encode_bsm(sent)).speed
     13.9
     """
-    body = open_frame(data, _MESSAGE_ID)
+    frame = unwrap_message(data)
+    if frame.message_id != _MESSAGE_ID:
+        raise InputError(f"data must hold a Basic Safety Message, was {frame.name} (id {frame.message_id})")
+    return decode_frame(frame)
+
+
+def decode_frame(frame: MessageFrame) -> Bsm:
+    """Decode a Basic Safety Message without wrappers."""
+    body = open_frame(frame.data, _MESSAGE_ID)
     if len(body) < _CORE_BYTES:
         raise InputError(f"data must hold at least {_CORE_BYTES} bytes of message, had {len(body)}")
     (
@@ -130,6 +141,7 @@ def decode_bsm(data: bytes | bytearray) -> Bsm:
         width=width / 100.0 if width else None,
         length=length / 100.0 if length else None,
         events=events,
+        signed=frame.signed,
     )
 
 
@@ -139,7 +151,7 @@ def encode_bsm(bsm: Bsm) -> bytes:
     Parameters
     ----------
     bsm : Bsm
-        Message; angles may be any number of turns off.
+        Message; angles may be any number of turns off. `Bsm.signed` is not encoded.
 
     Returns
     -------

@@ -86,6 +86,8 @@ class Bsm:
         Body box [m], 0.01 to 10.23 and 0.01 to 40.95.
     events : frozenset of str
         Names of event flags, such as ``"hard_braking"``.
+    signed : str or None
+        ``"unverified"`` if the message came in signed data: the signature was not checked. None without.
     """
 
     msg_count: int
@@ -107,3 +109,4 @@ class Bsm:
     width: float | None = None
     length: float | None = None
     events: frozenset[str] = frozenset()
+    signed: str | None = None

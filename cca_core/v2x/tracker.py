@@ -9,11 +9,12 @@ from cca_core.errors import InputError
 from cca_core.path.local_frame import LocalFrame
 from cca_core.v2x._projection import projector
 from cca_core.v2x._tracks import Track, Tracks, is_expired
-from cca_core.v2x.bsm import Bsm, decode_bsm
+from cca_core.v2x.bsm import Bsm, decode_frame
 from cca_core.v2x.motion import Fix
 from cca_core.v2x.plausibility import POSITION_CHECKS, implausible_motion, implausible_state
 from cca_core.v2x.tracker_settings import TrackerSettings
 from cca_core.v2x.update_result import ACCEPTED_KINDS, UpdateResult
+from cca_core.v2x.wrappers import unwrap_message
 from cca_core.vehicle import (
     MAX_COORDINATE,
     MAX_SPEED,
@@ -90,13 +91,14 @@ class Tracker:
         """
         return t - self._t_full <= 1.0
 
-    def update(self, data: bytes | bytearray | Bsm, t_received: float) -> UpdateResult:
+    def update(self, data: bytes | bytearray | str | Bsm, t_received: float) -> UpdateResult:
         """Process a message.
 
         Parameters
         ----------
-        data : bytes or Bsm
-            Message as received, or decoded. No content raises.
+        data : bytes, str or Bsm
+            Message as received, in the wrappers that `unwrap_message` removes, or decoded. No content raises.
+            Messages of other kinds are counted as ``"other_message"``.
         t_received : float
             Time of reception on the senders' clock [s]; minutes begin at multiples of 60.
 
@@ -112,15 +114,27 @@ class Tracker:
         """
         t = check_real("t_received", t_received)
         try:
-            bsm = data if isinstance(data, Bsm) else decode_bsm(data)
-            kind = self._process(bsm, t)
-            result = UpdateResult(accepted=kind in ACCEPTED_KINDS, kind=kind, id=str(bsm.id), t=t)
+            result = self._process_data(data, t)
         except (InputError, TypeError, ValueError, OverflowError):
-            result = UpdateResult(accepted=False, kind="unreadable", id="", t=t)
+            result = UpdateResult(accepted=False, kind="unreadable", id="", t=t, message="")
         self.counts[result.kind] += 1
-        if not result.accepted:
+        if not result.accepted and result.kind != "other_message":
             self._rejected.append(result)
         return result
+
+    def _process_data(self, data: bytes | bytearray | str | Bsm, t: float) -> UpdateResult:
+        """Decode and process a message."""
+        if isinstance(data, Bsm):
+            bsm = data
+        else:
+            frame = unwrap_message(data)
+            if frame.name != "BSM":
+                return UpdateResult(accepted=False, kind="other_message", id="", t=t, message=frame.name)
+            bsm = decode_frame(frame)
+        kind = self._process(bsm, t)
+        return UpdateResult(
+            accepted=kind in ACCEPTED_KINDS, kind=kind, id=str(bsm.id), t=t, signed=bsm.signed
+        )
 
     def vehicles(
         self, t: float, ego: VehicleState | None = None, names: Mapping[str, str] | None = None

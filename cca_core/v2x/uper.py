@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from cca_core.errors import InputError
 
-__all__ = ["BitFields", "close_frame", "open_frame", "open_type", "take", "take_open_type"]
+__all__ = ["BitFields", "close_frame", "frame_extent", "open_frame", "open_type", "take", "take_open_type"]
 
 # bits are one big integer, most significant first; `left` counts the bits not yet read
 _MAX_BYTES = (1 << 14) - 1  # longer open types are fragmented; no Basic Safety Message needs that
@@ -59,23 +59,27 @@ def open_type(content: int, n_bits: int) -> tuple[int, int]:
     return length << 8 * length | content << 8 * length - n_bits, 8 + 8 * length
 
 
+def frame_extent(data: bytes | bytearray, begin: int, end: int) -> tuple[int, int, int]:
+    """Return the kind of the MessageFrame at `begin`, and where its message begins and ends."""
+    if end - begin < 3:
+        raise InputError(f"data must hold a frame, had {end - begin} bytes")
+    found = (data[begin] & 0x7F) << 8 | data[begin + 1]  # the first bit announces additions
+    start, length = begin + 3, data[begin + 2]
+    if length & 0x80:
+        if length & 0x40 or end - begin < 4:
+            raise InputError(f"data must hold a message of at most {_MAX_BYTES} bytes with its length")
+        start, length = begin + 4, (length & 0x3F) << 8 | data[begin + 3]
+    if end < start + length:
+        raise InputError(f"data must hold {length} bytes of message, had {end - start}")
+    return found, start, start + length
+
+
 def open_frame(data: bytes | bytearray, message_id: int) -> bytes:
     """Return the message of a MessageFrame; bytes after its end are ignored."""
-    if not isinstance(data, (bytes, bytearray)):
-        raise InputError(f"data must be bytes, was {type(data).__name__}")
-    if len(data) < 3:
-        raise InputError(f"data must hold a frame, had {len(data)} bytes")
-    found = (data[0] & 0x7F) << 8 | data[1]  # the first bit announces additions
+    found, begin, end = frame_extent(data, 0, len(data))
     if found != message_id:
         raise InputError(f"data must hold a message of kind {message_id}, was of kind {found}")
-    begin, length = 3, data[2]
-    if length & 0x80:
-        if length & 0x40 or len(data) < 4:
-            raise InputError(f"data must hold a message of at most {_MAX_BYTES} bytes with its length")
-        begin, length = 4, (length & 0x3F) << 8 | data[3]
-    if len(data) < begin + length:
-        raise InputError(f"data must hold {length} bytes of message, had {len(data) - begin}")
-    return bytes(data[begin : begin + length])
+    return bytes(data[begin:end])
 
 
 def close_frame(bits: int, n_bits: int, message_id: int) -> bytes:

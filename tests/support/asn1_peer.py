@@ -159,7 +159,7 @@ def flat(bsm: Bsm) -> dict[str, Any]:
         name: getattr(part, name)
         for part in parts
         for name in part.__dataclass_fields__
-        if name not in ("accuracy", "brakes", "events")
+        if name not in ("accuracy", "brakes", "events", "signed")
     }
 
 

@@ -82,7 +82,7 @@ def test_invalid_frame_raises(data: bytes) -> None:
         open_frame(data, 20)
 
 
-@pytest.mark.parametrize("data", [None, "0014", 20, [0, 20, 0], memoryview(b"\0\x14\0")])
+@pytest.mark.parametrize("data", [None, 20, [0, 20, 0], memoryview(b"\0\x14\0")])
 def test_non_bytes_raises(data: object) -> None:
     with pytest.raises(InputError, match="data must be bytes"):
         decode_bsm(data)  # type: ignore[arg-type]
