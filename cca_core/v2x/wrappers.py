@@ -15,12 +15,6 @@ _NAMES = {
 } | {number: f"test message {number}" for number in range(240, 256)}  # fmt: skip
 _MAX_TEXT = 1 << 16  # characters; the longest frame has half as many hexadecimal digits
 _MAX_SECURITY = 4  # signed data within signed data
-_ETHERTYPE = b"\x88\xdc"
-_LINK_HEADERS = (  # length before the EtherType, and how the header begins
-    (0, b""),
-    (6, b"\xaa\xaa\x03\0\0\0"),  # LLC and SNAP
-    (12, b""),  # Ethernet addresses
-)
 # [bytes] source of the message (1), place and motion of the unit (16), time (4 + 2), result of the security
 # check (1), length (2), all little-endian; logs of distress messages have no source
 _RECORD_HEADERS = (26, 25)
@@ -207,12 +201,9 @@ def _take_off_headers(cursor: _Cursor, wrappers: list[str]) -> None:
             cursor.begin -= header
     if _is_frame(cursor, exactly=False):
         return
-    for before, head in _LINK_HEADERS:
-        at = cursor.begin + before
-        if cursor.starts_with(head) and cursor.data.startswith(_ETHERTYPE, at, cursor.end):
-            cursor.skip(before + 2)
-            wrappers.append("ethertype")
-            break
+    if link := _link_header(cursor):
+        cursor.skip(link)
+        wrappers.append("ethertype")
     if _is_wsmp(cursor):
         _take_off_wsmp(cursor)
         wrappers.append("wsmp")
@@ -220,8 +211,17 @@ def _take_off_headers(cursor: _Cursor, wrappers: list[str]) -> None:
 
 def _is_message(cursor: _Cursor) -> bool:
     """Return whether a message, bare or in a wrapper of the air interface, begins here."""
-    wrapped = cursor.starts_with(_ETHERTYPE) or _is_wsmp(cursor) or _is_security(cursor)
-    return wrapped or _is_frame(cursor, exactly=False)
+    wrapped = _link_header(cursor) or _is_wsmp(cursor) or _is_security(cursor)
+    return bool(wrapped) or _is_frame(cursor, exactly=False)
+
+
+def _link_header(cursor: _Cursor) -> int:
+    """Return the length of a header of the data link that ends with the EtherType of WSMP; 0 without."""
+    for before, head in ((0, b""), (6, b"\xaa\xaa\x03\0\0\0"), (12, b"")):  # bare, LLC and SNAP, Ethernet
+        at = cursor.begin + before
+        if cursor.starts_with(head) and cursor.data.startswith(b"\x88\xdc", at, cursor.end):
+            return before + 2
+    return 0
 
 
 def _is_wsmp(cursor: _Cursor) -> bool:
@@ -257,7 +257,10 @@ def _take_off_wsmp(cursor: _Cursor) -> None:
 
 def _skip_elements(cursor: _Cursor) -> None:
     """Move past WAVE information elements."""
-    for _ in range(_count(cursor)):
+    count = _count(cursor)
+    if count > 32:  # IEEE 1609.3 defines fewer than 30
+        raise InputError(f"data must have at most 32 information elements, announced {count}")
+    for _ in range(count):
         cursor.skip(1)
         cursor.skip(_count(cursor))
 
