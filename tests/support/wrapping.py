@@ -98,10 +98,12 @@ def wsmp(
 
 def ode(data: bytes, source: int = 2, seconds: int = 1_544_018_697, latitude: int = 412_000_000) -> bytes:
     """A record of an on-board unit's log."""
-    place = latitude.to_bytes(4, "little", signed=True) + (-1_060_000_000).to_bytes(4, "little", signed=True)
+    position = latitude.to_bytes(4, "little", signed=True) + (-1_060_000_000).to_bytes(
+        4, "little", signed=True
+    )
     motion = (21_000).to_bytes(4, "little") + bytes((1, 2, 3, 4))
     time = seconds.to_bytes(4, "little") + (701).to_bytes(2, "little")
-    return bytes((source,)) + place + motion + time + b"\0" + len(data).to_bytes(2, "little") + data
+    return bytes((source,)) + position + motion + time + b"\0" + len(data).to_bytes(2, "little") + data
 
 
 def rsu(data: bytes, end: str = "\n") -> bytes:
@@ -152,7 +154,7 @@ OUTER: dict[str, Wrap] = {
 }  # fmt: skip
 
 
-def ways() -> Iterator[tuple[str, Wrap]]:
+def nestings() -> Iterator[tuple[str, Wrap]]:
     """Names and functions of all ways to wrap a message."""
     for names in product(OUTER, LINKS, PACKETS, SECURITIES):
         if names[1] == "none" or names[2] != "none":  # the EtherType announces a WSMP packet

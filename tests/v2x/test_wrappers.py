@@ -18,7 +18,7 @@ from cca_core.v2x.wrappers import split_records
 from tests.support import asn1_peer as peer
 from tests.support import wrapping as wrap
 
-WAYS = dict(wrap.ways())
+NESTINGS = dict(wrap.nestings())
 PLAIN = Bsm(msg_count=5, id="00c0ffee", sec_mark=7.0, latitude_deg=45.0, longitude_deg=14.0, speed=0.0)
 FRAME = encode_bsm(PLAIN)
 RNG = np.random.default_rng(0)
@@ -49,12 +49,12 @@ def frame_of(number: int, length: int = 30) -> bytes:
     return number.to_bytes(2, "big") + size + b"\xff" * length
 
 
-@pytest.mark.parametrize("way", WAYS)
-def test_message_is_found_in_every_wrapper(way: str) -> None:
+@pytest.mark.parametrize("nesting", NESTINGS)
+def test_message_is_found_in_every_wrapper(nesting: str) -> None:
     for frame in (FRAME, LONG):
-        data = WAYS[way](frame)
+        data = NESTINGS[nesting](frame)
         found = unwrap_message(data)
-        signed = "unverified" if "/signed" in way else None
+        signed = "unverified" if "/signed" in nesting else None
         assert (found.data, found.name, found.message_id) == (frame, "BSM", 20)
         assert found.signed == signed
         assert decode_bsm(data) == replace(decode_bsm(frame), signed=signed)
@@ -62,7 +62,7 @@ def test_message_is_found_in_every_wrapper(way: str) -> None:
 
 
 def test_wrappers_are_listed_from_outside() -> None:
-    data = WAYS["hex/ethernet/wsmp-elements/signed-twice"](FRAME)
+    data = NESTINGS["hex/ethernet/wsmp-elements/signed-twice"](FRAME)
     assert unwrap_message(data).wrappers == ("hex", "ethertype", "wsmp", "signed", "signed", "unsecured")
     assert unwrap_message(wrap.rsu(FRAME)).wrappers == ("rsu",)
     assert unwrap_message(wrap.ode(FRAME)).wrappers == ("ode",)
@@ -97,11 +97,11 @@ def recorded_frames(data_dir: Path) -> list[bytes]:
 def test_wrapped_recordings_equal_bare_ones(every: int, data_dir: Path) -> None:
     frames = recorded_frames(data_dir)
     assert len(frames) == 128 + 13 + 243
-    ways = list(WAYS.values())
+    nestings = list(NESTINGS.values())
     for i, frame in enumerate(frames):
         bare = decode_bsm(frame)
-        for way in ways[i % every :: every]:
-            assert replace(decode_bsm(way(frame)), signed=None) == bare
+        for nesting in nestings[i % every :: every]:
+            assert replace(decode_bsm(nesting(frame)), signed=None) == bare
 
 
 def test_recorded_log_equals_its_table(data_dir: Path) -> None:
@@ -157,9 +157,9 @@ def test_other_messages_are_named(number: int, name: str) -> None:
 
 def test_tracker_accepts_wrapped_messages() -> None:
     tracker = Tracker(LocalFrame(45.0, 14.0))
-    for i, way in enumerate(WAYS.values()):
+    for i, nesting in enumerate(NESTINGS.values()):
         bsm = replace(PLAIN, msg_count=i % 128, sec_mark=round(0.1 * (i % 600), 1))
-        result = tracker.update(way(encode_bsm(bsm)), 0.1 * i + 0.01)
+        result = tracker.update(nesting(encode_bsm(bsm)), 0.1 * i + 0.01)
         assert result.accepted
         assert result.message == "BSM"
     assert result.signed == "unverified"
@@ -226,8 +226,8 @@ def test_deviations_that_units_have(data: bytes | str) -> None:
 
 def test_longest_message() -> None:
     frame = frame_of(31, 16383)
-    for way in (wrap.unsecured, wrap.signed, wrap.rsu, lambda data: data.hex().encode()):
-        assert unwrap_message(way(frame)).data == frame
+    for nesting in (wrap.unsecured, wrap.signed, wrap.rsu, lambda data: data.hex().encode()):
+        assert unwrap_message(nesting(frame)).data == frame
     assert unwrap_message(wrap.wsmp(frame_of(31, 16379))).name == "TIM"
 
 
@@ -237,9 +237,9 @@ def test_other_types_raise(data: object) -> None:
         unwrap_message(data)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("way", list(WAYS)[::11])
-def test_truncated_data_never_changes_the_message(way: str) -> None:
-    data = WAYS[way](FRAME)
+@pytest.mark.parametrize("nesting", list(NESTINGS)[::11])
+def test_truncated_data_never_changes_the_message(nesting: str) -> None:
+    data = NESTINGS[nesting](FRAME)
     for end in range(len(data)):
         try:
             found = unwrap_message(data[:end])
@@ -255,8 +255,8 @@ def garbage(seed: int, count: int) -> Iterator[bytes]:
     """Wrapped messages with flipped bits, cuts, insertions, and other content; and wrapped garbage."""
     rng = np.random.default_rng(seed)
     frames = [FRAME, LONG, frame_of(31, 200), encode_bsm(replace(PLAIN, events=frozenset({"jackknife"})))]
-    whole = [way(frame) for way in WAYS.values() for frame in frames]
-    ways = list(WAYS.values())
+    whole = [nesting(frame) for nesting in NESTINGS.values() for frame in frames]
+    nestings = list(NESTINGS.values())
     for i in range(count):
         data, other = whole[rng.integers(len(whole))], whole[rng.integers(len(whole))]
         cut = int(rng.integers(len(data) + 1))
@@ -275,7 +275,7 @@ def garbage(seed: int, count: int) -> Iterator[bytes]:
             case 5:
                 yield data[:cut] + rng.bytes(int(rng.integers(1, 5))) + data[cut:]
             case 6 if i % 16 == 6:
-                yield ways[rng.integers(len(ways))](rng.bytes(int(rng.integers(100))))
+                yield nestings[rng.integers(len(nestings))](rng.bytes(int(rng.integers(100))))
             case 6:
                 yield data[: min(cut, 12)] + rng.bytes(int(rng.integers(200)))
             case _:
