@@ -1,19 +1,28 @@
 """Conversion of remote vehicles to Frenet coordinates."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from dataclasses import fields, replace
+from operator import attrgetter
 
 import numpy as np
 
 from cca_core.frenet.records import FrenetVehicle
+from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import Path
-from cca_core.vehicle import RemoteVehicle
+from cca_core.vehicle import RemoteVehicle, is_finite_number
 
-__all__ = ["CROSSING_SINE", "to_frenet", "valid_vehicles"]
+__all__ = ["CROSSING_SINE", "INCOMPLETE", "to_frenet", "valid_vehicles"]
 
 CROSSING_SINE = 0.35
 """Sine of the angle to the route above which a vehicle may cross it [-]; 20 degrees."""
 
+INCOMPLETE = "the list is incomplete"
+"""Beginning of the reason with which the rest of a list is dropped that cannot be read."""
+
+_FIELDS = tuple(field.name for field in fields(RemoteVehicle))
+_VALUES = attrgetter(*_FIELDS)
+_PLAIN_TYPES = frozenset((float, str, frozenset, np.float64, type(None)))
 _SCALAR_LIMIT = 25  # vehicles up to which foot points are found faster one by one than in a batch
 
 
@@ -28,7 +37,8 @@ def to_frenet(
     Parameters
     ----------
     remotes : iterable of RemoteVehicle
-        The vehicles; of two with one id the one with the smaller age counts.
+        The vehicles. Of two records of one body with one id the one with the smaller age counts; two bodies
+        with one id are two vehicles.
     path : Path
         The route.
     last_s : dict
@@ -64,26 +74,97 @@ def to_frenet(
 def valid_vehicles(
     remotes: Iterable[RemoteVehicle],
 ) -> tuple[dict[str, RemoteVehicle], tuple[tuple[str, str], ...]]:
-    """Return the valid vehicles by id, of two the one with the smaller age, and why others are dropped."""
+    """Return the valid vehicles by id, each body once, and why others are dropped.
+
+    A second body under the same id is named ``id#2``.
+    """
     valid: dict[str, RemoteVehicle] = {}
-    dropped = []
-    records: Iterable[object] = remotes if hasattr(remotes, "__iter__") else (remotes,)
-    for remote in records:
-        if not isinstance(remote, RemoteVehicle):
-            dropped.append((str(remote)[:20], "not a RemoteVehicle"))
+    dropped: list[tuple[str, str]] = []
+    for record in _each(remotes, dropped):
+        try:
+            remote = _plain(record)
+        except Exception as error:  # a class or number type of the caller's
+            dropped.append((_label(record), f"its {type(error).__name__} when read"))
             continue
-        reason = remote.invalid_reason
-        if reason is not None:
-            dropped.append((str(remote.id), reason))
-        elif remote.id not in valid or remote.age < valid[remote.id].age:
+        if isinstance(remote, str):
+            dropped.append((_label(record), remote))
+        elif remote.id not in valid:
             valid[remote.id] = remote
+        else:
+            _add_namesake(valid, remote, dropped)
     return valid, tuple(dropped)
+
+
+def _each(remotes: object, dropped: list[tuple[str, str]]) -> Iterator[object]:
+    """Yield the records; an iterable that fails is dropped from there on."""
+    if not isinstance(remotes, Iterable):
+        yield remotes
+        return
+    try:
+        yield from remotes
+    except Exception as error:  # an iterable of the caller's
+        dropped.append(("", f"{INCOMPLETE}: {type(error).__name__} when read; awareness range 0 m"))
+
+
+def _plain(record: object) -> RemoteVehicle | str:
+    """Return a record of plain numbers, or why there is none."""
+    if not isinstance(record, RemoteVehicle):
+        return "not a RemoteVehicle"
+    reason = record.invalid_reason
+    if reason is not None:
+        return reason
+    if type(record) is RemoteVehicle and _PLAIN_TYPES.issuperset(map(type, _VALUES(record))):
+        return record
+    # what classes of the caller's compute is read once
+    values = dict(zip(_FIELDS, _VALUES(record), strict=True))
+    height = [values.pop(name) for name in ("z", "sigma_z")]
+    z, sigma_z = map(float, height) if all(map(is_finite_number, height)) else (None, 0.0)
+    labels = {kind: values.pop(kind) for kind in ("id", "events", "source")}
+    plain = RemoteVehicle(
+        id=str(labels["id"]), events=frozenset(labels["events"]), source=str(labels["source"]), z=z,
+        sigma_z=sigma_z, **{name: float(value) for name, value in values.items()},
+    )  # fmt: skip
+    return plain.invalid_reason or plain
+
+
+def _add_namesake(
+    valid: dict[str, RemoteVehicle], remote: RemoteVehicle, dropped: list[tuple[str, str]]
+) -> None:
+    """Add a record whose id is taken: the same body counts once, as last measured; another body is added."""
+    names = [name for name in valid if name == remote.id or name.startswith(f"{remote.id}#")]
+    for name in names:
+        known = valid[name]
+        if float(box_gap(_body(known), _body(remote))) > 0.0:
+            continue
+        if remote.age < known.age:
+            valid[name] = replace(remote, id=name)
+        dropped.append((remote.id, "older record of a vehicle with the same id and place"))
+        return
+    number = len(names) + 1
+    while f"{remote.id}#{number}" in valid:
+        number += 1
+    valid[f"{remote.id}#{number}"] = replace(remote, id=f"{remote.id}#{number}")
+
+
+def _body(remote: RemoteVehicle) -> Boxes:
+    return boxes(remote.x, remote.y, remote.psi, remote.length, remote.width)
+
+
+def _label(record: object) -> str:
+    """Return what a dropped record is called."""
+    try:
+        return str(record.id if isinstance(record, RemoteVehicle) else record)[:20]
+    except Exception:  # a class of the caller's
+        return type(record).__name__
 
 
 def _foot_points(
     remotes: dict[str, RemoteVehicle], path: Path, last_s: dict[str, float]
 ) -> list[tuple[float, float, float, float]]:
     """Station, lateral offset, heading and curvature of the route at the foot point of each vehicle."""
+    for name in [name for name in remotes if "#" in name]:  # of one id: which is which may have changed
+        last_s.pop(name, None)
+        last_s.pop(name.rpartition("#")[0], None)
     new = [(remote.x, remote.y) for name, remote in remotes.items() if name not in last_s]
     first_guess = iter(path.project(new)[0].tolist() if new else ())
     guesses = [last_s[name] if name in last_s else next(first_guess) for name in remotes]

@@ -28,9 +28,12 @@ class Command:
         The path that is steered along.
     status : Status
         `Status.OK`; `DEGRADED` if the maneuver exceeds the comfort limits or is aborted; `INVALID_INPUT` if
-        time or state cannot be used. Following and braking are `OK`, even at full deceleration.
+        the state cannot be used. Following and braking are `OK`, even at full deceleration.
     dropped : tuple of (str, str)
-        Id and reason of remote vehicles that cannot be used.
+        Id and reason of remote vehicles that are not used.
+    input_faults : tuple of str
+        Other inputs of this cycle that are wrong, and what the planner assumes instead: time stamps that
+        repeat or step back, awareness ranges that are none, a radio that is not to be trusted.
     """
 
     delta: float
@@ -40,3 +43,4 @@ class Command:
     reference: Path
     status: Status
     dropped: tuple[tuple[str, str], ...] = ()
+    input_faults: tuple[str, ...] = ()

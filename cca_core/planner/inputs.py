@@ -1,18 +1,101 @@
 """Inputs of a planner and of a cycle: which of them can be used."""
 
 import math
-from numbers import Real
+from collections.abc import Iterable
 from types import NoneType
+from typing import Protocol
 
 from cca_core.errors import InputError
 from cca_core.follow import PreviewController, SpeedSettings
 from cca_core.path import Path, Road
 from cca_core.planner.settings import EvasionSettings
-from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED, VehicleParams, VehicleState
+from cca_core.vehicle import (
+    MAX_COORDINATE,
+    MAX_SPEED,
+    STALE_AGE,
+    RemoteVehicle,
+    VehicleParams,
+    VehicleState,
+    is_finite_number,
+)
 
-__all__ = ["check_arguments", "invalid_input_reason"]
+__all__ = [
+    "CycleClock",
+    "RadioHealth",
+    "check_arguments",
+    "invalid_input_reason",
+    "invalid_state_reason",
+    "usable_range",
+]
 
 _MAX_TIME = 1e12  # [s]; larger numbers have no resolution left for a cycle
+_ROUNDING = 1e-6  # of differences between times [s]
+_MAX_PERIOD = 0.1  # to which the limits of steering and jerk apply [s]; longer cycles count as this
+
+
+class RadioHealth(Protocol):
+    """Whether the list of other vehicles is complete; `Tracker.health` returns one.
+
+    Attributes
+    ----------
+    trusted : bool
+        Whether a vehicle that is not in the list is not there.
+    reason : str
+        Why not, for the driver and the log.
+    """
+
+    @property
+    def trusted(self) -> bool:
+        """Whether a vehicle that is not in the list is not there."""
+
+    @property
+    def reason(self) -> str:
+        """Why not."""
+
+
+class CycleClock:
+    """Period of each cycle: by the caller's time stamps, or the last one if a stamp cannot be used."""
+
+    def __init__(self) -> None:
+        self.t = -math.inf  # now: the stamps, as long as all can be used; never steps back [s]
+        self.period = 0.02  # last one by the stamps [s]
+        self.lost_time = 0.0  # time without a usable stamp [s]
+        self.now = math.nan  # on the caller's clock; NaN while that is being set back [s]
+        self._stamp = math.nan
+        self._assumed = 0.0  # time added since the last usable stamp [s]
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether there was no usable stamp for so long that the ages of other vehicles mean nothing."""
+        return self.lost_time > STALE_AGE + _ROUNDING
+
+    def advance(self, t: object) -> tuple[float, str]:
+        """Return the period of this cycle [s], and what is wrong with its time stamp; empty if nothing is."""
+        stamp, last = _as_time(t), self._stamp
+        if math.isnan(last) and not math.isnan(stamp):
+            self._stamp, self._assumed, self.lost_time, self.now = stamp, 0.0, 0.0, stamp
+            self.t = max(self.t, stamp)
+            return _MAX_PERIOD, ""
+        if stamp > last:
+            passed = stamp - last
+            period = max(passed - self._assumed, 1e-3)
+            if self._assumed == 0.0:
+                self.period = min(period, _MAX_PERIOD)
+            self._stamp, self._assumed, self.lost_time, self.now = stamp, 0.0, 0.0, stamp
+            self.t = stamp if self.t == last else self.t + period
+            fault = f"t jumped by {passed:.1f} s; counted as {_MAX_PERIOD:g} s" if passed > STALE_AGE else ""
+            return min(period, _MAX_PERIOD), fault
+        if stamp < last:
+            self._stamp, self._assumed, self.now = stamp, 0.0, math.nan
+            fault = f"t stepped back by {last - stamp:.3g} s"
+        else:
+            self._assumed += self.period
+            self.now = last + self._assumed
+            repeated = f"t repeats {stamp:.12g} s"
+            fault = repeated if stamp == last else f"t must be a time in seconds, was {_shown(t)}"
+        self.t = max(self.t, 0.0) + self.period
+        self.lost_time += self.period
+        return self.period, f"{fault}; continued with the last period ({self.period:.3g} s)"
 
 
 def check_arguments(
@@ -30,13 +113,59 @@ def check_arguments(
             raise InputError(f"{name} must be {kinds[0].__name__}, was {type(value).__name__}")
 
 
+def _as_time(t: object) -> float:
+    """Return a time stamp in seconds, NaN if it is none."""
+    try:
+        time = float(t) if is_finite_number(t) else math.nan  # type: ignore[arg-type]
+    except Exception:  # a number type of the caller's
+        return math.nan
+    return time if abs(time) < _MAX_TIME else math.nan
+
+
+def _shown(value: object) -> str:
+    try:
+        return str(value)[:20]
+    except Exception:  # an object of the caller's
+        return type(value).__name__
+
+
 def invalid_input_reason(t: object, last_t: float, state: object) -> str:
-    """Return why the arguments of a planner's step cannot be used; empty if they can."""
-    time = float(t) if isinstance(t, Real) and abs(t) < _MAX_TIME else math.nan  # type: ignore[operator]
-    if not time > last_t:
-        return f"t must be finite and increase, was {str(t)[:20]} after {last_t:g}"
+    """Return why time or state cannot be used by a planner that needs increasing times; empty if they can."""
+    if not _as_time(t) > last_t:
+        return f"t must be finite and increase, was {_shown(t)} after {last_t:g}"
+    return invalid_state_reason(last_t, state, math.inf)
+
+
+def invalid_state_reason(t: float, state: object, max_age: float) -> str:
+    """Return why the ego's state cannot be used at a time; empty if it can."""
     if not isinstance(state, VehicleState):
         return f"state must be a VehicleState, was {type(state).__name__}"
     if max(abs(state.x), abs(state.y)) > MAX_COORDINATE or state.v_x > MAX_SPEED:
         return "state must be that of a road vehicle (position in meters, speed in m/s)"
+    age = 0.0 if state.t is None else t - float(state.t)
+    if age > max_age + _ROUNDING:
+        return f"state is {age:.3g} s old (limit {max_age:g} s)"
+    if age < -max_age - _ROUNDING:
+        return f"state was measured {-age:.3g} s after t; both must come from one clock"
     return ""
+
+
+def usable_range(
+    awareness_range: object, radio: RadioHealth | None, remotes: object
+) -> tuple[float, tuple[str, ...]]:
+    """Return the awareness range of a cycle [m], and why it is 0 if it should not be."""
+    faults, value = [], 0.0
+    try:
+        value = float(awareness_range)  # type: ignore[arg-type]
+    except Exception:  # a number type of the caller's
+        value = math.nan
+    if isinstance(awareness_range, str) or not value >= 0.0:
+        faults.append(f"awareness_range must be at least 0 m, was {_shown(awareness_range)}; counted as 0 m")
+    if not isinstance(remotes, Iterable | RemoteVehicle):
+        faults.append(f"remotes must be an iterable, was {type(remotes).__name__}; awareness range 0 m")
+    try:
+        if radio is not None and not radio.trusted:
+            faults.append(f"other vehicles may be unknown: {radio.reason}; awareness range 0 m")
+    except Exception as error:  # an object of the caller's
+        faults.append(f"radio cannot be used ({type(error).__name__}); awareness range 0 m")
+    return 0.0 if faults else value, tuple(faults)

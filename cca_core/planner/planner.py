@@ -7,7 +7,7 @@ from importlib import import_module
 
 import numpy as np
 
-from cca_core._checks import check_real
+from cca_core._checks import Array, check_real
 from cca_core.decide import (
     Action,
     Conflict,
@@ -17,14 +17,20 @@ from cca_core.decide import (
 )
 from cca_core.errors import Status
 from cca_core.follow import PreviewController, SpeedSettings, profile_acceleration, squared_speed_limit
-from cca_core.frenet import FrenetEgo, FrenetVehicle, to_frenet
+from cca_core.frenet import INCOMPLETE, FrenetEgo, FrenetVehicle, to_frenet
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.abort import delay_return, return_deceleration, vehicle_alongside
 from cca_core.planner.actuation import limit_acceleration, requested_acceleration
 from cca_core.planner.blocking import blocking_vehicles, blocks_offset, excluding, vehicles_on_maneuver
 from cca_core.planner.candidates import Plans, maneuver_levels, plan_around_lead
 from cca_core.planner.command import Command
-from cca_core.planner.inputs import check_arguments, invalid_input_reason
+from cca_core.planner.inputs import (
+    CycleClock,
+    RadioHealth,
+    check_arguments,
+    invalid_state_reason,
+    usable_range,
+)
 from cca_core.planner.lead import find_lead, oncoming_assumed_in_lane
 from cca_core.planner.maneuver import Maneuver
 from cca_core.planner.replan import Outcome, replan
@@ -47,7 +53,7 @@ class Planner:
     road : Road or Path
         Route and lanes; a bare path is one lane of 3.5 m.
     cruise_speed : float
-        Target speed [m/s].
+        Target speed [m/s]. It can be set between two steps; the ego approaches it in comfort.
     evasion : EvasionSettings, optional
         How other vehicles are passed, followed and yielded to.
     speed : SpeedSettings, optional
@@ -74,23 +80,24 @@ class Planner:
         check_arguments(vehicle, road, evasion, speed, controller)
         self.vehicle = vehicle
         self.road = road if isinstance(road, Road) else Road(road)
-        self.cruise_speed = check_real("cruise_speed", cruise_speed, gt=0.0)
+        self._cruise_speed = check_real("cruise_speed", cruise_speed, gt=0.0)
         self.evasion = evasion or EvasionSettings()
         self.speed = speed or SpeedSettings()
         self._levels = maneuver_levels(self.evasion, vehicle)
         self._controller = controller or PreviewController(vehicle)
-        max_speed = min(self.cruise_speed, self.road.speed_limit)
-        curve_acceleration = self.evasion.actuation.curve_acceleration
-        self._speed_profile = squared_speed_limit(self.road.path, max_speed, curve_acceleration, self.speed)
+        self._speed_profile = self._profile(self._cruise_speed)
         # what is slow to import or to build exists before the first cycle
         interpolate_path([[0.0, 0.0], [1.0, 0.0]])
         import_module("scipy.interpolate")
         self.road.path.project(self.road.path.position(self.road.path.start))
         margin = self.evasion.clearance + self.evasion.decision.relevance_margin
         self._lateral_range = self.road.right_edge - margin, self.road.left_edge + margin
-        self._t = -math.inf
+        self._clock = CycleClock()
         self._s: float | None = None
+        self._v_x = 0.0
         self._command: Command | None = None
+        self._a_x = 0.0  # of the last cycle that was no safe stop
+        self._input_faults: tuple[str, ...] = ()
         self._last_s: dict[str, float] = {}
         self._awareness_range = math.inf
         self._known_events: frozenset[tuple[str, frozenset[str]]] = frozenset()
@@ -107,7 +114,32 @@ class Planner:
 
     def __repr__(self) -> str:
         action = self._decision.action.value
-        return f"Planner({self.road!r}, cruise_speed={self.cruise_speed:g}, {action} at t={self._t:g})"
+        return f"Planner({self.road!r}, cruise_speed={self.cruise_speed:g}, {action} at t={self._clock.t:g})"
+
+    @property
+    def cruise_speed(self) -> float:
+        """Target speed [m/s]; a speed that is not positive and finite raises `InputError`."""
+        return self._cruise_speed
+
+    @cruise_speed.setter
+    def cruise_speed(self, value: float) -> None:
+        value = check_real("cruise_speed", value, gt=0.0)
+        if value == self._cruise_speed:
+            return
+        self._cruise_speed = value
+        stations, target = self._profile(value)
+        if self._s is not None and self._v_x > value:  # slow down in comfort from here
+            b, v = self.speed.b_comfort, self._v_x
+            begin = self._s + 0.5 * v * b / self.speed.jerk  # while the deceleration builds up
+            ramp = v * v - 2.0 * b * (stations - begin)
+            target = np.minimum(self._profile(v)[1], np.maximum(target, ramp))
+        self._speed_profile = stations, target
+
+    def _profile(self, cruise: float) -> tuple[Array, Array]:
+        """Speed profile of the route for a cruise speed."""
+        max_speed = min(cruise, self.road.speed_limit)
+        curve_acceleration = self.evasion.actuation.curve_acceleration
+        return squared_speed_limit(self.road.path, max_speed, curve_acceleration, self.speed)
 
     @property
     def maneuver(self) -> Maneuver | None:
@@ -121,41 +153,49 @@ class Planner:
         remotes: Iterable[RemoteVehicle],
         *,
         awareness_range: float = math.inf,
+        radio: RadioHealth | None = None,
     ) -> Command:
         """Compute steering and acceleration for this cycle.
 
         Parameters
         ----------
         t : float
-            Time [s], increasing from call to call.
+            Time [s], increasing from call to call. After a stamp that is none, repeats or steps back the
+            planner goes on with its last period, for at most 1 s in a row.
         state : VehicleState
-            The ego's motion now.
+            The ego's motion now. If `state.t` is given, a state older than `DecisionSettings.max_state_age`
+            counts as lost.
         remotes : iterable of RemoteVehicle
             The other vehicles, dead-reckoned to `t`.
         awareness_range : float
             Awareness range in this cycle [m]; overrides the setting if smaller. Pass 0 while
             `Tracker.is_saturated`.
+        radio : RadioHealth, optional
+            `Tracker.health(t)`. While it is not to be trusted, the awareness range is 0 and the command says
+            why.
 
         Returns
         -------
         command : Command
             Steering, acceleration and their reason. It never raises and never holds NaN: invalid vehicles
-            are dropped with a reason; an invalid time or state leads to a safe stop with
-            `Status.INVALID_INPUT`.
+            are dropped with a reason; other wrong inputs are listed in `Command.input_faults`; an invalid
+            state leads to a safe stop with `Status.INVALID_INPUT`.
         """
-        reason = invalid_input_reason(t, self._t, state)
-        if reason:
-            return self._safe_stop(reason)
         try:
-            self._awareness_range = awareness_range if awareness_range >= 0.0 else 0.0
-            return self._cycle(float(t), state, remotes)
+            dt, fault = self._clock.advance(t)
+            self._awareness_range, faults = usable_range(awareness_range, radio, remotes)
+            self._input_faults = (*faults, fault) if fault else faults
+            reason = invalid_state_reason(self._clock.now, state, self.evasion.decision.max_state_age)
+            if not reason and self._clock.is_lost:
+                reason = f"no usable time for {self._clock.lost_time:.1f} s: {fault}"
+            if reason:
+                return self._safe_stop(reason)
+            return self._cycle(dt, state, remotes)
         except Exception as error:  # no input and no defect may leave the vehicle without a command
-            _LOG.exception("internal error at t = %s s", t)
+            _LOG.exception("internal error at t = %.2f s", self._clock.t)
             return self._safe_stop(f"internal error: {error!r}")
 
-    def _cycle(self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
-        dt = min(t - self._t, 0.1)
-        self._t = t
+    def _cycle(self, dt: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
         path = self.road.path
         s_guess = self._s if self._s is not None else float(path.project((state.x, state.y))[0])
         s, d, heading, _ = path.foot_point(state.x, state.y, s_guess)
@@ -164,19 +204,22 @@ class Planner:
             return self._safe_stop(f"ego {abs(d):.1f} m off the route (limit {max_distance:.1f} m)")
         if math.cos(state.psi - heading) < 0.0:
             return self._safe_stop(f"ego heading {state.psi:.2f} rad, route {heading:.2f} rad (degrees?)")
-        self._s = s
+        self._s, self._v_x = s, max(state.v_x, 0.0)
         v_target = math.sqrt(max(float(np.interp(s, *self._speed_profile)), 0.0))
         ego = FrenetEgo(
-            vehicle=self.vehicle, s=s + self.vehicle.box_offset, d=d, v_x=max(state.v_x, 0.0),
+            vehicle=self.vehicle, s=s + self.vehicle.box_offset, d=d, v_x=self._v_x,
             v_target=v_target, speed=self.speed,
         )  # fmt: skip
         vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range)
+        incomplete = [reason for _, reason in dropped if reason.startswith(INCOMPLETE)]
+        if incomplete:
+            self._awareness_range, self._input_faults = 0.0, (*self._input_faults, *incomplete)
         lead_settings = self.evasion.lead
         in_lane = oncoming_assumed_in_lane(vehicles, self.vehicle, self._was_on_route, lead_settings)
         blocking = blocking_vehicles(vehicles, ego, lead_settings, in_lane)
         self._end_maneuver(ego)
         lead = self._select_lead(blocking, ego)
-        if self._replan_due(t, vehicles):
+        if self._replan_due(self._clock.t, vehicles):
             self._conflict = find_yield_conflict(
                 ego, self.road, vehicles, self.evasion.crossing, self._conflict
             )
@@ -191,11 +234,12 @@ class Planner:
                 ego,
             )
         reference = path if self._maneuver is None else self._maneuver.reference
-        a_x = self._acceleration(ego, state.r, lead, vehicles, reference, dt)
+        self._a_x = float(self._acceleration(ego, state.r, lead, vehicles, reference, dt))
         delta = self._controller.steer(state, reference, dt, s_guess=s)
         return self._emit(Command(
-            delta=delta, a_x=float(a_x), decision=self._decision, reference=reference, status=self._status,
+            delta=delta, a_x=self._a_x, decision=self._decision, reference=reference, status=self._status,
             band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,
+            input_faults=self._input_faults,
         ))  # fmt: skip
 
     def _end_maneuver(self, ego: FrenetEgo) -> None:
@@ -306,19 +350,19 @@ class Planner:
             if vehicle_alongside(ego, self.road, vehicles, abort):
                 cruise = min(cruise, 0.0)
         requested = requested_acceleration(cruise, self._decision.action, lead, self.speed, self.evasion)
-        last = 0.0 if self._command is None else self._command.a_x
         return limit_acceleration(
-            requested, last, ego.v_x * yaw_rate, dt, lead, self.vehicle, self.speed, self.evasion,
+            requested, self._a_x, ego.v_x * yaw_rate, dt, lead, self.vehicle, self.speed, self.evasion,
             maneuvering=self._maneuver is not None,
         )  # fmt: skip
 
     def _safe_stop(self, reason: str) -> Command:
         """Hold the steering and brake."""
-        last = self._command
+        last, self._a_x = self._command, min(self._a_x, 0.0)  # the brakes are released as they were applied
         return self._emit(Command(
             delta=0.0 if last is None else last.delta, band=None, reference=self.road.path,
             a_x=-self.evasion.actuation.safe_stop_deceleration, status=Status.INVALID_INPUT,
             decision=Decision(action=Action.BRAKE, reason=f"safe stop: {reason}"),
+            input_faults=self._input_faults,
         ))  # fmt: skip
 
     def _emit(self, command: Command) -> Command:
@@ -326,5 +370,7 @@ class Planner:
         last, self._command = self._command, command
         new = command.decision
         if last is None or last.decision.action is not new.action or last.status is not command.status:
-            _LOG.debug("t = %.2f s: %s, %s (%s)", self._t, new.action.value, new.reason, command.status.name)
+            _LOG.debug(
+                "t = %.2f s: %s, %s (%s)", self._clock.t, new.action.value, new.reason, command.status.name
+            )
         return command

@@ -31,6 +31,8 @@ class DecisionSettings:
         Lateral offset above which the ego is off its route and makes a safe stop [m].
     relevance_margin : float
         Distance beyond the road edges and the clearance within which vehicles are relevant [m].
+    max_state_age : float
+        Age of the ego's state above which it counts as lost [s].
 
     Raises
     ------
@@ -43,6 +45,7 @@ class DecisionSettings:
     comfort_deceleration: float = 2.0
     max_route_distance: float = 15.0
     relevance_margin: float = 1.5
+    max_state_age: float = 0.1
 
     def __post_init__(self) -> None:
         check_fields(self)

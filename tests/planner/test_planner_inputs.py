@@ -78,13 +78,13 @@ remotes = st.builds(
     RemoteVehicle,
     id=st.sampled_from(["a", "b", "", "a" * 50]), x=wild, y=wild, psi=wild, v_x=wild, a_x=wild, r=wild,
     length=wild, width=wild, age=wild, sigma_along=wild, sigma_across=wild,
-    events=st.sampled_from([frozenset(), frozenset({"hard_braking"})]),
+    events=st.sampled_from([frozenset(), frozenset({"hard_braking"})]), z=st.none() | wild, sigma_z=wild,
 )  # fmt: skip
 tame = st.builds(
     RemoteVehicle,
     id=st.sampled_from("abcd"), x=st.floats(-100.0, 300.0), y=st.floats(-6.0, 6.0), psi=st.floats(-4.0, 4.0),
-    v_x=st.floats(-20.0, 100.0), a_x=st.floats(-12.0, 12.0), length=st.floats(1e-3, 40.0),
-    width=st.floats(1e-3, 5.0), age=st.floats(0.0, 30.0), sigma_along=st.floats(0.0, 50.0),
+    v_x=st.floats(-20.0, 100.0), a_x=st.floats(-12.0, 12.0), length=st.floats(1e-3, 400.0),
+    width=st.floats(1e-3, 20.0), age=st.floats(0.0, 30.0), sigma_along=st.floats(0.0, 50.0),
     sigma_across=st.floats(0.0, 50.0),
 )  # fmt: skip
 
@@ -162,21 +162,6 @@ class TestNeverRaises:
 
 
 class TestSafeStop:
-    @pytest.mark.parametrize("t", [math.nan, math.inf, 1.0, 0.5, -1.0])
-    def test_invalid_time_brakes_with_reason(self, t: float) -> None:
-        planner = make_planner()
-        planner.step(1.0, ego_state(), [])
-        command = planner.step(t, ego_state(), [])
-        assert command.status is Status.INVALID_INPUT
-        assert command.a_x < 0.0
-        assert "t must" in command.decision.reason
-
-    def test_valid_time_ends_safe_stop(self) -> None:
-        planner = make_planner()
-        planner.step(1.0, ego_state(), [])
-        planner.step(math.nan, ego_state(), [])
-        assert planner.step(1.02, ego_state(START + 0.4), []).status is Status.OK
-
     def test_ego_off_route_or_against_it_brakes(self) -> None:
         for bad in (ego_state(y=40.0), ego_state(psi=math.pi)):
             command = make_planner().step(0.0, bad, [])
@@ -228,23 +213,3 @@ def test_steering_rate_follows_time_between_steps(dt: float) -> None:
     assert planner.step(
         dt, ego_state(START + 10.0 * dt, v_x=10.0, y=-1.5), []
     ).delta - before == pytest.approx(CAR.delta_rate_max * dt)
-
-
-class TestDuplicateId:
-    def after(self, *others: RemoteVehicle) -> Command:
-        planner = make_planner(None)
-        command = planner.step(0.0, ego_state(), others)
-        for k in range(1, 20):
-            command = planner.step(CYCLE * k, ego_state(), others)
-        return command
-
-    def test_smaller_age_counts_in_any_order(self) -> None:
-        near, far = car(50.0, age=0.1), car(250.0, age=0.3)
-        assert same(self.after(near, far), self.after(near))
-        assert same(self.after(far, near), self.after(near))
-        old_near, young_far = car(50.0, age=0.3), car(250.0, age=0.1)
-        assert same(self.after(old_near, young_far), self.after(young_far))
-        assert not same(self.after(near), self.after(young_far))
-
-    def test_invalid_vehicle_with_smaller_age_is_dropped(self) -> None:
-        assert same(self.after(car(50.0, age=0.3), car(math.nan, age=0.0)), self.after(car(50.0, age=0.3)))

@@ -360,10 +360,16 @@ def test_invalid_vehicles_are_ignored(bad: dict[str, float]) -> None:
     assert FCW in found(STRAIGHT, 20.0, [replace(remote, **bad), remote])
 
 
-def test_smaller_age_of_two_counts() -> None:
-    old, young = other(STRAIGHT, 20.0, 0.0, 5.0, age=0.5), other(STRAIGHT, 200.0, 0.0, 5.0, age=0.1)
+def test_smaller_age_of_two_records_counts() -> None:
+    old, young = other(STRAIGHT, 20.0, 0.0, 5.0, age=0.5), other(STRAIGHT, 20.5, 0.0, 20.0, age=0.1)
     for remotes in ([old, young], [young, old]):
         assert found(STRAIGHT, 20.0, remotes) == {}
+
+
+def test_two_vehicles_under_one_id_both_count() -> None:
+    near, far = other(STRAIGHT, 20.0, 0.0, 5.0, age=0.5), other(STRAIGHT, 200.0, 0.0, 5.0, age=0.1)
+    for remotes in ([near, far], [far, near]):
+        assert found(STRAIGHT, 20.0, remotes) == found(STRAIGHT, 20.0, [near]) != {}
 
 
 def test_no_warning_without_vehicles() -> None:
