@@ -28,8 +28,8 @@ def check_real(
         if isinstance(value, (str, bytes)):  # float() accepts text, but the caller would keep the text
             raise TypeError
         number = float(value)  # type: ignore[arg-type]  # the value may be anything
-    except (TypeError, ValueError):
-        raise InputError(f"{name} must be a real number, was {value!r}") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} must be a real number, was {shown(value)}") from None
     if not (math.isfinite(number) or (allow_inf and not math.isnan(number))):
         raise InputError(f"{name} must be finite, was {number}")
     if number <= gt:
@@ -42,18 +42,39 @@ def check_real(
 
 def read_real(name: str, value: object, *, ge: float = -math.inf, le: float = math.inf) -> float:
     """Return `value` as `check_real` does; it may be written as text, as in a file."""
-    try:
-        value = float(value) if isinstance(value, str) else value
-    except ValueError:
-        raise InputError(f"{name} must be a real number, was {value!r}") from None
+    if isinstance(value, str):
+        number = parse_real(value)
+        if number is None:
+            raise InputError(f"{name} must be a real number, was {shown(value)}")
+        value = number
     return check_real(name, value, ge=ge, le=le)
+
+
+def parse_real(text: str) -> float | None:
+    """Return the number that a text in a file stands for; None if it is none."""
+    # float() also takes 1_0, digits of other scripts and texts of any length
+    if len(text) > 80 or not text.isascii() or "_" in text:
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def shown(value: object) -> str:
+    """Return a short text of any value for a message."""
+    try:
+        text = repr(value)
+    except Exception:  # such as ten thousand digits, lists in lists without end, foreign code
+        return f"a {type(value).__name__}"
+    return text if len(text) <= 80 else f"{text[:80]}..."
 
 
 def check_array(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
     """Return a float64 copy of `value` if it is finite and has `shape` (None: any length)."""
     try:
         array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError, RecursionError):
         raise InputError(f"{name} must be an array of real numbers, was {type(value).__name__}") from None
     fits = array.ndim == len(shape) and all(
         want is None or want == have for want, have in zip(shape, array.shape, strict=True)
@@ -71,8 +92,8 @@ def check_any(name: str, value: ArrayLike, ends_with: tuple[int, ...] = ()) -> A
     """Return `value` as finite float64 array of any shape that ends with the given lengths."""
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} must be an array of real numbers, was {value!r}") from None
+    except (TypeError, ValueError, OverflowError, RecursionError):
+        raise InputError(f"{name} must be an array of real numbers, was {shown(value)}") from None
     if array.shape[array.ndim - len(ends_with) :] != ends_with or array.ndim < len(ends_with):
         wanted = ", ".join(["...", *map(str, ends_with)])
         raise InputError(f"{name} must have shape ({wanted}), had {array.shape}")

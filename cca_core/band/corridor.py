@@ -120,7 +120,7 @@ def _stacked(obstacles: Sequence[Boxes], shape: tuple[int, ...]) -> Array:
     for i, o in enumerate(obstacles):
         try:
             x[i], y[i], psi[i], length[i], width[i] = o.x, o.y, o.psi, o.length, o.width
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError(
                 f"obstacles must have fields of real numbers with shape () or {shape}, was obstacle {i}"
             ) from None
@@ -166,7 +166,7 @@ def _edges(edges: tuple[ArrayLike, ArrayLike] | None, shape: tuple[int, ...]) ->
     for edge in pair:
         try:
             full.append(np.array(np.broadcast_to(np.asarray(edge, dtype=np.float64), shape)))
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError(
                 f"corridor must have edges of real numbers, one or one per node {shape}, "
                 f"had shape {np.shape(edge)}"

@@ -172,7 +172,7 @@ def _parts(
     for name, bound in (("lower", lower), ("upper", upper)):
         try:
             full = np.broadcast_to(np.asarray(bound, dtype=np.float64), at.shape)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError(f"{name} must have shape () or {at.shape}, had {np.shape(bound)}") from None
         if np.isnan(full).any():
             raise InputError(f"{name} must not be NaN")

@@ -164,7 +164,7 @@ def make_problem(
     try:
         limit = np.empty(shape)
         limit[...] = curvature_limit
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"curvature_limit must have shape () or {shape}") from None
     if not limit.min() > 0.0:
         raise InputError("curvature_limit must be greater than 0")
@@ -195,7 +195,7 @@ def _check_nodes(nodes: ArrayLike) -> Array:
     """Return finite nodes of shape (..., n, 2)."""
     try:
         checked = np.array(nodes, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"nodes must be an array of real numbers, was {type(nodes).__name__}") from None
     if checked.ndim < 2 or checked.shape[-1] != 2 or checked.shape[-2] < 5 or not checked.size:
         raise InputError(f"nodes must have shape (..., n, 2) with at least 5 nodes, had {checked.shape}")

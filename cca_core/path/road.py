@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 
-from cca_core._checks import check_real
+from cca_core._checks import check_real, shown
 from cca_core.errors import InputError
 from cca_core.path.path import Path
 
@@ -36,7 +36,7 @@ class Lane:
         check_real("d", self.d)
         check_real("width", self.width, gt=0.0)
         if self.direction not in (1, -1):
-            raise InputError(f"direction must be 1 or -1, was {self.direction!r}")
+            raise InputError(f"direction must be 1 or -1, was {shown(self.direction)}")
 
     @property
     def right(self) -> float:

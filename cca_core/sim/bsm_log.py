@@ -1,18 +1,20 @@
 """Recorded Basic Safety Messages with their times of arrival."""
 
 import csv
-import json
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
 
-from cca_core._checks import check_real, read_real
+from cca_core._checks import check_real, read_real, shown
+from cca_core._files import parse_json, read_bytes
 from cca_core.errors import InputError
 from cca_core.v2x import Bsm, decode_bsm, encode_bsm
 
 __all__ = ["read_bsm_log"]
 
+_MAX_BYTES = 200_000_000  # some two million messages
+_MAX_TIME = 1e12  # [s]
 _DATA_KEYS = "hex", "uper_hex", "data"
 
 
@@ -43,13 +45,13 @@ def read_bsm_log(
     Raises
     ------
     InputError
-        If the file cannot be read, holds no message, or holds a line that is none.
+        If the file cannot be read, has more than 200 MB, holds no message, or holds a line that is none.
     """
     start = check_real("start", start, ge=0.0)
     latency = check_real("latency", latency, ge=0.0)
     try:
-        text = FilePath(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        text = read_bytes(path, max_bytes=_MAX_BYTES, name="path").decode("utf-8")
+    except UnicodeDecodeError as error:
         raise InputError(f"path must be a readable text file, {path} was not: {error}") from None
     bsm_log: list[tuple[float, bytes]] = []
     t_measured, last_mark, first_recorded = start, None, None
@@ -91,21 +93,23 @@ def _entries(text: str) -> Iterator[tuple[float | None, str]]:
     if lines[0][0] in "[{":
         yield from map(_entry, _objects(text, lines))
     elif "," in lines[0] and any(name in lines[0].split(",") for name in _DATA_KEYS):
-        yield from map(_entry, csv.DictReader(lines))
+        try:
+            yield from map(_entry, csv.DictReader(lines))
+        except csv.Error as error:
+            raise InputError(f"path must hold a table, had: {error}") from None
     else:
         for line in lines:
-            *before, digits = line.replace(",", " ").split()
+            *before, digits = line.replace(",", " ").split() or [","]
             yield (None if not before else _number(before[0])), digits
 
 
 def _objects(text: str, lines: list[str]) -> Iterable[object]:
     try:
-        try:
-            whole = json.loads(text)
-        except json.JSONDecodeError:
-            return [json.loads(line) for line in lines]
-    except json.JSONDecodeError as error:
-        raise InputError(f"path must hold JSON, had: {error}") from None
+        whole = parse_json(text, "path")
+    except InputError:
+        if len(lines) == 1:
+            raise
+        return [parse_json(line, "path (a line in it)") for line in lines]
     if isinstance(whole, dict):
         whole = whole.get("samples", [whole])
     return whole if isinstance(whole, list) else [whole]
@@ -115,10 +119,10 @@ def _entry(record: object) -> tuple[float | None, str]:
     content = record if isinstance(record, dict) else {}
     digits = next((content[name] for name in _DATA_KEYS if name in content), None)
     if not isinstance(digits, str):
-        raise InputError(f"path must hold {', '.join(_DATA_KEYS)} in each record, had {str(record)[:60]}")
+        raise InputError(f"path must hold {', '.join(_DATA_KEYS)} in each record, had {shown(record)}")
     t = next((content[name] for name in ("t", "time", "t_received") if name in content), None)
     return (None if t is None else _number(t)), digits
 
 
 def _number(value: object) -> float:
-    return read_real("path (a time in it)", value)
+    return read_real("path (a time in it)", value, ge=-_MAX_TIME, le=_MAX_TIME)

@@ -1,14 +1,20 @@
 """Logs as files: arrays and JSON in one npz, without pickle."""
 
+import io
 import json
+import math
+import struct
+import tokenize
+import zlib
 from dataclasses import fields
 from pathlib import Path as FilePath
 from typing import Any
-from zipfile import BadZipFile
+from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile
 
 import numpy as np
 
-from cca_core._checks import Array, Mask
+from cca_core._checks import Array, Mask, shown
+from cca_core._files import parse_json
 from cca_core.errors import InputError
 from cca_core.serial import from_dict, to_dict
 from cca_core.sim.log import Log
@@ -17,6 +23,7 @@ from cca_core.sim.scenarios.scenario import Scenario
 __all__ = ["load_log", "save_log"]
 
 _VERSION = 2
+_MAX_BYTES = 1_000_000_000  # of the arrays: some 50 hours of driving
 _ARRAYS = tuple(field.name for field in fields(Log) if field.type in (Array, Mask))
 _VERSION_1 = {
     "place": "ego_frenet", "users": "road_users", "user_places": "user_frenet", "seen": "visible",
@@ -72,12 +79,11 @@ def load_log(path: str | FilePath) -> Log:
     Raises
     ------
     InputError
-        If the file is not a log of version 1 or 2.
+        If the file is not a log of version 1 or 2, or its arrays have more than 1 GB.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            content = {name: file[name] for name in file.files}
-        meta = json.loads(content.pop("meta").tobytes())
+        content = _read_arrays(path)
+        meta = parse_json(content.pop("meta").tobytes(), "meta")
         version = meta.pop("version", None)
         if version not in (1, _VERSION):
             raise InputError(f"path must be a log of version 1 or {_VERSION}, {path} was of {version!r}")
@@ -91,11 +97,61 @@ def load_log(path: str | FilePath) -> Log:
         )
         meta["scenario"] = from_dict(Scenario, meta["scenario"])
         meta |= {name: tuple(map(tuple, meta[name])) for name in ("decisions", "events")}
-        return Log(**content, **meta)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, BadZipFile) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"path must be a file written by save_log, {path} was not: {error}") from None
+        log = Log(**content, **meta)
+        _check_shapes(log)
+        return log
+    except InputError:
+        raise
+    except (
+        OSError, ValueError, KeyError, IndexError, TypeError, AttributeError, EOFError, BadZipFile, SyntaxError,
+        OverflowError, RuntimeError, MemoryError, zlib.error, struct.error, tokenize.TokenError,
+    ) as error:  # fmt: skip
+        raise InputError(f"path must be a file written by save_log, {shown(path)} was not: {error}") from None
+
+
+def _read_arrays(path: str | FilePath) -> dict[str, Any]:
+    """Return the arrays of an archive; none takes more memory than the archive says and may say."""
+    with ZipFile(path) as archive:
+        members = archive.infolist()
+        if sum(member.file_size for member in members) > _MAX_BYTES:
+            raise InputError(f"path must be a log of at most {_MAX_BYTES // 1_000_000} MB")
+        content = {}
+        for member in members:
+            if member.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
+                raise ValueError(f"{member.filename} is compressed in another way")
+            with archive.open(member) as stream:
+                content[member.filename.removesuffix(".npy")] = _array(stream.read(member.file_size))
+        return content
+
+
+def _array(data: bytes) -> Array:
+    """Return the array in the content of an npy file."""
+    stream = io.BytesIO(data)
+    version = np.lib.format.read_magic(stream)
+    if version not in ((1, 0), (2, 0)):
+        raise ValueError(f"an array has format {version}")
+    read_header = (
+        np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    )
+    shape, is_fortran, dtype = read_header(stream)
+    begin = stream.tell()
+    if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != len(data) - begin or dtype.hasobject:
+        raise ValueError(f"an array of {len(data) - begin} bytes says that it has shape {shape}")
+    flat = np.frombuffer(data, dtype, offset=begin) if begin < len(data) else np.empty(0, dtype)
+    array: Array = flat.reshape(shape, order="F" if is_fortran else "C").copy()
+    return array
+
+
+def _check_shapes(log: Log) -> None:
+    """Raise if the arrays of a log do not fit each other."""
+    n, users = len(log.t), len(log.scenario.road_users)
+    per_user = {"road_users": (4,), "user_motion": (2,), "user_frenet": (2,), "visible": (), "tracked": ()}
+    per_cycle = {"ego": (8,), "command": (2,), "ego_frenet": (2,)}
+    for name in _ARRAYS:
+        array = getattr(log, name)
+        inner = (users, *per_user[name]) if name in per_user else per_cycle.get(name, ())
+        if array.shape != (n, *inner) or array.dtype.kind not in "bf" or not n:
+            raise ValueError(f"{name} has shape {array.shape} and type {array.dtype}, t has {n} times")
 
 
 def _renamed(content: dict[str, Any]) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core import InputError, VehicleState
+from cca_core.sim.commonroad.drive import drive_commonroad
 from cca_core.sim.commonroad.read import CommonRoadScenario, read_commonroad
 from tests.support.commonroad_files import BOX, REGION, ROAD, document, goal, moving, problem, state, written
 
@@ -136,40 +137,175 @@ def test_goals_of_other_forms(tmp_path: Path) -> None:
         ('timeStepSize="0.1"', 'timeStepSize="-0.1"', "timeStepSize"),
         ('timeStepSize="0.1"', "", "timeStepSize"),
         ('timeStepSize="0.1"', 'timeStepSize="nan"', "timeStepSize"),
+        ('timeStepSize="0.1"', f'timeStepSize="{"1" * 400}"', "timeStepSize"),
+    ],
+)
+def test_error_names_attribute(tmp_path: Path, old: str, new: str, says: str) -> None:
+    assert old in GOOD
+    with pytest.raises(InputError, match=says):
+        read_commonroad(written(tmp_path, GOOD.replace(old, new)))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
         ('<successor ref="2"/>', '<successor ref="77"/>', "lanelet 1 refers to lanelet 77"),
         ('<adjacentLeft ref="3"', '<adjacentLeft ref="33"', "lanelet 1 refers to lanelet 33"),
         ('drivingDir="same"', 'drivingDir="up"', "drivingDir of adjacentLeft of lanelet 1"),
         ('<lanelet id="1">', "<lanelet>", "id of lanelet"),
         ('<lanelet id="2">', '<lanelet id="1">', "id must be unique, 1"),
         ("leftBound>", "upperBound>", "lanelet 1 must hold one leftBound, held 0"),
-        ("<point><x>50.0</x><y>1.75</y></point>", "", "rightBound of lanelet 1 must have 2 points"),
+        ("<point><x>50.0</x><y>1.75</y></point>", "", "lanelet 1: rightBound has 3 points, leftBound 2"),
         ("<x>50.0</x><y>1.75</y>", "<x>nan</x><y>1.75</y>", "x of leftBound of lanelet 1 must be finite"),
         ("<x>50.0</x><y>1.75</y>", "<x>1e9</x><y>1.75</y>", "x of leftBound of lanelet 1 must be at most"),
         ("<x>50.0</x><y>1.75</y>", "<x>50.0</x>", "leftBound of lanelet 1 must hold one y"),
         ("<x>50.0</x><y>1.75</y>", "<x>a</x><y>1.75</y>", "x of leftBound of lanelet 1 must be a real"),
         ("<rectangle><length>4.5", "<rectangle><length>-4.5", "length of rectangle of dynamicObstacle 31"),
-        ("<shape>", "<shape><circle/>", "shape of dynamicObstacle 31 must hold one"),
+        ("<shape>", "<shape><circle/>", "circle of dynamicObstacle 31 must hold one radius"),
         ("trajectory>", "occupancySet>", "dynamicObstacle 31 must hold one trajectory"),
-        ("<time><exact>6</exact>", "<time><exact>9</exact>", "time of the states of dynamicObstacle 31"),
+        ("<time><exact>6</exact>", "<time><exact>9</exact>", "31: states in order of time, 1 repeated"),
         ("<time><exact>6</exact>", "<time><exact>6.5</exact>", "time of state of dynamicObstacle 31"),
-        ("planningProblem", "wish", "commonRoad must hold a planningProblem"),
+        ("<time><exact>6</exact>", "<time/>", "time of state of dynamicObstacle 31"),
         ("goalState", "hope", "planningProblem 900 must hold a goalState"),
         ("<intervalEnd>100<", "<intervalEnd>10<", "intervalEnd of time of goalState"),
         ("<velocity><exact>15.0", "<velocity><exact>-15.0", "velocity of initialState"),
+        ("<velocity><exact>15.0</exact></velocity>", "", "velocity, held 0"),
     ],
 )  # fmt: skip
-def test_error_names_element(tmp_path: Path, old: str, new: str, says: str) -> None:
+def test_odd_element_is_named_and_rest_read(tmp_path: Path, old: str, new: str, says: str) -> None:
     assert old in GOOD
-    all_of_them = not old.startswith(("<", "draw", "driv")) or old.endswith("Bound>")
-    with pytest.raises(InputError) as caught:
-        read_commonroad(written(tmp_path, GOOD.replace(old, new, -1 if all_of_them else 1)))
-    assert says in str(caught.value)
+    everywhere = not old.startswith(("<", "draw", "driv")) or old.endswith("Bound>")
+    if old.startswith("<velocity><exact>15.0"):
+        text = GOOD[::-1].replace(old[::-1], new[::-1], 1)[::-1]  # that of the ego
+    else:
+        text = GOOD.replace(old, new, -1 if everywhere else 1)
+    scenario = read_commonroad(written(tmp_path, text))
+    named = [text for text in (*scenario.left_out, *scenario.changed) if says in text]
+    assert named
+    assert len(scenario.lanelets) >= (0 if everywhere else 5)
+    assert len(scenario.obstacles) + len(scenario.problems) >= 1
 
 
 def test_fewer_than_two_points(tmp_path: Path) -> None:
     text = document('<lanelet id="1"><leftBound/><rightBound/></lanelet>', problem(GOAL))
-    with pytest.raises(InputError, match="leftBound of lanelet 1 must have at least 2 points, had 0"):
-        read_commonroad(written(tmp_path, text))
+    (reason, *_) = read_commonroad(written(tmp_path, text)).left_out
+    assert "leftBound of lanelet 1 must have at least 2 points, had 0" in reason
+
+
+def test_map_without_a_planning_problem_is_read(tmp_path: Path) -> None:
+    scenario = read_commonroad(written(tmp_path, document(ROAD)))
+    assert (len(scenario.lanelets), scenario.obstacles, scenario.problems) == (6, (), ())
+    assert (scenario.left_out, scenario.changed) == ((), ())
+    with pytest.raises(InputError, match="must have a planning problem"):
+        drive_commonroad(scenario)
+    with pytest.raises(InputError, match="must hold lanelets, obstacles or planning problems"):
+        read_commonroad(written(tmp_path, document()))
+
+
+def test_ids_are_unique_in_each_kind_only(tmp_path: Path) -> None:
+    states = [state("state", k, 60.0 + k, 0.0, 10.0) for k in range(3)]
+    still = f'<staticObstacle id="1"><type>x</type>{BOX}{state("initialState", 0, 90.0, 9.0, 0.0)}</staticObstacle>'
+    text = document(ROAD, moving(1, states), moving(1, states), still, problem(GOAL).replace("900", "1"))
+    scenario = read_commonroad(written(tmp_path, text))
+    assert [obstacle.id for obstacle in scenario.obstacles] == ["1", "1 (2)", "1 (3)"]
+    assert (len(scenario.lanelets), scenario.problems[0].id) == (6, 1)
+    assert len(scenario.changed) == 2
+
+
+def test_obstacle_without_trajectory(tmp_path: Path) -> None:
+    """At standstill it stays; where a moving one goes is not known."""
+    parked, gone = (moving(i, [state("state", 0, 60.0, 0.0, v)]) for i, v in ((31, 0.0), (32, 9.0)))
+    bare = parked.replace("<trajectory></trajectory>", "").replace('"31"', '"33"')
+    occupied = parked.replace("trajectory>", "occupancySet>").replace('"31"', '"34"')
+    scenario = read_commonroad(written(tmp_path, document(ROAD, parked, gone, bare, occupied, problem(GOAL))))
+    assert [obstacle.id for obstacle in scenario.obstacles] == ["31", "33"]
+    now = scenario.obstacles[1].at(50.0)
+    assert now is not None
+    assert (now.x, now.v_x) == (60.0, 0.0)
+    assert ["32" in scenario.left_out[0], "34" in scenario.left_out[1]] == [True, True]
+    assert "occupancySet" in scenario.left_out[1]
+
+
+def test_uncertain_states_become_their_middle(tmp_path: Path) -> None:
+    def between(low: float, high: float) -> str:
+        return f"<intervalStart>{low}</intervalStart><intervalEnd>{high}</intervalEnd>"
+
+    region = (
+        "<rectangle><length>2</length><width>1</width><orientation>-1.9</orientation>"
+        "<center><x>60</x><y>1</y></center></rectangle>"
+    )
+    uncertain = (
+        f"<initialState><position>{region}</position><orientation>{between(0.1, 0.3)}</orientation>"
+        f"<time><exact>0</exact></time><velocity>{between(8.0, 9.0)}</velocity></initialState>"
+    )
+    first = state("initialState", 0, 60.0, 1.0, 8.5, 0.2)
+    sure = moving(31, [state("state", 0, 60.0, 1.0, 8.5, 0.2), state("state", 1, 61.0, 1.0, 8.5)])
+    ego = problem(GOAL).replace(state("initialState", 0, 10.0, 0.0, 15.0), uncertain.replace("60", "10"))
+    scenario = read_commonroad(written(tmp_path, document(ROAD, sure.replace(first, uncertain), ego)))
+    (car,) = scenario.obstacles
+    assert car.states[0].tolist() == pytest.approx([60.0, 1.0, 0.2, 8.5])
+    start = scenario.problems[0].state
+    assert (start.x, start.psi, start.v_x) == pytest.approx((10.0, 0.2, 8.5))
+    assert [text.split(":")[0] for text in scenario.changed] == ["dynamicObstacle 31", "planningProblem 900"]
+
+
+def test_slip_angle_at_standstill_is_left_out(tmp_path: Path) -> None:
+    slip = "</velocity><slipAngle><exact>3.0995</exact></slipAngle></initialState>"
+    text = document(ROAD, problem(GOAL, v=0.012).replace("</velocity></initialState>", slip))
+    scenario = read_commonroad(written(tmp_path, text))
+    assert scenario.problems[0].state.v_x == pytest.approx(0.012)
+    assert "slip angle" in scenario.changed[0]
+    text = document(ROAD, problem(GOAL, v=15.0).replace("</velocity></initialState>", slip))
+    assert "slipAngle" in read_commonroad(written(tmp_path, text)).left_out[0]
+
+
+def test_states_are_ordered_and_repeated_ones_dropped(tmp_path: Path) -> None:
+    steps = (0, 0, 2, 1, 1, 3)
+    car = moving(31, [state("state", k, 60.0 + 1.2 * k, 0.0, 12.0) for k in steps])
+    (obstacle,) = read_commonroad(written(tmp_path, document(ROAD, car, problem(GOAL)))).obstacles
+    np.testing.assert_allclose(obstacle.t, [0.0, 0.1, 0.2, 0.3])
+    np.testing.assert_allclose(obstacle.states[:, 0], [60.0, 61.2, 62.4, 63.6])
+
+
+def test_heading_and_speed_follow_from_the_motion(tmp_path: Path) -> None:
+    """Point masses tell no heading; some files tell no speed."""
+    states = [state("state", k, 60.0 + k, 2.0 * k, 0.0) for k in range(4)]
+    bare = moving(31, states)
+    for inner in ("<orientation><exact>0.0</exact></orientation>", "<velocity><exact>0.0</exact></velocity>"):
+        bare = bare.replace(inner, "")
+    (car,) = read_commonroad(written(tmp_path, document(ROAD, bare, problem(GOAL)))).obstacles
+    np.testing.assert_allclose(car.states[:, 2], math.atan2(2.0, 1.0))
+    np.testing.assert_allclose(car.states[:, 3], 10.0 * math.hypot(1.0, 2.0))
+
+
+def test_tapering_lanelet_is_read(tmp_path: Path) -> None:
+    points = [[(0.0, 0.0), (50.0, 1.75), (90.0, 1.75)], [(0.0, 0.0), (50.0, -1.75), (90.0, -1.75)]]
+    bounds = [
+        f"<{tag}>" + "".join(f"<point><x>{x}</x><y>{y}</y></point>" for x, y in line) + f"</{tag}>"
+        for tag, line in zip(("leftBound", "rightBound"), points, strict=True)
+    ]
+    taper = f'<lanelet id="9">{bounds[0]}{bounds[1]}</lanelet>'
+    flat = f'<lanelet id="10">{bounds[0]}{bounds[0].replace("left", "right")}</lanelet>'
+    scenario = read_commonroad(written(tmp_path, document(taper, flat, problem(GOAL))))
+    assert scenario.lanelets[9].width == 0.0
+    assert 10 not in scenario.lanelets
+    assert drive_commonroad(scenario).summary()["reached"]
+
+
+def test_several_shapes_become_one_box(tmp_path: Path) -> None:
+    trailer = (
+        "<rectangle><length>6</length><width>2.5</width><orientation>0</orientation>"
+        "<center><x>-5.25</x><y>0</y></center></rectangle></shape>"
+    )
+    car = moving(31, [state("state", k, 60.0 + k, 0.0, 10.0) for k in range(2)])
+    (body,) = read_commonroad(written(tmp_path, document(ROAD, car.replace("</shape>", trailer)))).obstacles
+    assert (body.length, body.width) == pytest.approx((10.5, 2.5))
+    assert body.states[0, 0] == pytest.approx(60.0 - 3.0)
+
+
+def test_unknown_kinds_of_obstacles_are_named(tmp_path: Path) -> None:
+    scenario = read_commonroad(written(tmp_path, document(ROAD, '<phantomObstacle id="7"/>')))
+    assert scenario.left_out == ("phantomObstacle 7: this kind is not read",)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
@@ -207,7 +343,8 @@ def read(data: bytes) -> CommonRoadScenario:
 
 def refused_or_read(data: bytes) -> None:
     with suppress(InputError):
-        assert read(data).problems
+        scenario = read(data)
+        assert scenario.lanelets or scenario.obstacles or scenario.problems
 
 
 @given(st.integers(0, len(GOOD) - 1))

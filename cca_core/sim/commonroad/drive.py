@@ -9,11 +9,11 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings, steady_steering
-from cca_core.geometry import box_gap, boxes
+from cca_core.geometry import box_gap, boxes, wrap_angle
 from cca_core.path import Road
 from cca_core.planner.planner import Planner
 from cca_core.sim.commonroad.goal_route import GoalSettings, cruise_speed, goal_road
-from cca_core.sim.commonroad.scenario import CommonRoadScenario, PlanningProblem
+from cca_core.sim.commonroad.scenario import CommonRoadScenario, PlanningProblem, RecordedObstacle
 from cca_core.sim.plants.build import PLANTS
 from cca_core.sim.plants.multi_body import MultiBodyPlant
 from cca_core.sim.plants.single_track import SingleTrackPlant
@@ -148,6 +148,9 @@ def drive_commonroad(
 
     Notes
     -----
+    An obstacle that lies on the ego at the start, with its heading and speed, is the ego's own recording. It
+    is left out, and named in ``dropped`` and ``scenario.left_out`` of the run.
+
     The planner knows the exact position and motion of each recorded obstacle now, not its future. Recorded
     cars do not react: they can run into an ego that is slower than the recorded one was.
 
@@ -159,6 +162,8 @@ def drive_commonroad(
     """
     if not isinstance(scenario, CommonRoadScenario):
         raise InputError(f"scenario must be a CommonRoadScenario, was {type(scenario).__name__}")
+    if not scenario.problems:
+        raise InputError(f"scenario must have a planning problem, has none{_reason(scenario)}")
     if problem not in range(len(scenario.problems)):
         raise InputError(f"problem must be 0 to {len(scenario.problems) - 1}, was {problem!r}")
     vehicle = vehicle or VehicleParams.bmw_320i()
@@ -169,6 +174,7 @@ def drive_commonroad(
     if toward is not None and toward not in scenario.lanelets:
         raise InputError(f"toward must be the id of a lanelet, was {toward!r}")
     task, speed, settings = scenario.problems[problem], speed or SpeedSettings(), settings or GoalSettings()
+    scenario = _without_own_recording(scenario, task, vehicle)
     road, goal, s_goal = goal_road(scenario, task, speed, settings, toward)
     cruise = cruise_speed(road.path, task, goal, s_goal, speed, settings)
     start = _at_center_of_gravity(task.state, vehicle)
@@ -176,6 +182,41 @@ def drive_commonroad(
     car = SingleTrackPlant(vehicle, start) if plant == "single_track" else MultiBodyPlant(start)
     planner = Planner(vehicle, road, cruise_speed=cruise, speed=speed)
     return _drive(scenario, task, planner, car)
+
+
+def _reason(scenario: CommonRoadScenario) -> str:
+    reasons = [text for text in scenario.left_out if text.startswith("planningProblem")]
+    return f": {reasons[0]}" if reasons else ""
+
+
+def _without_own_recording(
+    scenario: CommonRoadScenario, problem: PlanningProblem, vehicle: VehicleParams
+) -> CommonRoadScenario:
+    """Return the scenario without the recording of the ego itself."""
+    own = [obstacle for obstacle in scenario.obstacles if _is_own(obstacle, problem, vehicle, scenario.dt)]
+    if not own:
+        return scenario
+    named = tuple(f"{obstacle.id}: recording of planningProblem {problem.id} itself" for obstacle in own)
+    others = tuple(obstacle for obstacle in scenario.obstacles if obstacle not in own)
+    return replace(scenario, obstacles=others, left_out=(*scenario.left_out, *named))
+
+
+def _is_own(obstacle: RecordedObstacle, problem: PlanningProblem, vehicle: VehicleParams, dt: float) -> bool:
+    """Return whether an obstacle starts in the ego's body with the ego's motion: two cars cannot."""
+    state, t = problem.state, min(max(problem.t, float(obstacle.t[0])), float(obstacle.t[-1]))
+    body = obstacle.at(t)
+    if (
+        obstacle.static or body is None or abs(t - problem.t) > 2.0 * dt + 1e-9
+    ):  # recordings start a little later
+        return False
+    x, y = body.x - state.x, body.y - state.y
+    cos, sin = math.cos(state.psi), math.sin(state.psi)
+    along, across = cos * x + sin * y - state.v_x * (t - problem.t), cos * y - sin * x
+    return (
+        abs(along) < 0.5 * vehicle.length and abs(across) < 0.5 * vehicle.width
+        and abs(wrap_angle(body.psi - state.psi)) < 0.3
+        and abs(body.v_x - state.v_x) < max(1.0, 0.1 * state.v_x)
+    )  # fmt: skip
 
 
 def _drive(
@@ -189,7 +230,7 @@ def _drive(
     n = max(1, round((max(g.t[1] for g in problem.goals) - problem.t) / step) + 1)
     rows, gaps = np.empty((n, 12)), np.full((n, len(scenario.obstacles)), np.inf)
     decisions: list[tuple[float, str, str]] = []
-    dropped: set[str] = set()
+    dropped = set(scenario.left_out)
     s, t_goal = float(road.path.project((car.state.x, car.state.y))[0]), None
     for k in range(n):
         t, state = problem.t + k * step, car.state

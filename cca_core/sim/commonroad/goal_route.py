@@ -131,7 +131,7 @@ def _lanes(
 ) -> list[Lane]:
     """Return the ego lane and the lanes adjacent to all lanelets of the route, each with its minimum width."""
     if any(after.id not in lane.successors for lane, after in pairwise(route)):
-        return [Lane(d=0.0, width=min(lane.width for lane in route))]
+        return [Lane(d=0.0, width=max(min(lane.width for lane in route), 0.2))]
 
     def offsets(bounds: list[Array]) -> Array:
         s, d = path.project(np.vstack(bounds))

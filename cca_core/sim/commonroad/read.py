@@ -1,6 +1,9 @@
 """CommonRoad scenario files (XML, formats 2018b and 2020a), read with the standard library alone."""
 
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
 from pathlib import Path as FilePath
 from types import MappingProxyType
 from xml.etree.ElementTree import Element
@@ -9,28 +12,17 @@ import numpy as np
 
 from cca_core._checks import Array, read_real
 from cca_core.errors import InputError
-from cca_core.sim.commonroad._xml import (
-    check_known,
-    child,
-    exact,
-    frozen,
-    interval,
-    number,
-    parse,
-    points,
-    references,
-    whole,
-)
+from cca_core.geometry import arc_length
+from cca_core.sim.commonroad._xml import child, frozen, identity, interval, middle, parse, points, references
 from cca_core.sim.commonroad.lanelets import Lanelet
+from cca_core.sim.commonroad.obstacles import MAX_TIME_STEP, ROLES, read_obstacle, read_state
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, Goal, PlanningProblem, RecordedObstacle
+from cca_core.sim.commonroad.shapes import MAX_ANGLE, MIN_SIZE, corners
 from cca_core.vehicle import MAX_SPEED, VehicleState
 
 __all__ = ["read_commonroad"]
 
-_ROLES = {"staticObstacle": "static", "dynamicObstacle": "dynamic", "obstacle": None}
-_MAX_TIME_STEP = 1e6  # [-]
-_MAX_ANGLE = 100.0  # [rad]
-_MIN_SIZE = 1e-3  # of a shape [m]
+_MAX_STANDSTILL = 0.5  # below it a slip angle means nothing [m/s]
 
 
 def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
@@ -39,8 +31,8 @@ def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
     Parameters
     ----------
     file : str or pathlib.Path
-        XML file of format 2018b or 2020a, at most 50 MB, without a document type declaration (and so
-        without entities).
+        XML file of format 2018b or 2020a, at most 50 MB and 100 elements deep, without a document type declaration
+        (and so without entities).
 
     Returns
     -------
@@ -50,13 +42,16 @@ def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
     Raises
     ------
     InputError
-        If the file cannot be read or is not such a scenario; it names the element.
+        If the file cannot be read or is not such a scenario.
 
     Notes
     -----
     A position is read as the center of the body, which for the cars of this library is their center of
-    gravity. A round or polygonal obstacle becomes the box around it, a circular goal a polygon of 36
-    corners within it. Only one trajectory of exact states is read, no set of occupancies.
+    gravity. Obstacles of several shapes, round or polygonal ones become the box around them, a circular goal
+    a polygon of 36 corners within it. Of a region or an interval in a state the middle is taken.
+
+    An element that cannot be read is left out, such as an obstacle that moves without a trajectory; the rest
+    of the file is read. `CommonRoadScenario.left_out` and `changed` name all of these elements.
 
     References
     ----------
@@ -68,50 +63,191 @@ def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
         raise InputError(f"root element must be commonRoad, was {root.tag[:40]!r}")
     version = root.get("commonRoadVersion")
     if version not in ("2018b", "2020a"):
-        raise InputError(f"commonRoadVersion must be 2018b or 2020a, was {version!r}")
+        raise InputError(f"commonRoadVersion must be 2018b or 2020a, was {str(version)[:40]!r}")
     dt = read_real("timeStepSize of commonRoad", root.get("timeStepSize"), ge=1e-3, le=10.0)
-    bodies = [element for element in root if element.tag in _ROLES]
-    named = [*root.iterfind("lanelet"), *bodies, *root.iterfind("planningProblem")]
-    ids = [_id(element) for element in named]
-    if len(set(ids)) < len(ids):
-        raise InputError(f"id must be unique, {next(i for i in ids if ids.count(i) > 1)} is not")
-    lanelets = {lane.id: lane for lane in map(_lanelet, root.iterfind("lanelet"))}
-    for lane in lanelets.values():
-        adjacent = tuple(pair[0] for pair in (lane.on_left, lane.on_right) if pair is not None)
-        check_known((*lane.predecessors, *lane.successors, *adjacent), lanelets, f"lanelet {lane.id}")
-    problems = tuple(_problem(element, dt, lanelets) for element in root.iterfind("planningProblem"))
-    if not problems:
-        raise InputError("commonRoad must hold a planningProblem, held none")
-    return CommonRoadScenario(
-        name=root.get("benchmarkID", ""), dt=dt, lanelets=MappingProxyType(lanelets),
-        obstacles=tuple(_obstacle(element, dt) for element in bodies), problems=problems,
-    )  # fmt: skip
+    return _Reader(dt).read(root)
+
+
+class _Reader:
+    """Reads the elements of a scenario, and keeps what was left out or changed."""
+
+    def __init__(self, dt: float) -> None:
+        self._dt = dt
+        self._left_out: list[str] = []
+        self._changed: list[str] = []
+
+    def read(self, root: Element) -> CommonRoadScenario:
+        """Return what can be read."""
+        lanelets: dict[int, Lanelet] = {}
+        obstacles: dict[str, RecordedObstacle] = {}
+        problems: dict[int, PlanningProblem] = {}
+        for element in root.iterfind("lanelet"):
+            self._try(element, partial(self._add_lanelet, element, lanelets))
+        lanelets = {lane.id: self._with_known_neighbors(lane, lanelets) for lane in lanelets.values()}
+        for element in root:
+            if element.tag in ROLES:
+                self._try(element, partial(self._add_obstacle, element, obstacles))
+            elif element.tag == "planningProblem":
+                self._try(element, partial(self._add_problem, element, problems, lanelets))
+            elif element.tag.endswith("Obstacle"):
+                self._left_out.append(f"{_name(element)}: this kind is not read")
+        if not (lanelets or obstacles or problems):
+            reason = f": {self._left_out[0]}" if self._left_out else ""
+            raise InputError(
+                f"commonRoad must hold lanelets, obstacles or planning problems, held none{reason}"
+            )
+        return CommonRoadScenario(
+            name=root.get("benchmarkID", "")[:200], dt=self._dt, lanelets=MappingProxyType(lanelets),
+            obstacles=tuple(obstacles.values()), problems=tuple(problems.values()),
+            left_out=tuple(self._left_out), changed=tuple(self._changed),
+        )  # fmt: skip
+
+    def _try(self, element: Element, read: Callable[[], None]) -> None:
+        """Read an element, or name it and the reason why not."""
+        n = len(self._changed)
+        try:
+            read()
+        except InputError as error:
+            del self._changed[n:]
+            self._left_out.append(f"{_name(element)}: {error}")
+
+    def _add_lanelet(self, element: Element, lanelets: dict[int, Lanelet]) -> None:
+        lane = _lanelet(element, self._changed)
+        _check_new(lane.id, lanelets)
+        lanelets[lane.id] = lane
+
+    def _with_known_neighbors(self, lane: Lanelet, lanelets: Mapping[int, Lanelet]) -> Lanelet:
+        """Return a lanelet without its references to lanelets that are not in the file."""
+        sides = [pair for pair in (lane.on_left, lane.on_right) if pair is not None]
+        unknown = {*lane.predecessors, *lane.successors, *(pair[0] for pair in sides)} - lanelets.keys()
+        if not unknown:
+            return lane
+        self._left_out += [
+            f"lanelet {lane.id}: refers to lanelet {id_}, which is not read" for id_ in sorted(unknown)
+        ]
+        return replace(
+            lane,
+            predecessors=tuple(i for i in lane.predecessors if i not in unknown),
+            successors=tuple(i for i in lane.successors if i not in unknown),
+            on_left=None if lane.on_left is None or lane.on_left[0] in unknown else lane.on_left,
+            on_right=None if lane.on_right is None or lane.on_right[0] in unknown else lane.on_right,
+        )
+
+    def _add_obstacle(self, element: Element, obstacles: dict[str, RecordedObstacle]) -> None:
+        id_ = plain = (element.get("id") or "").strip()[:40] or "unnamed"
+        number = 1
+        while id_ in obstacles:
+            number += 1
+            id_ = f"{plain} ({number})"
+        obstacles[id_] = read_obstacle(element, _name(element), id_, self._dt, self._changed)
+        if number > 1:
+            self._changed.append(f"{_name(element)}: its id was taken, and is {id_!r} now")
+
+    def _add_problem(
+        self, element: Element, problems: dict[int, PlanningProblem], lanelets: Mapping[int, Lanelet]
+    ) -> None:
+        problem = self._problem(element, lanelets)
+        _check_new(problem.id, problems)
+        problems[problem.id] = problem
+
+    def _problem(self, element: Element, lanelets: Mapping[int, Lanelet]) -> PlanningProblem:
+        name, id_ = _name(element), _id(element)
+        start = child(element, "initialState", name)
+        where = f"initialState of {name}"
+        step, x, y, psi, v, is_uncertain = read_state(start, where)
+        for tag, value in (("orientation", psi), ("velocity", v)):
+            if math.isnan(value):
+                raise InputError(f"{where} must hold one {tag}, held 0")
+        if v < 0.0:
+            raise InputError(f"velocity of {where} must be at least 0, was {v:g}")
+        beta, r = (
+            middle(start, tag, where, limit) for tag, limit in (("slipAngle", MAX_ANGLE), ("yawRate", 10.0))
+        )
+        if abs(beta) > 1.5:
+            if v > _MAX_STANDSTILL:
+                raise InputError(f"slipAngle of {where} must be at most 1.5, was {beta:g}")
+            beta = 0.0
+            self._changed.append(f"{name}: slip angle at standstill left out")
+        if is_uncertain:
+            self._changed.append(f"{name}: uncertain state, the middle was taken")
+        goals: list[Goal] = []
+        for goal in element.iterfind("goalState"):
+            self._try(element, partial(self._add_goal, goal, f"goalState of {name}", lanelets, goals))
+        if not goals:
+            raise InputError(f"{name} must hold a goalState, held none that can be read")
+        beta, r = (0.0 if math.isnan(value) else value for value in (beta, r))
+        state = VehicleState(x=x, y=y, psi=psi, v_x=v * math.cos(beta), v_y=v * math.sin(beta), r=r)
+        return PlanningProblem(id=id_, t=step * self._dt, state=state, goals=tuple(goals))
+
+    def _add_goal(
+        self, element: Element, name: str, lanelets: Mapping[int, Lanelet], goals: list[Goal]
+    ) -> None:
+        first, last = interval(element, "time", name, 0.0, MAX_TIME_STEP)
+        v_x, psi = (
+            None if element.find(tag) is None else interval(element, tag, name, -limit, limit)
+            for tag, limit in (("velocity", MAX_SPEED), ("orientation", MAX_ANGLE))
+        )
+        regions: list[Array] = []
+        ids: tuple[int, ...] = ()
+        if element.find("position") is not None:
+            position = child(element, "position", name)
+            named = references(position, "lanelet", name)
+            ids = tuple(i for i in named if i in lanelets)
+            self._left_out += [
+                f"{name}: refers to lanelet {i}, which is not read" for i in named if i not in lanelets
+            ]
+            regions = [lanelets[i].outline for i in ids]
+            regions += [corners(shape, name) for shape in position if shape.tag != "lanelet"]
+            if not regions:
+                raise InputError(f"position of {name} must hold a shape or a known lanelet, held none")
+        times = first * self._dt, last * self._dt
+        goals.append(Goal(t=times, regions=tuple(map(frozen, regions)), lanelets=ids, v_x=v_x, psi=psi))
+
+
+def _check_new(id_: int, known: Mapping[int, object]) -> None:
+    if id_ in known:
+        raise InputError(f"id must be unique, {id_} is not; the first one was taken")
 
 
 def _id(element: Element) -> int:
-    return whole(f"id of {element.tag}", element.get("id"))
+    return identity(f"id of {element.tag}", element.get("id"))
 
 
 def _name(element: Element) -> str:
-    return f"{element.tag} {element.get('id')}"
+    return f"{element.tag[:40]} {str(element.get('id'))[:40]}"
 
 
-def _lanelet(element: Element) -> Lanelet:
+def _lanelet(element: Element, changed: list[str]) -> Lanelet:
     name = _name(element)
     left, right = (
         points(child(element, tag, name), f"{tag} of {name}") for tag in ("leftBound", "rightBound")
     )
     if len(left) != len(right):
-        raise InputError(f"rightBound of {name} must have {len(left)} points as leftBound, had {len(right)}")
+        changed.append(
+            f"{name}: rightBound has {len(right)} points, leftBound {len(left)}; both got the same number"
+        )
+        left, right = _resampled(left, right)
     lane = Lanelet(
         id=_id(element), left=left, right=right,
         predecessors=references(element, "predecessor", name),
         successors=references(element, "successor", name),
         on_left=_adjacent(element, "adjacentLeft", name), on_right=_adjacent(element, "adjacentRight", name),
     )  # fmt: skip
-    if not (lane.width >= _MIN_SIZE and lane.length >= _MIN_SIZE):
+    # a tapering lanelet has no width at one end
+    if not (np.hypot(*(left - right).T).max() >= MIN_SIZE and lane.length >= MIN_SIZE):
         raise InputError(f"leftBound and rightBound of {name} must be apart and have a length")
     return lane
+
+
+def _resampled(left: Array, right: Array) -> tuple[Array, Array]:
+    """Return two boundaries with points at the same fractions of their lengths."""
+    along = [arc_length(line) / max(float(arc_length(line)[-1]), MIN_SIZE) for line in (left, right)]
+    fractions = np.unique(np.concatenate(along))
+    lines = [
+        frozen(np.column_stack([np.interp(fractions, s, line[:, i]) for i in (0, 1)]))
+        for s, line in zip(along, (left, right), strict=True)
+    ]
+    return lines[0], lines[1]
 
 
 def _adjacent(element: Element, tag: str, name: str) -> tuple[int, int] | None:
@@ -120,136 +256,5 @@ def _adjacent(element: Element, tag: str, name: str) -> tuple[int, int] | None:
     found = child(element, tag, name)
     driving = found.get("drivingDir", "")
     if driving not in ("same", "opposite"):
-        raise InputError(f"drivingDir of {tag} of {name} must be 'same' or 'opposite', was {driving!r}")
-    return whole(f"ref of {tag} of {name}", found.get("ref")), 1 if driving == "same" else -1
-
-
-def _obstacle(element: Element, dt: float) -> RecordedObstacle:
-    name = _name(element)
-    role = _ROLES[element.tag] or (child(element, "role", name).text or "").strip()
-    if role not in ("static", "dynamic"):
-        raise InputError(f"role of {name} must be 'static' or 'dynamic', was {role!r}")
-    recorded = [child(element, "initialState", name)]
-    if role == "dynamic":
-        recorded += child(element, "trajectory", name).findall("state")
-    states = np.array([_state(e, f"{e.tag} of {name}", is_static=role == "static") for e in recorded])
-    step, x, y, psi, v_x = states.T
-    if not (np.diff(step) > 0.0).all():
-        raise InputError(f"time of the states of {name} must increase")
-    psi = np.unwrap(psi)
-    center, turn, length, width = _box(child(element, "shape", name), name)
-    x = x + np.cos(psi) * center[0] - np.sin(psi) * center[1]
-    y = y + np.sin(psi) * center[0] + np.cos(psi) * center[1]
-    return RecordedObstacle(
-        id=str(_id(element)), kind=(element.findtext("type") or "").strip(), length=length, width=width,
-        t=frozen(step * dt), states=frozen(np.column_stack((x, y, psi + turn, v_x))),
-        static=role == "static",
-    )  # fmt: skip
-
-
-def _state(
-    element: Element, name: str, *, is_static: bool = False
-) -> tuple[float, float, float, float, float]:
-    """Time step [-], x, y [m], psi [rad], v_x [m/s]; a static obstacle needs no velocity."""
-    step = whole(f"time of {name}", child(child(element, "time", name), "exact", f"time of {name}").text)
-    if step > _MAX_TIME_STEP:
-        raise InputError(f"time of {name} must be at most {_MAX_TIME_STEP:g}, was {step}")
-    point = child(child(element, "position", name), "point", f"position of {name}")
-    x, y = (number(point, axis, f"position of {name}") for axis in ("x", "y"))
-    psi = exact(element, "orientation", name, _MAX_ANGLE)
-    resting = is_static and element.find("velocity") is None
-    return step, x, y, psi, 0.0 if resting else exact(element, "velocity", name, MAX_SPEED)
-
-
-def _box(shape: Element, name: str) -> tuple[tuple[float, float], float, float, float]:
-    """Center, heading, length and width of the box around a shape, in the obstacle's own frame."""
-    form = _only(shape, f"shape of {name}")
-    where = f"{form.tag} of {name}"
-    if form.tag == "rectangle":
-        return _rectangle(form, where)
-    if form.tag == "circle":
-        size = 2.0 * number(form, "radius", where, ge=_MIN_SIZE)
-        return _center(form, where), 0.0, size, size
-    if form.tag == "polygon":
-        corners = points(form, where, 3)
-        (x, y), (length, width) = 0.5 * (corners.min(0) + corners.max(0)), np.ptp(corners, axis=0)
-        if min(length, width) < _MIN_SIZE:
-            raise InputError(f"{where} must enclose an area")
-        return (float(x), float(y)), 0.0, float(length), float(width)
-    raise InputError(f"shape of {name} must be a rectangle, circle or polygon, was {form.tag!r}")
-
-
-def _only(element: Element, name: str) -> Element:
-    if len(element) != 1:
-        raise InputError(f"{name} must hold one element, held {len(element)}")
-    return element[0]
-
-
-def _rectangle(form: Element, name: str) -> tuple[tuple[float, float], float, float, float]:
-    psi = 0.0
-    if form.find("orientation") is not None:
-        psi = number(form, "orientation", name, ge=-_MAX_ANGLE, le=_MAX_ANGLE)
-    length, width = (number(form, tag, name, ge=_MIN_SIZE) for tag in ("length", "width"))
-    return _center(form, name), psi, length, width
-
-
-def _center(form: Element, name: str) -> tuple[float, float]:
-    if form.find("center") is None:
-        return 0.0, 0.0
-    center = child(form, "center", name)
-    return number(center, "x", f"center of {name}"), number(center, "y", f"center of {name}")
-
-
-def _problem(element: Element, dt: float, lanelets: dict[int, Lanelet]) -> PlanningProblem:
-    name = _name(element)
-    start = child(element, "initialState", name)
-    where = f"initialState of {name}"
-    step, x, y, psi, v = _state(start, where)
-    beta = exact(start, "slipAngle", where, 1.5) if start.find("slipAngle") is not None else 0.0
-    r = exact(start, "yawRate", where, 10.0) if start.find("yawRate") is not None else 0.0
-    if v < 0.0:
-        raise InputError(f"velocity of {where} must be at least 0, was {v:g}")
-    goals = tuple(_goal(goal, f"goalState of {name}", dt, lanelets) for goal in element.iterfind("goalState"))
-    if not goals:
-        raise InputError(f"{name} must hold a goalState, held none")
-    state = VehicleState(x=x, y=y, psi=psi, v_x=v * math.cos(beta), v_y=v * math.sin(beta), r=r)
-    return PlanningProblem(id=_id(element), t=step * dt, state=state, goals=goals)
-
-
-def _goal(element: Element, name: str, dt: float, lanelets: dict[int, Lanelet]) -> Goal:
-    first, last = interval(element, "time", name, 0.0, _MAX_TIME_STEP)
-    v_x, psi = (
-        None if element.find(tag) is None else interval(element, tag, name, -limit, limit)
-        for tag, limit in (("velocity", MAX_SPEED), ("orientation", _MAX_ANGLE))
-    )
-    regions: list[Array] = []
-    ids: tuple[int, ...] = ()
-    if element.find("position") is not None:
-        position = child(element, "position", name)
-        ids = references(position, "lanelet", name)
-        check_known(ids, lanelets, name)
-        regions = [lanelets[i].outline for i in ids]
-        regions += [_region(shape, name) for shape in position if shape.tag != "lanelet"]
-        if not regions:
-            raise InputError(f"position of {name} must hold a shape or a lanelet, held nothing")
-    return Goal(
-        t=(first * dt, last * dt), regions=tuple(map(frozen, regions)), lanelets=ids, v_x=v_x, psi=psi
-    )
-
-
-def _region(form: Element, name: str) -> Array:
-    """Polygon [m] of a shape, shape (n, 2)."""
-    where = f"{form.tag} of {name}"
-    if form.tag == "rectangle":
-        center, psi, length, width = _rectangle(form, where)
-        ahead, left = 0.5 * length * np.exp(1j * psi), 0.5j * width * np.exp(1j * psi)
-        corners = np.array((ahead + left, left - ahead, -ahead - left, ahead - left))
-    elif form.tag == "circle":
-        center = _center(form, where)
-        radius = number(form, "radius", where, ge=_MIN_SIZE)
-        corners = radius * np.exp(2j * np.pi * np.arange(36) / 36)
-    elif form.tag == "polygon":
-        return points(form, where, 3)
-    else:
-        raise InputError(f"position of {name} must hold shapes or lanelets, held {form.tag!r}")
-    return np.column_stack((corners.real, corners.imag)) + center
+        raise InputError(f"drivingDir of {tag} of {name} must be 'same' or 'opposite', was {driving[:40]!r}")
+    return identity(f"ref of {tag} of {name}", found.get("ref")), 1 if driving == "same" else -1

@@ -132,7 +132,10 @@ class CommonRoadScenario:
     obstacles : tuple of RecordedObstacle
         All other vehicles and obstacles.
     problems : tuple of PlanningProblem
-        Planning problems, at least one.
+        Planning problems; a map may have none.
+    left_out, changed : tuple of str
+        Elements of the file that were left out, or read otherwise than they stand there, each with the
+        reason.
     """
 
     name: str
@@ -140,3 +143,5 @@ class CommonRoadScenario:
     lanelets: Mapping[int, Lanelet]
     obstacles: tuple[RecordedObstacle, ...]
     problems: tuple[PlanningProblem, ...]
+    left_out: tuple[str, ...] = ()
+    changed: tuple[str, ...] = ()

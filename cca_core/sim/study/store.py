@@ -7,9 +7,17 @@ from pathlib import Path as FilePath
 from types import MappingProxyType, TracebackType
 from typing import Any, Self
 
+from cca_core._checks import shown
+from cca_core._files import parse_json
 from cca_core.errors import InputError
 
 __all__ = ["Store"]
+
+_MAX_BYTES = 1_000_000_000  # of all rows
+_TABLES = (
+    "CREATE TABLE meta (fingerprint text not null)",
+    "CREATE TABLE rows (key primary key, row text not null)",
+)
 
 
 class Store:
@@ -27,8 +35,8 @@ class Store:
             except BaseException:
                 self._connection.close()
                 raise
-        except (sqlite3.Error, ValueError, TypeError, RecursionError) as error:
-            raise InputError(f"path must be a file of rows, or new; {path} was not: {error}") from None
+        except (sqlite3.Error, ValueError, TypeError, RecursionError, OverflowError, MemoryError) as error:
+            raise InputError(f"path must be a file of rows, or new; {shown(path)} was not: {error}") from None
         if found != fingerprint:
             self._connection.close()
             raise InputError(
@@ -39,19 +47,26 @@ class Store:
     def _open(self, fingerprint: str) -> tuple[str, dict[int | str, dict[str, Any]]]:
         """Return the fingerprint and the rows in the file, which is made if it is new."""
         run = self._connection.execute
+        run("pragma trusted_schema = off")
         run("pragma locking_mode = exclusive")  # a second process is refused
         run("begin exclusive")
         if not run("select count(*) from sqlite_master").fetchone()[0]:
-            run("create table meta (fingerprint text not null)")
-            run("create table rows (key primary key, row text not null)")
+            for table in _TABLES:
+                run(table)
             run("insert into meta values (?)", (fingerprint,))
         run("commit")
         broken = run("pragma quick_check").fetchone()[0]
         if broken != "ok":
             raise ValueError(broken)
+        # a view would be computed, without end
+        if {text for (text,) in run("select sql from sqlite_master where sql is not null")} != set(_TABLES):
+            raise ValueError("it has other tables")
+        size = run("select sum(length(row)) from rows").fetchone()[0] or 0
+        if size > _MAX_BYTES:
+            raise ValueError(f"its rows have {size} bytes, more than {_MAX_BYTES}")
         (found,) = run("select fingerprint from meta").fetchone()
         stored = run("select key, row from rows order by rowid").fetchall()
-        return found, {key: {**json.loads(text)} for key, text in stored}
+        return found, {key: {**parse_json(text, "row")} for key, text in stored}
 
     @property
     def rows(self) -> Mapping[int | str, dict[str, Any]]:
