@@ -40,7 +40,7 @@ class _Epoch:
         self, time: str | None = None, number: int = 0, midnight: float = 0.0, before: float = -math.inf
     ) -> None:
         self.time, self._number, self.midnight = time, number, midnight
-        self._place: tuple[float, float] | None = None
+        self._position: tuple[float, float] | None = None
         self._z = math.nan
         self._is_void = False
         clock = to_number(time)
@@ -59,7 +59,7 @@ class _Epoch:
         """Take a sentence."""
         if kind == "RMC":
             self._is_void |= fields[2].upper() != "A"
-            place = fields[3:7]
+            pair = fields[3:7]
             day = fields[9]
             if len(day) == 6 and day.isascii() and day.isdigit():
                 year = int(day[4:]) + (2000 if int(day[4:]) < 80 else 1900)
@@ -70,16 +70,16 @@ class _Epoch:
                 self.midnight = date.timestamp()
         else:
             self._is_void |= fields[6].strip() in ("", "0")
-            place = fields[2:6]
+            pair = fields[2:6]
             self._z = to_number(fields[9])
-        lat, lon = _degrees(place[0], place[1], "NS"), _degrees(place[2], place[3], "EW")
-        if self._place is None and math.isfinite(lat + lon):
-            self._place = lat, lon
+        lat, lon = _degrees(pair[0], pair[1], "NS"), _degrees(pair[2], pair[3], "EW")
+        if self._position is None and math.isfinite(lat + lon):
+            self._position = lat, lon
 
     def close(self, fixes: Fixes) -> None:
         """Add the position, or a row without one."""
         if self.time is not None:
-            lat, lon = (None, None) if self._is_void or self._place is None else self._place
+            lat, lon = (None, None) if self._is_void or self._position is None else self._position
             fixes.add(lat, lon, self._z, self.t, self._number)
 
 

@@ -1,12 +1,21 @@
 """Lanes along a path."""
 
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path as FilePath
+from typing import Any, Self
 
-from cca_core._checks import check_real, shown
+import numpy as np
+
+from cca_core._checks import Array, check_real, shown
 from cca_core.errors import InputError
+from cca_core.path.clean import clean_route
+from cca_core.path.fit import fit_path
+from cca_core.path.local_frame import LocalFrame
 from cca_core.path.path import Path
+from cca_core.path.waypoints import Waypoints, read_waypoints
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,6 +99,79 @@ class Road:
         if ego_lane is None or ego_lane.direction != 1:
             raise InputError("lanes must contain the route (d = 0) in a lane of direction 1")
         self.ego_lane = ego_lane
+        self.frame: LocalFrame | None = None
+
+    @classmethod
+    def from_file(
+        cls,
+        file: str | FilePath,
+        lanes: Sequence[Lane] | None = None,
+        speed_limit: float = 36.0,
+        stop_lines: Sequence[float] = (),
+        *,
+        part: int | None = None,
+        max_gap: float = 100.0,
+        origin: tuple[float, float] | None = None,
+        skip_invalid: bool = True,
+        **fit: Any,
+    ) -> Self:
+        """Make a road along the route in a file.
+
+        Parameters
+        ----------
+        file : str or pathlib.Path
+            GPX, KML, GeoJSON, NMEA or table, as for `read_waypoints`.
+        lanes : sequence of Lane, optional
+            As for `Road`.
+        speed_limit : float
+            As for `Road` [m/s].
+        stop_lines : sequence of float
+            As for `Road` [m].
+        part : int, optional
+            Index of the only part (track, segment, line) of the file that is used [-]; by default all of them,
+            in file order.
+        max_gap : float
+            Largest distance between two parts that are joined [m].
+        origin : tuple of float, optional
+            Origin of the local frame, as for `Waypoints.to_local`.
+        skip_invalid : bool
+            As for `read_waypoints`.
+        **fit : Any
+            Further arguments of `fit_path`, such as ``tolerance``.
+
+        Returns
+        -------
+        road : Road
+            The cleaned and fitted route. Its ``frame`` is the local frame of a file with latitude and
+            longitude.
+
+        Raises
+        ------
+        InputError
+            If the file is refused by `read_waypoints`, its parts are too far apart, or an argument is out of
+            range.
+        InfeasibleError
+            If no path fits the waypoints within the limits given to `fit_path`.
+
+        Warns
+        -----
+        UserWarning
+            If parts were joined.
+        """
+        points = read_waypoints(file, skip_invalid=skip_invalid)
+        xy = points.to_local(origin)
+        rows = _rows_of(points, xy, part, check_real("max_gap", max_gap, gt=0.0), FilePath(file).name)
+        route = clean_route(xy[rows])
+        if len(route.parts) > 1:
+            raise InputError(
+                f"file {FilePath(file).name!r} must have no gap within a part, had {len(route.report.gaps)}, after "
+                f"the points {(rows.start + route.report.gaps[:5]).tolist()} of the part"
+            )
+        road = cls(fit_path(route.parts[0], **fit), lanes, speed_limit, stop_lines)
+        if not len(points.xy):
+            lat0, lon0 = (points.lat[0], points.lon[0]) if origin is None else origin
+            road.frame = LocalFrame(lat0, lon0)
+        return road
 
     def __repr__(self) -> str:
         return f"Road({self.path!r}, {len(self.lanes)} lanes, {self.speed_limit:g} m/s)"
@@ -122,3 +204,27 @@ class Road:
             The lane that contains `d`; None off the road.
         """
         return next((lane for lane in self.lanes if lane.right <= d <= lane.left), None)
+
+
+def _rows_of(points: Waypoints, xy: Array, part: int | None, max_gap: float, name: str) -> slice:
+    """Return the rows of one part, or of all if they can be joined."""
+    starts = [*points.parts.tolist(), len(xy)]
+    n = len(starts) - 1
+    if part is not None:
+        if part not in range(n):
+            raise InputError(f"part must be 0 to {n - 1} for file {name!r}, was {shown(part)}")
+        if starts[part + 1] - starts[part] < 2:
+            raise InputError(f"part {part} of file {name!r} must have at least two points, had 1")
+        return slice(starts[part], starts[part + 1])
+    inner = np.array(starts[1:-1], dtype=np.intp)
+    gaps = np.hypot(*(xy[inner] - xy[inner - 1]).T)
+    if gaps.max(initial=0.0) > max_gap:
+        far = int(np.argmax(gaps > max_gap))
+        raise InputError(
+            f"file {name!r} has {n} parts; those before and after point {inner[far]} must be at most {max_gap:g} m "
+            f"apart, were {gaps[far]:.0f} m; give part=, or a larger max_gap="
+        )
+    if n > 1:
+        text = f"file {name!r} has {n} parts, which were joined over gaps of up to {gaps.max():.0f} m"
+        warnings.warn(text, stacklevel=3)
+    return slice(0, len(xy))

@@ -92,9 +92,9 @@ def _read_rows(rows: Any, columns: dict[str, int], *, decimal_comma: bool) -> Fi
         return row[column].replace(",", ".") if decimal_comma else row[column]
 
     for row in rows:
-        if not row or not any(row):
+        if not row:
             continue
         has_fix = not to_number(cell(row, status)) < 0.0  # of ROS: -1 without a fix
-        place = (cell(row, first), cell(row, second)) if has_fix else (None, None)
-        fixes.add(*place, cell(row, z), cell(row, t), rows.line_num)
+        pair = (cell(row, first), cell(row, second)) if has_fix else (None, None)
+        fixes.add(*pair, cell(row, z), cell(row, t), rows.line_num)
     return fixes

@@ -79,13 +79,13 @@ class _Kml(_TextTarget):
         self.lines, self.points = Fixes(), Fixes()
         self._owner = ""
         self._times: list[str] = []
-        self._places: list[list[str]] = []
+        self._positions: list[list[str]] = []
 
     def start(self, tag: str, attributes: dict[str, str], /) -> None:
         super().start(tag, attributes)
         name = tag.rpartition("}")[2]
         if name in ("LineString", "Track", "Point", "LinearRing"):
-            self._owner, self._times, self._places = name, [], []
+            self._owner, self._times, self._positions = name, [], []
         elif name in _KML_VALUES and self._owner:
             self._text = []
 
@@ -96,9 +96,9 @@ class _Kml(_TextTarget):
             if name == "when":
                 self._times.append(text)
             elif name == "coord":
-                self._places.append(text.split())
+                self._positions.append(text.split())
             else:
-                self._places += [place.split(",") for place in text.split()]
+                self._positions += [position.split(",") for position in text.split()]
         elif name == self._owner:
             self._keep(self.points if name == "Point" else self.lines)
             self._owner = ""
@@ -110,7 +110,7 @@ class _Kml(_TextTarget):
             return
         if self._owner != "Point":
             fixes.begin_part()
-        times = self._times if len(self._times) == len(self._places) else [""] * len(self._places)
-        for place, t in zip(self._places, times, strict=True):
-            lon, lat, z = (*place, "", "", "")[:3]
+        times = self._times if len(self._times) == len(self._positions) else [""] * len(self._positions)
+        for position, t in zip(self._positions, times, strict=True):
+            lon, lat, z = (*position, "", "", "")[:3]
             fixes.add(lat, lon, z, t)

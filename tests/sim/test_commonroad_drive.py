@@ -106,14 +106,55 @@ def test_stop_behind_obstacle_spanning_road(tmp_path: Path) -> None:
 
 
 def test_what_the_planner_cannot_use_is_told(tmp_path: Path) -> None:
-    wide = BOX.replace("<width>1.8", "<width>6")
+    wide = BOX.replace("<width>1.8", "<width>25")
     wall = (
         f'<staticObstacle id="40"><type>x</type>{wide}{state("initialState", 0, 90.0, 40.0, 0.0)}'
         "</staticObstacle>"
     )
     run = drive_commonroad(scenario_of(tmp_path, wall, problem(goal((10, 10)))))
     assert len(run.dropped) == 1
-    assert run.dropped[0].startswith("40: size")
+    assert run.dropped[0].startswith("40: ")
+
+
+OWN = {"x": 10.0, "y": 0.0, "v": 15.0, "psi": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("change", "own"),
+    [
+        pytest.param({}, True, id="equal"),
+        pytest.param({"x": 8.6}, True, id="rear axle"),
+        pytest.param({"psi": 0.05, "v": 15.4, "y": 0.2}, True, id="noise"),
+        pytest.param({"first": 1, "x": 11.5}, True, id="one step later"),
+        pytest.param({"y": 3.5}, False, id="adjacent lane"),
+        pytest.param({"x": 30.0}, False, id="ahead"),
+        pytest.param({"psi": math.pi}, False, id="oncoming"),
+        pytest.param({"v": 5.0}, False, id="slower"),
+    ],
+)
+@pytest.mark.parametrize("name", [8, 900])
+def test_own_recording_is_left_out(tmp_path: Path, change: dict[str, float], own: bool, name: int) -> None:
+    at = {**OWN, "first": 0, **change}
+    states = [
+        state(
+            "state",
+            int(at["first"]) + k,
+            at["x"] + 0.1 * at["v"] * k * math.cos(at["psi"]),
+            at["y"],
+            at["v"],
+            at["psi"],
+        )
+        for k in range(100)
+    ]
+    scenario = scenario_of(tmp_path, moving(name, states), problem(goal((80, 100), REGION.format(y=0.0))))
+    run = drive_commonroad(scenario)
+    named = [text for text in run.dropped if text.startswith(f"{name}: recording of planningProblem 900")]
+    assert bool(named) == own
+    assert len(run.scenario.obstacles) == (0 if own else 1)
+    assert len(scenario.obstacles) == 1
+    if own:
+        assert run.summary()["reached"]
+        assert run.summary()["min_gap_m"] is None
 
 
 def test_arguments_are_checked(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ MAX_TIME_STEP = 1e6  # [-]
 
 
 class BodyState(NamedTuple):
-    """Time step [-], place [m], heading [rad] and speed [m/s]; NaN where not given."""
+    """Time step [-], position [m], heading [rad] and speed [m/s]; NaN where not given."""
 
     step: float
     x: float

@@ -55,14 +55,14 @@ def corners(form: Element, name: str) -> Array:
 
 
 def position(element: Element, name: str) -> tuple[float, float, bool]:
-    """Return the place in a state [m], and whether it is the middle of a region."""
-    place, where = child(element, "position", name), f"position of {name}"
-    if place.find("point") is not None:
-        point = child(place, "point", where)
+    """Return the position in a state [m], and whether it is the middle of a region."""
+    outer, where = child(element, "position", name), f"position of {name}"
+    if outer.find("point") is not None:
+        point = child(outer, "point", where)
         return number(point, "x", where), number(point, "y", where), False
-    if not len(place):
+    if not len(outer):
         raise InputError(f"{where} must hold a point or shapes, held nothing")
-    extent = np.vstack([_extent(form, where) for form in place])
+    extent = np.vstack([_extent(form, where) for form in outer])
     x, y = (0.5 * (extent.min(axis=0) + extent.max(axis=0))).tolist()
     return x, y, True
 
