@@ -2,6 +2,7 @@
 
 from cca_core.v2x.bsm import BrakeStatus, Bsm, PositionalAccuracy, decode_bsm, encode_bsm
 from cca_core.v2x.channel import Channel, ChannelSettings, ReceivedMessage
+from cca_core.v2x.health import TrackerHealth
 from cca_core.v2x.motion import Fix, PositionErrorModel, dead_reckon, position_bounds
 from cca_core.v2x.plausibility import PLAUSIBILITY_CHECKS, PlausibilitySettings
 from cca_core.v2x.sender import Sender, SenderSettings
@@ -25,6 +26,7 @@ __all__ = [
     "Sender",
     "SenderSettings",
     "Tracker",
+    "TrackerHealth",
     "TrackerSettings",
     "UpdateResult",
     "dead_reckon",

@@ -5,19 +5,22 @@ import math
 import numpy as np
 
 from cca_core.geometry import wrap_angle
+from cca_core.v2x._reported_motion import ReportedMotion
 from cca_core.v2x.motion import Fix, dead_reckon, position_bounds, predicted_displacement
 from cca_core.v2x.tracker_settings import TrackerSettings
 from cca_core.vehicle import STALE_AGE, RemoteVehicle, VehicleState
 
 _NOWHERE = 1e12  # coordinate of an unused row [m]
+_MAX_BODIES = 3  # bodies under one id
 
 
 class Track:
     """State of one sender: motion of its last message, position of the last accepted one."""
 
     __slots__ = (
-        "accuracy", "driven", "events", "first_reported", "fix", "id", "length", "msg_count", "ref",
-        "rejected", "reported", "row", "speed", "t_first", "t_position", "timed", "width",
+        "accuracy", "driven", "events", "first_reported", "fix", "height", "id", "length", "motion",
+        "msg_count", "ref", "rejected", "reported", "rivals", "row", "speed", "t_first", "t_position",
+        "timed", "width", "with_ego",
     )  # fmt: skip
 
     def __init__(
@@ -30,15 +33,22 @@ class Track:
         msg_count: int,
         timed: bool,
         accuracy: float,
+        height: float | None,
+        motion: ReportedMotion,
     ) -> None:
         self.id, self.fix, self.length, self.width, self.events = id, fix, length, width, events
         self.msg_count, self.timed, self.accuracy = msg_count, timed, accuracy
+        self.height, self.motion = height, motion
         self.t_first = fix.t  # time of its first message [s]
         # positions [m]: last accepted as reported, first reported, estimate by all messages
         self.reported = self.first_reported = self.ref = (fix.x, fix.y)
         # time and speed of the last accepted position, distance driven since
         self.t_position, self.speed, self.driven = fix.t, fix.v, 0.0
         self.rejected: Track | None = None  # last message with a rejected position
+        # last messages of bodies elsewhere under the same id, with the number of messages that agree
+        self.rivals: list[tuple[Track, int]] = []
+        # time of the last message compared with the ego, and how many in succession fit the ego itself
+        self.with_ego = -math.inf, 0
         self.row = -1
 
     def coast(self, message: "Track") -> None:
@@ -63,7 +73,8 @@ class Track:
         last = self.fix.t
         ahead = (count - self.msg_count) % 128
         if timed and self.timed:
-            if measured > last:
+            # some devices repeat the time stamp of a position in their next messages
+            if measured > last or (measured == last and 0 < ahead < 64):
                 return ""
             return "duplicate" if measured == last and ahead == 0 else "out_of_order"
         if t - last > 6.0:  # [s], half a turn of the message count at 10 Hz: its order means nothing
@@ -71,6 +82,28 @@ class Track:
         if ahead == 0:
             return "duplicate"
         return "out_of_order" if ahead >= 64 or (timed and measured <= last) else ""
+
+    def moves_with(self, ego: VehicleState, vehicle: RemoteVehicle) -> bool:
+        """Return whether the sender seems to be the ego itself, whose messages are heard back."""
+        # another body cannot be there; a queue at standstill proves nothing, so the ego must have moved
+        x, y = vehicle.x - ego.x, vehicle.y - ego.y
+        if abs(x) + abs(y) > 10.0:  # [m]
+            self.with_ego = -math.inf, 0
+            return False
+        cos, sin = math.cos(ego.psi), math.sin(ego.psi)
+        fits = (
+            abs(x * cos + y * sin) <= 2.0 + 0.05 * ego.v_x  # [m], antenna, center of the body, time stamps
+            and abs(y * cos - x * sin) <= 0.9  # [m], half a body
+            and abs(wrap_angle(vehicle.psi - ego.psi)) < 0.2
+            and abs(vehicle.v_x - ego.v_x) < 1.0
+        )
+        t, n = self.with_ego
+        if not fits:
+            n = 0
+        elif t != self.fix.t and ego.v_x > 2.0:
+            n += 1
+        self.with_ego = self.fix.t, n
+        return n >= 5
 
     def vehicle(self, t: float, name: str, settings: TrackerSettings) -> RemoteVehicle:
         """Return the vehicle dead-reckoned to a time [s], under a name."""
@@ -90,11 +123,13 @@ class Track:
             more = position_bounds(rejected.fix.v, max(t - rejected.fix.t, 0.0), model=model)
             along = max(along, abs(far_x * cos + far_y * sin) + more[0])
             across = max(across, abs(far_y * cos - far_x * sin) + more[1])
+        if v == 0.0 and t - fix.t <= STALE_AGE:  # stopped if it braked as reported: the bounds need to know
+            a = fix.a
         return RemoteVehicle(
             id=name, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, age=age, length=self.length, width=self.width,
             sigma_along=min(math.hypot(0.5 * along, shared), 1e3),
             sigma_across=min(math.hypot(0.5 * across, shared), 1e3),
-            events=self.events,
+            events=self.events, z=self.height, sigma_z=settings.sigma_height,
         )  # fmt: skip
 
 
@@ -117,6 +152,11 @@ def is_expired(
     return distance - bound - extent - closing > max(stopping, settings.min_stopping_distance)
 
 
+def _keys(id: str) -> list[str]:
+    """Ids of the bodies under one id."""
+    return [id, *(f"{id}#{i}" for i in range(2, _MAX_BODIES + 1))]
+
+
 class Tracks:
     """Tracks of at most `max_tracks` senders."""
 
@@ -131,7 +171,8 @@ class Tracks:
         self._form = np.zeros((2, size, 4))
         self._form[..., 3] = _NOWHERE
         self._half = np.zeros((2, size))
-        self._t_first = np.full(size, math.inf)
+        self._t_first, self._t_last = np.full(size, math.inf), np.full(size, math.inf)
+        self._separated: set[str] = set()  # ids with several bodies
 
     @property
     def is_full(self) -> bool:
@@ -145,18 +186,35 @@ class Tracks:
         self.by_id[track.id] = track
         self.write(track)
 
+    def bodies(self, id: str) -> list[Track]:
+        """Return the tracks of a sender: more than one if several bodies use its id."""
+        if id not in self._separated:
+            return [self.by_id[id]] if id in self.by_id else []
+        found = [self.by_id[key] for key in _keys(id) if key in self.by_id]
+        if [track.id for track in found] in ([], [id]):
+            self._separated.discard(id)
+        return found
+
+    def free_key(self, id: str) -> str | None:
+        """Return the id of a further body under an id; None if there are enough."""
+        key = next((key for key in _keys(id) if key not in self.by_id), None)
+        if key is not None:
+            self._separated.add(id)
+        return key
+
     def remove(self, track: Track) -> None:
         """Delete a track."""
         del self.by_id[track.id]
         self._track[track.row] = None
         self._xy[:, track.row] = _NOWHERE
         self._form[:, track.row] = 0.0, 0.0, 0.0, _NOWHERE
+        self._t_last[track.row] = math.inf
         self._free.append(track.row)
 
     def advance(self, track: Track, new: Track) -> None:
         """Replace a track by its next state, under the id of that."""
         new.row, new.t_first, new.first_reported = track.row, track.t_first, track.first_reported
-        new.rejected = None
+        new.rejected, new.rivals, new.with_ego = None, track.rivals, track.with_ego
         if new.id != track.id:
             del self.by_id[track.id]
         self.by_id[new.id] = new
@@ -170,9 +228,11 @@ class Tracks:
         self._xy[:, row] = x, y
         self._form[0, row] = cos, sin, -v, v * t - x * cos - y * sin
         self._form[1, row] = -sin, cos, 0.0, x * sin - y * cos
-        length = max(track.length, self._plausibility.min_overlap_length)
-        self._half[:, row] = 0.5 * length, 0.5 * max(track.width, self._plausibility.min_overlap_width)
-        self._t_first[row] = track.t_first
+        limits = self._plausibility
+        length = min(max(track.length, limits.min_overlap_length), limits.max_overlap_length)
+        width = min(max(track.width, limits.min_overlap_width), limits.max_overlap_width)
+        self._half[:, row] = 0.5 * length, 0.5 * width
+        self._t_first[row], self._t_last[row] = track.t_first, t
 
     def find_overlapping(self, fix: Fix, t_first: float, itself: Track | None) -> Track | None:
         """Return an older track, not stale, whose body contains a position."""
@@ -184,6 +244,11 @@ class Tracks:
             if track.t_first < t_first and fix.t - track.fix.t <= STALE_AGE:
                 return track
         return None
+
+    def stale(self, t: float) -> list[Track]:
+        """Return the stale tracks."""
+        rows = np.flatnonzero(t - self._t_last > STALE_AGE).tolist()
+        return [track for row in rows if (track := self._track[row]) is not None]
 
     def find_evictable(self, ego: tuple[float, float], fix: Fix, settings: TrackerSettings) -> Track | None:
         """Return the farthest tentative or distant track if it is farther from the ego than a new sender."""

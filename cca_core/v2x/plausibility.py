@@ -56,9 +56,9 @@ class PlausibilitySettings:
     clock_error : float
         Largest lead of a sender's clock [s].
     max_length, max_width, min_size : float
-        Limits of a body [m].
-    min_overlap_length, min_overlap_width : float
-        Least size of a body in the check `overlap`, whatever the sender reports [m].
+        Limits of a body [m]; the largest is what a message can report.
+    min_overlap_length, min_overlap_width, max_overlap_length, max_overlap_width : float
+        Limits of a body in the check `overlap`, whatever the sender reports [m].
     position_tolerance : float
         Error of a position against earlier ones [m].
     time_tolerance : float
@@ -91,11 +91,13 @@ class PlausibilitySettings:
     overlap: bool = True
     age_limit: float = 1.0
     clock_error: float = 0.2
-    max_length: float = 26.0
-    max_width: float = 4.0
+    max_length: float = 40.95
+    max_width: float = 10.23
     min_size: float = 0.3
     min_overlap_length: float = 1.5
     min_overlap_width: float = 0.8
+    max_overlap_length: float = 26.0
+    max_overlap_width: float = 4.0
     position_tolerance: float = 6.0
     time_tolerance: float = 0.35
     speed_tolerance: float = 1.0
@@ -141,22 +143,28 @@ def implausible_motion(
     reported: tuple[float, float],
     driven: float,
     fix: Fix,
+    elapsed: float = 0.0,
 ) -> tuple[str, tuple[float, float]]:
     """Return the name of the check that a message fails against earlier ones, and the new reference."""
     # ref: position at `last` by all messages; reported: last accepted position as reported; driven: distance
-    # from that to `last` by the reported speeds [m]
+    # from that to `last` by the reported speeds [m]; elapsed: least time between the messages [s], if their
+    # positions have one time stamp
     dt = fix.t - last.t
+    changed_in = max(dt, elapsed)
     turn = wrap_angle(fix.psi - last.psi)
     mean, s = last.psi + 0.5 * turn, 0.5 * (last.v + fix.v) * dt
     x, y = ref[0] + s * math.cos(mean), ref[1] + s * math.sin(mean)
     speed_change = abs(fix.v - last.v)
-    if settings.acceleration and speed_change > settings.speed_tolerance + settings.max_acceleration * dt:
+    if (
+        settings.acceleration
+        and speed_change > settings.speed_tolerance + settings.max_acceleration * changed_in
+    ):
         return "acceleration", (x, y)
     slowest = max(min(abs(last.v), abs(fix.v)), 0.1)
     if (
         settings.yaw
         and slowest > settings.min_turning_speed
-        and abs(turn) > settings.heading_tolerance + settings.max_acceleration / slowest * dt
+        and abs(turn) > settings.heading_tolerance + settings.max_acceleration / slowest * changed_in
     ):
         return "yaw", (x, y)
     driven += abs(s)

@@ -1,28 +1,19 @@
 """Tracker: messages in, dead-reckoned vehicles out, with one track for each sender."""
 
-import math
 from collections import Counter, deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.path.local_frame import LocalFrame
-from cca_core.v2x._projection import projector
-from cca_core.v2x._tracks import Track, Tracks, is_expired
+from cca_core.v2x._intake import Intake
+from cca_core.v2x._tracks import is_expired
 from cca_core.v2x.bsm import Bsm, decode_frame
-from cca_core.v2x.motion import Fix
-from cca_core.v2x.plausibility import POSITION_CHECKS, implausible_motion, implausible_state
+from cca_core.v2x.health import MessageRates, TrackerHealth, health_of
 from cca_core.v2x.tracker_settings import TrackerSettings
-from cca_core.v2x.update_result import ACCEPTED_KINDS, UpdateResult
+from cca_core.v2x.update_result import ACCEPTED_KINDS, UNCOUNTED_KINDS, UpdateResult
 from cca_core.v2x.wrappers import unwrap_message
-from cca_core.vehicle import (
-    MAX_COORDINATE,
-    MAX_SPEED,
-    STALE_AGE,
-    STANDSTILL_SPEED,
-    RemoteVehicle,
-    VehicleState,
-)
+from cca_core.vehicle import STALE_AGE, RemoteVehicle, VehicleState
 
 __all__ = ["Tracker"]
 
@@ -38,11 +29,17 @@ class Tracker:
         Frame of the vehicles.
     settings : TrackerSettings, optional
         When tracks are confirmed, evicted, readmitted and deleted.
+    own_ids : iterable of str
+        Temporary identities of the ego: its own messages are ignored.
+    height : float, optional
+        Height above the ellipsoid at z = 0 of the frame [m]. Without it the heights of vehicles are unknown.
 
     Attributes
     ----------
     settings : TrackerSettings
         The same.
+    own_ids : set of str
+        The same; add an identity when the ego changes its own.
     counts : Counter
         Number of each `UpdateResult.kind`.
 
@@ -56,18 +53,24 @@ class Tracker:
     ('new', 111.1)
     """
 
-    def __init__(self, frame: LocalFrame, settings: TrackerSettings | None = None) -> None:
+    def __init__(
+        self,
+        frame: LocalFrame,
+        settings: TrackerSettings | None = None,
+        *,
+        own_ids: Iterable[str] = (),
+        height: float | None = None,
+    ) -> None:
         self.settings = settings or TrackerSettings()
+        self.own_ids = set(own_ids)
         self.counts: Counter[str] = Counter()
-        self._project = projector(frame)
-        self._tracks = Tracks(self.settings)
+        self._intake = Intake(frame, self.settings, None if height is None else check_real("height", height))
+        self._rates = MessageRates()
         self._rejected: deque[UpdateResult] = deque(maxlen=100)
-        self._t_full = -math.inf  # when a sender was last rejected for want of capacity
-        self._ego: tuple[float, float] | None = None
         self._top_speed = 0.0, 0.0  # recent one of the ego, and its time
 
     def __len__(self) -> int:
-        return len(self._tracks.by_id)
+        return len(self._intake.tracks.by_id)
 
     @property
     def dropped(self) -> tuple[UpdateResult, ...]:
@@ -89,7 +92,33 @@ class Tracker:
         saturated : bool
             Whether that happened in the last second.
         """
-        return t - self._t_full <= 1.0
+        return t - self._intake.clocks.correction - self._intake.t_full <= 1.0
+
+    def health(self, t: float) -> TrackerHealth:
+        """Return what was heard, accepted and rejected in the last second, and whether to trust the radio.
+
+        The radio cannot be trusted if messages arrive and none is accepted, if it is saturated, or if half of
+        the senders or more disagree about the time. The absence of a vehicle then proves nothing: pass
+        `TrackerHealth.awareness_range` to the planner.
+
+        Parameters
+        ----------
+        t : float
+            Now, on the receiver's clock [s].
+
+        Returns
+        -------
+        health : TrackerHealth
+            Rates of messages, offset of the clock, and the reason for distrust.
+
+        Raises
+        ------
+        InputError
+            If `t` is not a finite number.
+        """
+        t, clocks = check_real("t", t), self._intake.clocks
+        clock = clocks.offset, clocks.correction, clocks.n_senders, clocks.n_agreeing
+        return health_of(self._rates.last_second(t), t, self.is_saturated(t), clock)
 
     def update(self, data: bytes | bytearray | str | Bsm, t_received: float) -> UpdateResult:
         """Process a message.
@@ -100,7 +129,8 @@ class Tracker:
             Message as received, in the wrappers that `unwrap_message` removes, or decoded. No content raises.
             Messages of other kinds are counted as ``"other_message"``.
         t_received : float
-            Time of reception on the senders' clock [s]; minutes begin at multiples of 60.
+            Time of reception on the receiver's clock [s]. Minutes should begin at multiples of 60: an offset
+            from the senders' clocks is found from the messages and corrected.
 
         Returns
         -------
@@ -113,12 +143,14 @@ class Tracker:
             If `t_received` is not a finite number.
         """
         t = check_real("t_received", t_received)
+        self._intake.clocks.tick(t)
         try:
             result = self._process_data(data, t)
         except (InputError, TypeError, ValueError, OverflowError):
             result = UpdateResult(accepted=False, kind="unreadable", id="", t=t, message="")
         self.counts[result.kind] += 1
-        if not result.accepted and result.kind != "other_message":
+        self._rates.add(result.kind, t)
+        if not result.accepted and result.kind not in UNCOUNTED_KINDS:
             self._rejected.append(result)
         return result
 
@@ -131,7 +163,7 @@ class Tracker:
             if frame.name != "BSM":
                 return UpdateResult(accepted=False, kind="other_message", id="", t=t, message=frame.name)
             bsm = decode_frame(frame)
-        kind = self._process(bsm, t)
+        kind = self._intake.process(bsm, t, self.own_ids)
         return UpdateResult(
             accepted=kind in ACCEPTED_KINDS, kind=kind, id=str(bsm.id), t=t, signed=bsm.signed
         )
@@ -144,7 +176,7 @@ class Tracker:
         Parameters
         ----------
         t : float
-            Now, on the senders' clock [s].
+            Now, on the receiver's clock [s].
         ego : VehicleState, optional
             Position and speed of the ego. A stale track is deleted once its uncertainty bound is beyond the
             stopping distance of the ego at its recent top speed. A full tracker keeps the confirmed and the
@@ -162,146 +194,26 @@ class Tracker:
         InputError
             If `t` is not a finite number.
         """
-        t = check_real("t", t)
+        intake = self._intake
+        t = check_real("t", t) - intake.clocks.correction
         if ego is not None:
-            self._ego = ego.x, ego.y
+            intake.ego = ego.x, ego.y
             decayed = self._top_speed[0] - self.settings.speed_decay * max(t - self._top_speed[1], 0.0)
             self._top_speed = max(ego.v_x, decayed), t
         vehicles = []
-        for track in tuple(self._tracks.by_id.values()):
-            name = track.id if names is None else names.get(track.id, track.id)
-            vehicle = track.vehicle(t, name, self.settings)
+        for track in tuple(intake.tracks.by_id.values()):
+            vehicle = track.vehicle(t, _name(track.id, names), self.settings)
             gap = t - track.fix.t
             if gap > STALE_AGE and is_expired(vehicle, gap, ego, self._top_speed[0], self.settings):
-                self._tracks.remove(track)
-            else:
+                intake.tracks.remove(track)
+            elif ego is None or not track.moves_with(ego, vehicle):
                 vehicles.append(vehicle)
         return tuple(vehicles)
 
-    def _process(self, bsm: Bsm, t: float) -> str:
-        """Process a decoded message; return the kind of the result."""
-        track = self._tracks.by_id.get(bsm.id)
-        mark, timed, measured = bsm.sec_mark, False, t - self.settings.untimed_age
-        if mark is not None and mark < 60.0:  # a leap second has no time on the clock
-            timed, measured = True, mark + 60.0 * round((t - mark) / 60.0)
-        if track is not None:
-            if order := track.out_of_order(bsm.msg_count, measured, timed, t):
-                return order
-            measured = measured if timed else max(measured, track.fix.t + 1e-3)
-        fix = self._fix(bsm, measured, track)
-        if fix is None:
-            return "unusable"
-        length, width = bsm.length or self.settings.length, bsm.width or self.settings.width
-        if not math.isfinite(length + width):
-            return "unusable"
-        if failed := implausible_state(self.settings.plausibility, fix, length, width, t):
-            return failed
-        if bsm.psi is None and track is None:
-            length = width = min(max(length, width), 5.0)  # [m], a square covers any unknown heading
-        reported: object = getattr(bsm.accuracy, "semi_major", None)
-        reported = reported if isinstance(reported, (int, float)) and reported > 0.0 else 0.0
-        accuracy = min(float(reported), self.settings.max_reported_accuracy)
-        message = Track(bsm.id, fix, length, width, bsm.events, bsm.msg_count, timed, accuracy)
-        if track is not None:
-            return self._update(track, message)
-        return self._begin(message)
 
-    def _fix(self, bsm: Bsm, measured: float, track: Track | None) -> Fix | None:
-        """Return the motion that a message reports in the local frame; None if it is unusable."""
-        lat, lon, speed, psi = bsm.latitude_deg, bsm.longitude_deg, bsm.speed, bsm.psi
-        if lat is None or lon is None or speed is None:
-            return None
-        if psi is None:
-            if track is None and speed > STANDSTILL_SPEED:
-                return None
-            psi = track.fix.psi if track is not None else 0.0
-        x, y = self._project(lat, lon)
-        v = -speed if bsm.transmission == "reverse" else speed
-        a, r = bsm.a_x or 0.0, bsm.r or 0.0
-        finite = math.isfinite(psi + a + r + measured)
-        usable = finite and abs(x) + abs(y) <= MAX_COORDINATE and -20.0 <= v <= MAX_SPEED  # reverse gear
-        return Fix(measured, x, y, psi, v, a, r) if usable else None
-
-    def _update(self, track: Track, message: Track) -> str:
-        """Update a track with its sender's next message, or coast if its position is rejected."""
-        failed = self._compare(track, message)
-        if not failed and self._overlaps_track(message, track):
-            failed = "overlap"
-        elif (
-            failed
-            and self._is_consistent(track.rejected, message)
-            and not self._overlaps_track(message, track)
-        ):
-            message.ref = message.fix.x, message.fix.y
-            self._tracks.advance(track, message)
-            return "readmitted"
-        if not failed:
-            self._tracks.advance(track, message)
-            return "updated"
-        if failed != "overlap":
-            track.rejected = message
-        if failed in POSITION_CHECKS:
-            track.coast(message)
-            self._tracks.write(track)
-        return failed
-
-    def _is_consistent(self, rejected: Track | None, message: Track) -> bool:
-        """Return whether a sender with rejected positions has meanwhile driven as it reports."""
-        settings, position = self.settings, message.fix[1:3]
-        tolerance = 0.5 * settings.plausibility.position_tolerance
-        if (
-            rejected is None
-            or self._compare(rejected, message)
-            or math.dist(position, message.ref) > tolerance
-        ):
-            message.ref = message.fix.x, message.fix.y
-            return False
-        message.t_first, message.first_reported = rejected.t_first, rejected.first_reported
-        driven = math.dist(position, message.first_reported)
-        return (
-            message.fix.t - message.t_first >= settings.readmit_after and driven >= settings.readmit_distance
-        )
-
-    def _compare(self, track: Track, message: Track) -> str:
-        """Return the name of the check that a message fails against a track; else update its reference."""
-        if message.fix.t <= track.fix.t:
-            return "displacement"
-        failed, ref = implausible_motion(
-            self.settings.plausibility, track.fix, track.ref, track.reported, track.driven, message.fix
-        )
-        if not failed:
-            message.ref = ref
-        return failed
-
-    def _overlaps_track(self, message: Track, track: Track) -> bool:
-        """Return whether a message lies in the body of a vehicle with an older track."""
-        if not self.settings.plausibility.overlap:
-            return False
-        return self._tracks.find_overlapping(message.fix, track.t_first, track) is not None
-
-    def _begin(self, message: Track) -> str:
-        """Begin a track, or associate the message with a track under another id."""
-        fix, tracks = message.fix, self._tracks
-        former = tracks.find_overlapping(fix, math.inf, None)
-        if former is not None and fix.t - former.fix.t > self.settings.reassociate_after:
-            if former.matches(message) and not self._compare(former, message):
-                tracks.advance(former, message)
-                return "reassociated"
-        if former is not None and self.settings.plausibility.overlap:
-            return "overlap"
-        if tracks.is_full and not self._evict_for(fix):
-            return "full"
-        tracks.add(message)
-        return "new"
-
-    def _evict_for(self, fix: Fix) -> bool:
-        """Evict a track that matters less than a new sender, if there is one."""
-        rejected, evictable = fix, None
-        if self._ego is not None:
-            evictable = self._tracks.find_evictable(self._ego, fix, self.settings)
-        if evictable is not None:
-            rejected = evictable.fix
-            self._tracks.remove(evictable)
-        if self._ego is None or math.dist(rejected[1:3], self._ego) <= self.settings.retention_range:
-            self._t_full = fix.t
-        return evictable is not None
+def _name(id: str, names: Mapping[str, str] | None) -> str:
+    """Return the id of a vehicle: of a further body under one temporary identity that name with a number."""
+    if names is None:
+        return id
+    base, sign, number = id.partition("#")
+    return names.get(base, base) + sign + number

@@ -41,13 +41,16 @@ class TrackerSettings:
     delete_after : float
         Age at which every stale track is deleted [s].
     untimed_age : float
-        Age assumed of a message without time stamp [s].
+        Age assumed of a message without time stamp, and of the youngest messages if the receiver's clock is
+        off [s].
     sigma_position : float
         Standard deviation of a constant error of all positions [m], which comparing a sender with itself
         cannot show; added to both of a vehicle's.
     max_reported_accuracy : float
         A sender's reported standard deviation (`PositionalAccuracy.semi_major`) is added up to this limit
         [m]. 0 ignores it, since devices report meters where they err by decimeters.
+    sigma_height : float
+        Standard deviation of a reported height [m]; messages do not report it.
     length, width : float
         Body of a sender that does not report it [m].
 
@@ -74,6 +77,7 @@ class TrackerSettings:
     untimed_age: float = 0.1
     sigma_position: float = 0.0
     max_reported_accuracy: float = 0.0
+    sigma_height: float = 1.0
     length: float = 5.0
     width: float = 2.0
 
@@ -82,7 +86,7 @@ class TrackerSettings:
             if not isinstance(getattr(self, name), kind):
                 raise InputError(f"{name} must be {kind.__name__}, was {getattr(self, name)!r}")
         from_zero = (
-            "sigma_position", "max_reported_accuracy", "reaction_time", "min_stopping_distance",
+            "sigma_position", "max_reported_accuracy", "sigma_height", "reaction_time", "min_stopping_distance",
             "approach_horizon", "speed_decay", "untimed_age", "readmit_distance",
         )  # fmt: skip
         for limit in fields(self)[2:]:

@@ -2,10 +2,13 @@
 
 from dataclasses import dataclass
 
-__all__ = ["ACCEPTED_KINDS", "UpdateResult"]
+__all__ = ["ACCEPTED_KINDS", "UNCOUNTED_KINDS", "UpdateResult"]
 
-ACCEPTED_KINDS = frozenset({"new", "updated", "readmitted", "reassociated"})
+ACCEPTED_KINDS = frozenset({"new", "updated", "readmitted", "reassociated", "separated"})
 """Kinds of accepted messages."""
+
+UNCOUNTED_KINDS = frozenset({"own", "other_message"})
+"""Kinds of rejected messages that say nothing about the health of the radio."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -17,10 +20,11 @@ class UpdateResult:
     accepted : bool
         Whether the message updated the sender's track.
     kind : str
-        Accepted: ``"new"``, ``"updated"``, ``"readmitted"`` (after rejected positions) or ``"reassociated"``
-        (new id of a known sender). Rejected: ``"unreadable"``, ``"unusable"`` (a required value is
-        unavailable, or not that of a road vehicle), ``"duplicate"``, ``"out_of_order"``, ``"full"``, or the
-        name of a plausibility check. Neither: ``"other_message"``, a message without a vehicle.
+        Accepted: ``"new"``, ``"updated"``, ``"readmitted"`` (after rejected positions), ``"reassociated"``
+        (new id of a known sender) or ``"separated"`` (second body under one id). Rejected: ``"unreadable"``,
+        ``"unusable"`` (a required value is unavailable, or not that of a road vehicle), ``"duplicate"``,
+        ``"out_of_order"``, ``"full"``, or the name of a plausibility check. Neither: ``"own"``, a message of
+        the ego, and ``"other_message"``, one without a vehicle.
     id : str
         Sender; empty if unreadable or of another kind.
     t : float

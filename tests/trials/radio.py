@@ -32,12 +32,11 @@ class Radio:
         self.frame = LocalFrame(40.0, -83.0)
         self.clock, self.sender, self.fields, self.echo = clock, sender, fields, echo
         self.count, self.due = 0, 0.0
-        # the tracker does not take EGO_ID and ROAD_HEIGHT yet; pass them here once it does
-        self.tracker = Tracker(self.frame)
+        self.tracker = Tracker(self.frame, own_ids=(EGO_ID,), height=ROAD_HEIGHT)
 
     def is_blind(self, t: float) -> bool:
         """Return whether the tracker reports that its list is incomplete."""
-        return self.tracker.is_saturated(EPOCH + t + self.clock)
+        return not self.tracker.health(EPOCH + t + self.clock).trusted
 
     def known(self, t: float, state: VehicleState, true: Sequence[RemoteVehicle]) -> Sequence[RemoteVehicle]:
         """Send what is due and return all tracks."""

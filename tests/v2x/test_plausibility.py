@@ -25,7 +25,7 @@ NEXT = T0 + 1.1
 FALSE: dict[str, tuple[Bsm, float]] = {
     "replay": (bsm(NEXT, 22.0), NEXT + 1.5),
     "future": (bsm(NEXT + 0.4, 28.0), NEXT),
-    "size": (bsm(NEXT, 22.0, length=39.0), NEXT),
+    "size": (bsm(NEXT, 22.0, length=41.0), NEXT),
     "frozen": (bsm(NEXT, 20.0), NEXT),
     "teleport": (bsm(NEXT, 122.0), NEXT),
     "displacement": (bsm(NEXT, 22.0, 15.0), NEXT),

@@ -1,0 +1,124 @@
+"""Offset of the receiver's clock from the senders', estimated from their messages."""
+
+import math
+from collections import deque
+from collections.abc import Sequence
+
+from cca_core.v2x.plausibility import PlausibilitySettings
+
+__all__ = ["SenderClocks"]
+
+_INTERVAL = 0.5  # between two estimates [s]
+_MEMORY = 10.0  # time for which the marks of a sender count [s]
+_MAX_SENDERS = 256
+_RECENT, _MIN_MARKS, _MIN_SPAN = 8, 4, 0.3  # marks that show a step of the clock, and their least span [s]
+_SET_BACK = 0.5  # step of the reception time that is a clock set back [s]
+_MAX_LATENCY = 0.6  # a larger delay is an offset of the clock [s]
+_SLEW = 0.05  # rate at which the correction follows the offset [s/s]
+
+
+class _Marks:
+    """Last second marks of one sender: times of reception, and reception minus mark."""
+
+    __slots__ = ("delays", "mark")
+
+    def __init__(self) -> None:
+        self.mark: float | None = None
+        self.delays: deque[tuple[float, float]] = deque(maxlen=100)
+
+    def recent(self) -> float | None:
+        """Return a low quantile of the last few delays; None if they are too few."""
+        last = list(self.delays)[-_RECENT:]
+        if len(last) < _MIN_MARKS or last[-1][0] - last[0][0] < _MIN_SPAN:
+            return None
+        return sorted(delay for _, delay in last)[len(last) >= 6]
+
+    def low(self, t: float) -> float:
+        """Return the 10 % quantile of the delays of the last 10 s."""
+        delays = sorted(delay for heard, delay in self.delays if t - heard <= _MEMORY)
+        return delays[len(delays) // 10] if delays else self.delays[-1][1]
+
+
+class SenderClocks:
+    """Difference between reception and second marks: the median over senders of a low quantile."""
+
+    # A difference between 0 and 0.6 s can be latency: the messages are that old, and nothing is corrected. Any
+    # other is an offset, of which a correction leaves `latency`, the age assumed of the youngest messages.
+
+    def __init__(self, checks: PlausibilitySettings, latency: float) -> None:
+        self.correction = 0.0  # receiver's clock minus the time base of the tracks [s]
+        self.offset: float | None = None
+        self.n_senders = self.n_agreeing = 0
+        self._checks, self._latency = checks, latency
+        self._senders: dict[str, _Marks] = {}
+        self._t = self._t_estimated = -math.inf
+
+    def tick(self, t: float) -> None:
+        """Advance to a time of reception [s]; a clock that was set back is corrected at once."""
+        step = t - self._t
+        if -math.inf < step < -_SET_BACK:
+            self.correction += step
+            self._t_estimated += step
+            for marks in self._senders.values():
+                shifted = [(heard + step, delay + step) for heard, delay in marks.delays]
+                marks.delays = deque(shifted, maxlen=marks.delays.maxlen)
+        self._t = t
+        if abs(t - self._t_estimated) >= _INTERVAL:
+            self._estimate(t)
+
+    def hear(self, sender: str, mark: float, t: float) -> None:
+        """Take the second mark of a message into account."""
+        marks = self._senders.get(sender)
+        if marks is None:
+            if len(self._senders) >= _MAX_SENDERS:
+                return
+            marks = self._senders[sender] = _Marks()
+        # an earlier mark comes from a late or replayed message, an equal one tells nothing new
+        elif marks.mark is not None and (mark - marks.mark + 30.0) % 60.0 <= 30.0:
+            return
+        marks.mark = mark
+        base = self.correction
+        marks.delays.append((t, (t - mark - base + 30.0) % 60.0 - 30.0 + base))
+
+    def _estimate(self, t: float) -> None:
+        """Update offset and correction."""
+        elapsed, self._t_estimated = min(t - self._t_estimated, 2.0 * _INTERVAL), t
+        for sender in [s for s, m in self._senders.items() if not m.delays or t - m.delays[-1][0] > _MEMORY]:
+            del self._senders[sender]
+        recent = {s: low for s, m in self._senders.items() if (low := m.recent()) is not None}
+        self.n_senders = len(recent)
+        if not recent:
+            self.n_agreeing = 0
+            return
+        expected = self.correction if self.offset is None else self.offset
+        step = _median(list(recent.values()), expected)
+        if not self._is_acceptable(step):
+            self.offset, self.correction = step, step - self._latency
+            for marks in self._senders.values():
+                marks.delays = deque(list(marks.delays)[-_RECENT:], maxlen=marks.delays.maxlen)
+        else:
+            self.offset = _median([self._senders[s].low(t) for s in recent], expected)
+            self._follow(self.offset, elapsed)
+        self.n_agreeing = sum(map(self._is_acceptable, recent.values()))
+
+    def _is_acceptable(self, delay: float) -> bool:
+        """Return whether a message with a delay passes the checks of its time."""
+        return -self._checks.clock_error <= delay - self.correction <= self._checks.age_limit
+
+    def _follow(self, offset: float, elapsed: float) -> None:
+        """Move the correction toward an offset."""
+        is_latency = -0.02 <= offset <= _MAX_LATENCY if self.correction == 0.0 else 0.05 <= offset <= 0.5
+        target = 0.0 if is_latency else offset - self._latency
+        change = target - self.correction
+        self.correction = (
+            target
+            if abs(change) <= _SLEW * elapsed
+            else (self.correction + math.copysign(_SLEW * elapsed, change))
+        )
+
+
+def _median(values: Sequence[float], expected: float) -> float:
+    """Return the median; of two in the middle the one closer to the expected value."""
+    ranked = sorted(values)
+    low, high = ranked[(len(ranked) - 1) // 2], ranked[len(ranked) // 2]
+    return low if abs(low - expected) <= abs(high - expected) else high
