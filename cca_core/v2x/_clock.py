@@ -35,7 +35,7 @@ class _Marks:
 
     def low(self, t: float) -> float:
         """Return the 10 % quantile of the delays of the last 10 s."""
-        delays = sorted(delay for heard, delay in self.delays if t - heard <= _MEMORY)
+        delays = sorted(delay for t_received, delay in self.delays if t - t_received <= _MEMORY)
         return delays[len(delays) // 10] if delays else self.delays[-1][1]
 
 
@@ -60,13 +60,13 @@ class SenderClocks:
             self.correction += step
             self._t_estimated += step
             for marks in self._senders.values():
-                shifted = [(heard + step, delay + step) for heard, delay in marks.delays]
+                shifted = [(t_received + step, delay + step) for t_received, delay in marks.delays]
                 marks.delays = deque(shifted, maxlen=marks.delays.maxlen)
         self._t = t
         if abs(t - self._t_estimated) >= _INTERVAL:
             self._estimate(t)
 
-    def hear(self, sender: str, mark: float, t: float) -> None:
+    def add_mark(self, sender: str, mark: float, t: float) -> None:
         """Take the second mark of a message into account."""
         marks = self._senders.get(sender)
         if marks is None:

@@ -46,7 +46,7 @@ class Intake:
         timed = False
         if mark is not None and 0.0 <= mark < 60.0:  # a leap second has no time on the clock
             timed = True
-            clocks.hear(bsm.id, mark, t_received)
+            clocks.add_mark(bsm.id, mark, t_received)
         t = t_received - clocks.correction
         measured = t - self.settings.untimed_age
         if timed and mark is not None:

@@ -1,4 +1,4 @@
-"""Health of a radio: what is heard, accepted and rejected, and the offset of its clock."""
+"""Health of a radio: what is received, accepted and rejected, and the offset of its clock."""
 
 import math
 from collections import Counter, deque
@@ -17,7 +17,7 @@ class TrackerHealth:
     ----------
     t : float
         Time [s].
-    heard, accepted : float
+    received, accepted : float
         Messages received and accepted per second [1/s], without the ego's own ones and other types.
     rejected : tuple of (str, float)
         Rejected messages per second by `UpdateResult.kind` [1/s], the most frequent first.
@@ -44,7 +44,7 @@ class TrackerHealth:
     """
 
     t: float
-    heard: float
+    received: float
     accepted: float
     rejected: tuple[tuple[str, float], ...] = ()
     clock_offset: float | None = None
@@ -95,17 +95,17 @@ def health_of(
     """Return the health of a radio from the counts of a second and its clock."""
     offset, correction, n_senders, n_agreeing = clock
     rejected = tuple((kind, float(n)) for kind, n in counts.most_common() if kind not in ACCEPTED_KINDS)
-    heard = sum(counts.values())
-    accepted = heard - round(sum(rate for _, rate in rejected))
+    received = sum(counts.values())
+    accepted = received - round(sum(rate for _, rate in rejected))
     reason = ""
-    if heard and not accepted:
+    if received and not accepted:
         kind, rate = rejected[0]
-        reason = f"none of {heard} messages per second accepted ({rate:.0f} {kind})"
+        reason = f"none of {received} messages per second accepted ({rate:.0f} {kind})"
     elif is_saturated:
         reason = "more senders than tracks"
     elif n_senders and 2 * n_agreeing <= n_senders:
         reason = f"clocks of {n_senders - n_agreeing} of {n_senders} senders disagree"
     return TrackerHealth(
-        t=t, heard=float(heard), accepted=float(accepted), rejected=rejected, clock_offset=offset,
+        t=t, received=float(received), accepted=float(accepted), rejected=rejected, clock_offset=offset,
         clock_correction=correction, clock_senders=n_senders, reason=reason,
     )  # fmt: skip

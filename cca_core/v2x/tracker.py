@@ -43,6 +43,11 @@ class Tracker:
     counts : Counter
         Number of each `UpdateResult.kind`.
 
+    Raises
+    ------
+    InputError
+        If `height` is not a finite number.
+
     Examples
     --------
     >>> from cca_core.v2x import Bsm
@@ -95,7 +100,7 @@ class Tracker:
         return t - self._intake.clocks.correction - self._intake.t_full <= 1.0
 
     def health(self, t: float) -> TrackerHealth:
-        """Return what was heard, accepted and rejected in the last second, and whether to trust the radio.
+        """Return what was received, accepted and rejected in the last second, and whether to trust the radio.
 
         The radio cannot be trusted if messages arrive and none is accepted, if it is saturated, or if half of
         the senders or more disagree about the time. The absence of a vehicle then proves nothing: pass

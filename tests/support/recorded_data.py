@@ -64,6 +64,7 @@ from cca_core.v2x import (
     PositionalAccuracy,
     PositionErrorModel,
     SenderSettings,
+    TrackerHealth,
     TrackerSettings,
     UpdateResult,
 )  # fmt: skip
@@ -145,7 +146,7 @@ def examples() -> dict[str, Any]:
         ego, frenet_vehicle,
         PositionalAccuracy(), PositionErrorModel(), BrakeStatus(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
         ChannelSettings(), UpdateResult(accepted=True, kind="new", id="a", t=3.0), PlausibilitySettings(),
-        SenderSettings(), TrackerSettings(),
+        SenderSettings(), TrackerSettings(), TrackerHealth(t=3.0, received=20.0, accepted=19.0, rejected=(("frozen", 1.0),)),
     ]  # fmt: skip
     return {type(value).__name__: value for value in values}
 
