@@ -1,7 +1,10 @@
 """Recorded Basic Safety Messages with their times of arrival."""
 
 import csv
+import gzip
+import io
 import math
+import zlib
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
@@ -10,6 +13,7 @@ from cca_core._checks import check_real, read_real, shown
 from cca_core._files import parse_json, read_bytes
 from cca_core.errors import InputError
 from cca_core.v2x import Bsm, decode_bsm, encode_bsm
+from cca_core.v2x.wrappers import split_records
 
 __all__ = ["read_bsm_log"]
 
@@ -26,10 +30,11 @@ def read_bsm_log(
     Parameters
     ----------
     path : str or pathlib.Path
-        Lines of hexadecimal digits (optionally a time [s] and a comma or blank before them), lines of JSON
-        objects, a JSON list of them (or one under ``"samples"``), or a CSV table with a header. Objects and
-        tables have the bytes under ``hex``, ``uper_hex`` or ``data`` and may have a time [s] under ``t``,
-        ``time`` or ``t_received``.
+        Lines of hexadecimal digits (optionally a time [s] and a comma or blank before them), lines
+        ``Payload=`` of immediate forward messages, lines of JSON objects, a JSON list of them (or one under
+        ``"samples"``), or a CSV table with a header. Objects and tables have the bytes under ``hex``,
+        ``uper_hex`` or ``data`` and may have a time [s] under ``t``, ``time`` or ``t_received``. Or a binary
+        ODE log, such as ``rxMsg``. Each may be compressed by gzip. Messages may be in the wrappers that `cca_core.v2x.unwrap_message` removes.
     start : float
         Simulation time of the first message's measurement [s], not negative.
     latency : float
@@ -39,8 +44,8 @@ def read_bsm_log(
     -------
     bsm_log : list of (float, bytes)
         Time of arrival [s] and message, in order. Second marks are shifted to the simulation's time. For that
-        the messages are encoded again, without content beyond Part I and the event flags. Bytes that cannot
-        be decoded stay as they are and arrive with the message before them.
+        the messages are encoded again, without wrappers and content beyond Part I and the event flags. Bytes
+        that cannot be decoded, and other messages, stay as they are and arrive with the message before them.
 
     Raises
     ------
@@ -49,17 +54,9 @@ def read_bsm_log(
     """
     start = check_real("start", start, ge=0.0)
     latency = check_real("latency", latency, ge=0.0)
-    try:
-        text = read_bytes(path, max_bytes=_MAX_BYTES, name="path").decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise InputError(f"path must be a readable text file, {path} was not: {error}") from None
     bsm_log: list[tuple[float, bytes]] = []
     t_measured, last_mark, first_recorded = start, None, None
-    for recorded, digits in _entries(text):
-        try:
-            data = bytes.fromhex(digits)
-        except ValueError:
-            raise InputError(f"path must hold hexadecimal digits, had {digits[:40]!r}") from None
+    for recorded, data in _messages(path):
         bsm = _decoded(data)
         if bsm is not None and bsm.sec_mark is not None:
             # second marks count milliseconds within a minute
@@ -85,6 +82,33 @@ def _decoded(data: bytes) -> Bsm | None:
         return None
 
 
+def _messages(path: str | FilePath) -> Iterable[tuple[float | None, bytes]]:
+    """Return the time, if recorded, and the bytes of each message of a file."""
+    content = read_bytes(path, max_bytes=_MAX_BYTES, name="path")
+    if content.startswith(b"\x1f\x8b"):
+        try:
+            content = gzip.GzipFile(fileobj=io.BytesIO(content)).read(_MAX_BYTES + 1)
+        except (OSError, EOFError, zlib.error) as error:
+            raise InputError(f"path must be a whole gzip file if it begins like one: {error}") from None
+        if len(content) > _MAX_BYTES:
+            raise InputError(f"path must be at most {_MAX_BYTES // 1_000_000} MB long without compression")
+    if records := split_records(content):
+        return records
+    try:
+        return _from_text(content.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        raise InputError(f"path must be a text file or an ODE log, {path} was not: {error}") from None
+
+
+def _from_text(text: str) -> Iterator[tuple[float | None, bytes]]:
+    """Yield the time, if recorded, and the bytes of each message of a text."""
+    for recorded, digits in _entries(text):
+        try:
+            yield recorded, bytes.fromhex(digits)
+        except ValueError:
+            raise InputError(f"path must hold hexadecimal digits, had {digits[:40]!r}") from None
+
+
 def _entries(text: str) -> Iterator[tuple[float | None, str]]:
     """Yield the time, if recorded, and the hexadecimal digits of each message."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
@@ -97,6 +121,11 @@ def _entries(text: str) -> Iterator[tuple[float | None, str]]:
             yield from map(_entry, csv.DictReader(lines))
         except csv.Error as error:
             raise InputError(f"path must hold a table, had: {error}") from None
+    elif any(line.lower().startswith("payload=") for line in lines):
+        for line in lines:
+            key, _, digits = line.partition("=")
+            if key.strip().lower() == "payload":
+                yield None, digits
     else:
         for line in lines:
             *before, digits = line.replace(",", " ").split() or [","]

@@ -1,6 +1,8 @@
 """Recorded messages: read from several kinds of files, and as traffic of a run."""
 
+import gzip
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -13,7 +15,8 @@ from cca_core.errors import InputError
 from cca_core.path import interpolate_path
 from cca_core.sim import Scenario, read_bsm_log, simulate
 from cca_core.sim.scenarios.eebl import CAR
-from cca_core.v2x import Bsm, decode_bsm, encode_bsm
+from cca_core.v2x import Bsm, decode_bsm, encode_bsm, unwrap_message
+from tests.support import wrapping as wrap
 
 MARKS = [57.5, 57.6, 57.8, 59.9, 0.0, 0.1]
 
@@ -58,6 +61,44 @@ def test_bad_files(text: str, tmp_path: Path) -> None:
         read_bsm_log(file)
     with pytest.raises(InputError, match="path"):
         read_bsm_log(tmp_path / "none")
+
+
+def test_immediate_forward_messages(tmp_path: Path) -> None:
+    file = tmp_path / "log.txt"
+    file.write_bytes(
+        b"\n".join(wrap.rsu(wrap.signed(message(mark, i)), "\r\n") for i, mark in enumerate(MARKS))
+    )
+    frames = read_bsm_log(file, latency=0.1)
+    assert [t for t, _ in frames] == pytest.approx([0.1, 0.2, 0.4, 2.5, 2.6, 2.7])
+    assert [data for _, data in frames] == [unwrap_message(data).data for _, data in frames]
+
+
+@pytest.mark.parametrize("compress", [bytes, gzip.compress])
+def test_binary_log(compress: Callable[[bytes], bytes], tmp_path: Path) -> None:
+    tim = b"\0\x1f\x02\0\0"
+    file = tmp_path / "rxMsg"
+    records = [wrap.ode(wrap.signed(message(mark)), seconds=50 + i) for i, mark in enumerate(MARKS[:2])]
+    file.write_bytes(compress(b"".join((*records, wrap.ode(tim, seconds=53)))))
+    frames = read_bsm_log(file, start=1.0)
+    assert [t for t, _ in frames] == [1.0, 2.0, 4.0]
+    assert [unwrap_message(data).name for _, data in frames] == ["BSM", "BSM", "TIM"]
+
+
+@pytest.mark.parametrize(
+    "content", [b"\x1f\x8b", gzip.compress(b"00")[:-9], b"\xff\xfe", wrap.ode(b"0014")[:-1]]
+)
+def test_bad_binary_files(content: bytes, tmp_path: Path) -> None:
+    file = tmp_path / "log"
+    file.write_bytes(content)
+    with pytest.raises(InputError, match="path must be"):
+        read_bsm_log(file)
+
+
+def test_recorded_binary_log_equals_its_table(data_dir: Path) -> None:
+    log = read_bsm_log(data_dir / "bsm" / "rxMsg_BSM_and_TIM.gz")
+    table = read_bsm_log(data_dir / "bsm" / "wyoming_rx_decoded.csv")
+    assert [data for _, data in log if unwrap_message(data).name == "BSM"] == [data for _, data in table]
+    assert len(log) == 243 + 150
 
 
 def test_undecodable_bytes_are_passed_through(tmp_path: Path) -> None:
