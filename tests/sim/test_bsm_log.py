@@ -51,7 +51,7 @@ def test_recorded_times(form: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "xyz", "[1, 2]", '{"a": 1}', "[{]", "t,hex\nx,00"])
-def test_bad_files(text: str, tmp_path: Path) -> None:
+def test_invalid_file_raises(text: str, tmp_path: Path) -> None:
     file = tmp_path / "log"
     file.write_text(text)
     with pytest.raises(InputError, match="path"):
@@ -66,7 +66,7 @@ def test_undecodable_bytes_are_passed_through(tmp_path: Path) -> None:
     assert [data for _, data in read_bsm_log(file)][1] == b"\xff\xff"
 
 
-def test_recorded_drive_as_traffic(data_dir: Path) -> None:
+def test_recorded_messages_become_traffic(data_dir: Path) -> None:
     """The recorded car drives in front of an ego on its way: it is heard, tracked, and not run into."""
     frames = read_bsm_log(data_dir / "bsm" / "wyoming_rx_decoded.csv", latency=0.05)
     assert len(frames) == 243
