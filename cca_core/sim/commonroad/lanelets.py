@@ -16,26 +16,14 @@ __all__ = ["Lanelet", "centerline", "extend_straight", "find_route", "inside"]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lanelet:
-    """A piece of one lane.
-
-    Parameters
-    ----------
-    id : int
-        Id in the file [-].
-    left, right : ndarray, shape (n, 2)
-        Lane boundaries in driving direction [m]; points of equal index face each other.
-    predecessors, successors : tuple of int
-        Lanelets before and after it.
-    on_left, on_right : tuple of (int, int) or None
-        Adjacent lanelet and its direction, 1 along this one and -1 against it.
-    """
+    """A piece of one lane."""
 
     id: int
-    left: Array
+    left: Array  # boundary in driving direction [m], shape (n, 2); faces `right` point by point
     right: Array
-    predecessors: tuple[int, ...] = ()
+    predecessors: tuple[int, ...] = ()  # lanelets before and after it
     successors: tuple[int, ...] = ()
-    on_left: tuple[int, int] | None = None
+    on_left: tuple[int, int] | None = None  # adjacent lanelet and its direction, 1 along this one, -1 against
     on_right: tuple[int, int] | None = None
 
     @property
