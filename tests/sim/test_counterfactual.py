@@ -88,7 +88,7 @@ def test_run_is_repeated_exactly_until_hazard(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_collision_of_deaf_ego_was_avoidable() -> None:
-    """An ego that ignores what it hears hits, and the oracle knows that it need not have."""
+    """An ego that ignores its messages collides, although braking would have avoided it."""
     scenario = eebl("C")
     deaf = make_planner(scenario)
     step = deaf.step

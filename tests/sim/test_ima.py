@@ -31,7 +31,7 @@ def test_ego_waits_at_stop_line(seed: int) -> None:
 
 
 def test_red_is_occluded_until_too_late_for_driver() -> None:
-    """He sees it 1.08 s before both would be at the conflict point, less than his reaction time."""
+    """Red becomes visible 1.08 s before the conflict point, less than the driver's reaction time."""
     log = simulated("ima", "left-turn", "driver")
     sees = int(np.searchsorted(log.t, log.time_of("first_visible", "red") - 1e-9))
     assert (log.road_users[sees, 0, 0] - 1.29) / log.road_users[sees, 0, 3] == pytest.approx(1.08, abs=0.15)

@@ -198,11 +198,11 @@ class TestTraffic:
         log = simulate(dataclasses.replace(base, v_x=10.0, cruise_speed=10.0, road_users=(chaser,)))
         rate = np.diff(log.road_users[:, 0, 3]) / 0.02
         braking = np.flatnonzero(rate < 0.0)
-        # in its way within 6 s of contact: from the first moment on, 55.5 m at 10 m/s
+        # the time to collision is below 6 s from the start on, 55.5 m at 10 m/s
         assert log.t[braking[0]] == pytest.approx(1.15, abs=0.05)
         assert rate[braking] == pytest.approx(np.full(len(braking), -5.0))
         assert log.gaps().min() > 5.0
-        # it brakes only while contact is less than 6 s away
+        # it brakes only while the time to collision is below 6 s
         closing = log.road_users[:-1, 0, 3] - log.ego[:-1, 3]
         assert (log.gaps()[braking, 0] <= 6.0 * closing[braking] + 0.3).all()
         assert log.road_users[-1, 0, 3] < 12.5
@@ -236,7 +236,7 @@ def test_invalid_scenario_raises(road: Callable[[str], Path], kwargs: dict[str, 
 
 
 def test_empty_road_and_immediate_collision(road: Callable[[str], Path]) -> None:
-    """A run without others, and one that begins in contact, still give a summary."""
+    """A run without road users, and one that begins with a collision, give a summary."""
     alone = dataclasses.replace(short(road("straight"), "2", 2.0), road_users=())
     summary = simulate(alone).summary()
     assert summary["collided"] is False

@@ -41,7 +41,7 @@ def known(visible: bool, until: float, *, ego: str = "v2v") -> list[tuple[float,
         t = 0.02 * k
         x = 40.0 + 10.0 * t
         messages = [report(t, x)] if k % 5 == 0 and t <= until else []
-        # red stands from 1 s on, which nobody sends
+        # red is stationary from 1 s on, which no message reports
         row = (min(x, 50.0), 0.0, 0.0, 10.0 if t < 1.0 else 0.0, 0.0, 0.0)
         reports = perception.remotes(t, [row], [visible], messages, EGO)
         assert len(reports) <= 1
