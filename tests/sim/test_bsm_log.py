@@ -1,4 +1,4 @@
-"""Recorded messages: read from several kinds of files, and as traffic of a run."""
+"""Recorded messages: several kinds of files, and as traffic of a run."""
 
 import json
 from dataclasses import replace
@@ -67,7 +67,7 @@ def test_undecodable_bytes_are_passed_through(tmp_path: Path) -> None:
 
 
 def test_recorded_messages_become_traffic(data_dir: Path) -> None:
-    """The recorded car drives in front of an ego on its way: it is heard, tracked, and not run into."""
+    """The recorded car is the lead vehicle of an ego that receives, tracks and follows it."""
     frames = read_bsm_log(data_dir / "bsm" / "wyoming_rx_decoded.csv", latency=0.05)
     assert len(frames) == 243
     assert all(a <= b for (a, _), (b, _) in pairwise(frames))
@@ -92,4 +92,4 @@ def test_recorded_messages_become_traffic(data_dir: Path) -> None:
     assert log.command.tobytes() == simulate(scenario, bsm_log=frames).command.tobytes()
     silent = simulate(replace(scenario, ego_type="sensor"), bsm_log=frames)
     assert silent.received == ()
-    assert not np.array_equal(silent.command[:, 1], log.command[:, 1])  # it minds what it hears
+    assert not np.array_equal(silent.command[:, 1], log.command[:, 1])  # the ego reacts to the messages

@@ -1,4 +1,4 @@
-"""CommonRoad files: what is read, and that anything else is refused with its name."""
+"""CommonRoad files: contents, and errors that name the element."""
 
 import math
 import tempfile

@@ -1,4 +1,4 @@
-"""Drives through recorded worlds: written by hand, and recorded ones."""
+"""Runs in CommonRoad scenarios, hand-written and recorded."""
 
 import math
 from pathlib import Path
@@ -60,7 +60,7 @@ def test_adjacent_lanes_of_route(tmp_path: Path) -> None:
 
 def test_goal_in_adjacent_lane_is_reached(tmp_path: Path) -> None:
     scenario = scenario_of(tmp_path, problem(goal((80, 100), REGION.format(y=3.5))))
-    assert find_route(scenario.lanelets, 1, [4]) == (1, 3, 4)  # as early as it can be
+    assert find_route(scenario.lanelets, 1, [4]) == (1, 3, 4)  # as early as possible
     assert find_route(scenario.lanelets, 4, [1]) == ()
     run = drive_commonroad(scenario)
     assert run.summary()["reached"]
@@ -182,7 +182,7 @@ def test_straight_on_past_car_entering_lane(data_dir: Path, plant: str) -> None:
 
 @pytest.mark.parametrize("plant", PLANTS)
 def test_goal_at_bumper_is_reached_with_small_gaps(data_dir: Path, plant: str) -> None:
-    """Gaps of 0.2 m and late braking have to be asked for; the car in front is not touched."""
+    """With gaps of 0.2 m and late braking the ego reaches the goal without a collision."""
     close = SpeedSettings(
         b_comfort=4.0, standstill_gap=0.2, time_gap=0.01, approach_rate=3.0, jerk=12.0,
     )  # fmt: skip
@@ -195,7 +195,7 @@ def test_goal_at_bumper_is_reached_with_small_gaps(data_dir: Path, plant: str) -
 
 @pytest.mark.parametrize("plant", PLANTS)
 def test_goal_at_bumper_is_not_forced_by_default(data_dir: Path, plant: str) -> None:
-    """The ego must be at 28.59 m by 2.0 s, when the rear of car 201 is at 31.23 m: 0.39 m are left."""
+    """The ego must be at 28.59 m by 2.0 s, when the rear of car 201 is at 31.23 m: the gap is 0.39 m."""
     scenario = recorded(data_dir, "DEU_Gar-1_1_T-1")
     run = drive_commonroad(scenario, plant=plant)
     assert_unhurt(run)

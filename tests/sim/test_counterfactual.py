@@ -15,12 +15,9 @@ from cca_core.v2x import ChannelSettings
 
 @cache
 def curb(radio_range: float, **change: float) -> Log:
-    """An ego that knows red by its messages alone."""
+    """A run of an ego that detects red by messages alone."""
     blind = replace(curbside("fast", channel=ChannelSettings(range=radio_range), **change), sensor_range=0.0)
     return simulate(blind)
-
-
-"""By closed forms: braking from v with b takes v^2 / 2b and the time of building up."""
 
 
 @pytest.mark.parametrize("make", [eebl, ima, curbside])

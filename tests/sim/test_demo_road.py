@@ -6,7 +6,7 @@ from cca_core.sim import demo_route, longest_stretch
 
 
 def winding_road() -> Path:
-    """Straight, a bend of radius 80 m, and a longer straight."""
+    """A straight, a curve of radius 80 m, and a longer straight."""
     turn = np.linspace(0.0, np.pi / 2.0, 60)
     bend = np.column_stack((300.0 + 80.0 * np.sin(turn), 80.0 - 80.0 * np.cos(turn)))
     before = np.column_stack((np.arange(0.0, 300.0, 5.0), np.zeros(60)))

@@ -1,4 +1,4 @@
-"""The double lane changes of ISO 3888: their gates, and a single track driven through them."""
+"""Double lane changes of ISO 3888: gates, and runs of a single track through them."""
 
 import math
 from dataclasses import replace
@@ -72,7 +72,7 @@ def test_obstacles_leave_gates_free() -> None:
 @pytest.mark.parametrize(("course", "speed"), CASES, ids=NAMES)
 @pytest.mark.requires("qpsolvers", "piqp")
 def test_planned_path_is_driven_without_collision(course: DoubleLaneChange, speed: float) -> None:
-    """80 km/h and 55 km/h, without touching a gate."""
+    """80 km/h and 55 km/h, without a collision."""
     band = plan_gate_path(course, CAR, speed)
     assert band.ok
     assert band.clearance > 0.05

@@ -1,4 +1,4 @@
-"""The log's metrics against other computations: shapely for gaps, plain loops for the rest."""
+"""Metrics of a log against shapely and plain loops."""
 
 import json
 import math
@@ -88,7 +88,7 @@ def test_ego_frenet_and_tracking_are_lateral_errors(run: Run) -> None:
     log = run("1-fast", "curved", 1)
     _, d = log.scenario.road.path.project(log.ego[:, :2])
     assert d == pytest.approx(log.ego_frenet[:, 1], abs=1e-6)
-    # off a maneuver the reference is the route
+    # outside a maneuver the reference is the route
     assert log.tracking[:100] == pytest.approx(log.ego_frenet[:100, 1], abs=1e-9)
 
 

@@ -1,4 +1,4 @@
-"""Logs as files and run again: nothing may change by a bit."""
+"""Log files and replay: bitwise identical."""
 
 import dataclasses
 import json

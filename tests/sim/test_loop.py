@@ -1,4 +1,4 @@
-"""Closed loop: reproducible, and fed as the scenario says."""
+"""Closed loop: reproducibility, real time, messages, detections and road users."""
 
 import dataclasses
 import math
@@ -22,7 +22,7 @@ EXACT = ("decisions", "events", "received", "messages", "seed", "plant")
 
 
 class Recorder(Planner):
-    """Planner that keeps what it was told."""
+    """Planner that records its inputs."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)

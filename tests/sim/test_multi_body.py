@@ -1,4 +1,4 @@
-"""The multi-body car: where it agrees with simpler models, where it stops, and its guards."""
+"""Multi-body plant: agreement with simpler models, limits and errors."""
 
 import math
 from dataclasses import replace
@@ -49,7 +49,7 @@ def test_braking_distance_and_standstill() -> None:
     assert states[-1].v_x == 0.0
     assert states[-1].x == pytest.approx(42.15, abs=0.6)
     assert all(math.isfinite(s.x + s.y + s.psi + s.r) for s in states)
-    assert states[-1] == states[-2]  # at rest it stays
+    assert states[-1] == states[-2]  # it stays at rest
 
 
 @pytest.mark.parametrize("v", [15.0, 25.0])

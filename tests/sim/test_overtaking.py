@@ -143,7 +143,7 @@ class TestCases2And3:
         assert np.diff(v).max() < 1e-3
         assert abs(v[-1] - lead[-1]) < 1.5
         assert v[-1] > lead[-1] - 0.3  # no undershoot
-        assert v[0] - lead[0] > 4.0  # there was something to converge from
+        assert v[0] - lead[0] > 4.0  # a difference to converge from
 
     def test_gap_is_kept_while_waiting(self, run: Run, case: str, road: str, seed: int) -> None:
         log = run(case, road, seed)

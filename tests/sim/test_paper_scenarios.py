@@ -1,4 +1,4 @@
-"""All of the paper's scenarios: collisions without messages, none with them, and found collisions."""
+"""All of the paper's scenarios: collisions without messages, none with them, regressions."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What the ego knows when messages and sight say different things, or nothing."""
+"""Fusion of messages and detections that differ or are missing."""
 
 from dataclasses import replace
 
@@ -62,17 +62,17 @@ def test_visible_vehicle_never_becomes_stale() -> None:
     assert len(ages) == 150
     assert max(ages) <= 0.4 + 1e-9
     assert x[-1] == pytest.approx(50.0)
-    assert np.abs(np.diff(x)).max() < 6.0  # from where it would be to where it is visible
-    forgotten = sources.index("sensor")  # as one that sends, with what it sent
-    assert forgotten > 90
-    assert found == (True,) * forgotten + (False,) * (150 - forgotten)
+    assert np.abs(np.diff(x)).max() < 6.0  # from the dead-reckoned to the detected position
+    deleted = sources.index("sensor")  # the track is deleted
+    assert deleted > 90
+    assert found == (True,) * deleted + (False,) * (150 - deleted)
 
 
 def test_occluded_silent_vehicle_becomes_stale() -> None:
     ages, _, x, _ = zip(*known(False, 1.0), strict=True)
     assert ages[-1] > 0.9
-    assert x[-1] > 55.0  # nothing found that it stands
-    assert len(ages) < 150  # and then it is forgotten
+    assert x[-1] > 55.0  # no message reports the stop
+    assert len(ages) < 150  # and then its track is deleted
 
 
 def test_unconnected_vehicle_comes_from_sensor() -> None:

@@ -1,4 +1,4 @@
-"""Line of sight against shapely and by construction; what the sensor reports."""
+"""Line of sight against shapely and by construction; detections of the sensor."""
 
 import math
 from dataclasses import replace
@@ -41,11 +41,11 @@ class TestShare:
     def test_equal_body_occludes_fully(self) -> None:
         body, front = (30.0, 0.0, 0.0, 4.5, 1.8), (15.0, 0.0, 0.0, 4.5, 1.8)
         assert visible_fraction(0j, 0.0, PI / 3.0, body, [front]) == pytest.approx(0.0)
-        # and the front one is not hidden by what is behind it
+        # and the front body is not occluded by one behind it
         assert visible_fraction(0j, 0.0, PI / 3.0, front, [body]) == pytest.approx(1.0)
 
     def test_half_occluded_body(self) -> None:
-        """A wall from the line of sight to the right hides the right half."""
+        """A wall to the right of the line of sight occludes the right half."""
         body, wall = (40.0, 0.0, 0.5 * PI, 4.0, 0.01), (20.0, -5.0, 0.5 * PI, 10.0, 0.01)
         assert visible_fraction(0j, 0.0, PI / 3.0, body, [wall]) == pytest.approx(0.5, abs=0.01)
 

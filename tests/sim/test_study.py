@@ -44,7 +44,7 @@ def test_fingerprint_does_not_depend_on_size() -> None:
 
 
 def pretend(parameters: ParameterRanges, seed: int, index: int, plant: str) -> dict[str, Any]:
-    """Stand in for a run: takes a little time, a third of them cannot be avoided."""
+    """A run that takes a little time; a third of the runs is not avoidable."""
     time.sleep(0.001 * (7 * index % 5))
     means = "" if index % 3 == 1 else "brake"
     egos = {f"{ego}_collided_with": "red" if index % (3 + k) == 1 else "" for k, ego in enumerate(EGO_TYPES)}
@@ -52,7 +52,7 @@ def pretend(parameters: ParameterRanges, seed: int, index: int, plant: str) -> d
 
 
 class Counting(ThreadPoolExecutor):
-    """Threads; counts what is in flight and stops the study after some runs."""
+    """Threads that count the runs in flight and stop the study after some."""
 
     def __init__(self, stop_after: int | None = None) -> None:
         super().__init__(3)
@@ -186,7 +186,7 @@ if __name__ == "__main__":
 
 @pytest.fixture(scope="module")
 def straight(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """Table of a small study driven in order, in this process, without interruption."""
+    """Table of a small study, in order, in this process, without interruption."""
     folder = tmp_path_factory.mktemp("straight")
     table = run_study(
         Study(parameters=SHORT, runs=RUNS), folder / "a.db", executor=SameProcess(), in_flight=1
@@ -196,7 +196,7 @@ def straight(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 
 class SameProcess(Executor):
-    """Runs what it is given at once."""
+    """Executor that runs each task at once in this process."""
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Any:
         future: Future[Any] = Future()
@@ -260,7 +260,7 @@ def members(session: int) -> Iterator[int]:
 
 
 class TestSmallStudy:
-    """With messages nothing happens that could have been avoided; a driver is not so lucky."""
+    """No avoidable run ends in a collision with V2V, some do with a driver."""
 
     @pytest.mark.parametrize("name", STUDY_SCENARIOS)
     def test_no_avoidable_collision_with_v2v(self, name: str) -> None:

@@ -1,4 +1,4 @@
-"""The steering bench itself: tracks, delay, noise, and errors that are the true ones."""
+"""Path tracking: paths, delay, noise and true errors."""
 
 import math
 
@@ -64,7 +64,7 @@ def test_run_that_leaves_path_is_unfinished() -> None:
 
 
 def test_delay_is_dead_time() -> None:
-    """The wheels begin to turn that many cycles later."""
+    """The wheels begin to turn after as many cycles."""
 
     def turn(state: VehicleState, path: Path) -> float:
         return 0.01

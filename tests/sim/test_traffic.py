@@ -1,4 +1,4 @@
-"""Scripted road users do what they are told, and do not run into each other."""
+"""Actions and reactions of scripted road users."""
 
 import math
 from collections.abc import Callable
@@ -89,7 +89,7 @@ def test_warned_vehicle_brakes_on_message() -> None:
     )
     slow, fast = run(lead, late), run(lead, warned)
     assert slow.time_of("brakes", "F") == pytest.approx(1.0 + 1.25 + 0.1, abs=0.1)
-    # 0.31 s to 0.4 g, at most 0.1 s to the next message, 0.1 s in the air, 0.12 s
+    # 0.31 s to 0.4 g, at most 0.1 s to the next message, 0.1 s latency, 0.12 s
     assert 1.4 < fast.time_of("brakes", "F") < 1.8
 
 
