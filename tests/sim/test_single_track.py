@@ -43,7 +43,7 @@ def planar_acceleration(p: SingleTrackPlant) -> tuple[float, float]:
         return np.array([s.v_x * c - s.v_y * n, s.v_x * n + s.v_y * c])
 
     before = velocity(p.state)
-    p.step(p._x[6], p._x[7], 1e-4)
+    p.step(p.state.delta, p.state.a_x, 1e-4)
     a = (velocity(p.state) - before) / 1e-4
     return float(a[0]), float(a[1])
 
