@@ -149,7 +149,10 @@ class TestNeverRaises:
             [car(60.0, id=["unhashable"])], [car(60.0, events=None)], [replace(car(60.0), x=10**400)],
             [replace(car(60.0), x="near")], [car(60.0, length=None)], [car(1e300)], [car(60.0, y=-1e200)],
         ],
-        ids=lambda v: str(v)[:40],
+        ids=[
+            "none", "number", "list_of_none", "object", "text", "text_in_list", "unhashable_id", "events_none",
+            "huge_x", "text_x", "length_none", "far_x", "far_y",
+        ],
     )  # fmt: skip
     def test_invalid_remotes_argument_gives_valid_command(self, others: Any) -> None:
         planner = make_planner()
