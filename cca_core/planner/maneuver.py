@@ -104,13 +104,17 @@ def plan_maneuver(
     stretch = _plan_stretch(ego, window, current)
     problem = _band_problem(ego, road, side, lane, stretch, settings)
     obstacles = _occupancies(ego, road.path, stretch, [*blocking, *relevant], settings)
-    band = problem(obstacles, lead_distance=[*window.lead_distances, *(0.0 for _ in relevant)])
+    half_step = 0.5 * float(stretch.stations[1] - stretch.stations[0])
+    lead_distances = [
+        max(lead - half_step, 0.0) for lead in window.lead_distances
+    ]  # bounds begin a node before
+    band = problem(obstacles, lead_distance=[*lead_distances, *(0.0 for _ in relevant)])
     outside = (stretch.s - ego.s_cg >= window.first) & (stretch.s - ego.s_cg <= window.last)
     if band.status is Status.OK:
         outside = _outside_lane(ego, road.ego_lane, band)
         if relevant and current is None:
             # an uncertain vehicle pushes the band back sooner, which must not make the gap acceptable
-            alone = problem(obstacles[: len(blocking)], lead_distance=window.lead_distances)
+            alone = problem(obstacles[: len(blocking)], lead_distance=lead_distances)
             outside = outside | _outside_lane(ego, road.ego_lane, alone)
     until = 0.0
     zone, rejection = None, None
