@@ -3,10 +3,8 @@
 import ast
 import copy
 import dataclasses
-import multiprocessing
 import pickle
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -20,6 +18,7 @@ from cca_core import (
     PreviewController,
     VehicleState,
 )
+from cca_core.sim.study.pool import local_processes
 from tests.support.recorded_data import CAR, OTHERS, ROAD, ROUTE, driven, examples, parts
 
 EXAMPLES = examples()
@@ -111,7 +110,7 @@ def test_planner_runs_in_other_processes() -> None:
     """Spawned ones too, which share nothing but what is pickled."""
     planner = Planner(CAR, ROAD, cruise_speed=20.0)
     state = VehicleState(x=100.0, y=0.1, psi=0.0, v_x=20.0)
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+    with local_processes(1) as pool:
         there = pool.submit(planner.step, 0.0, state, OTHERS).result(timeout=60.0)
     assert parts(there) == parts(planner.step(0.0, state, OTHERS))
 

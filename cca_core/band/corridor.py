@@ -15,6 +15,7 @@ from cca_core.vehicle import VehicleParams
 
 Side = Literal["left", "right"]
 _ALIGNED = 0.02  # sine of the angle below which a box counts as parallel
+_END_SLOPE = 0.5  # at which bounds fall beyond the ends of an obstacle, steeper than any band [-]
 _OF_OBSTACLES = (
     "center", "ahead", "half_length", "half_width", "radius", "max_step", "alongside", "right", "left",
 )  # fmt: skip
@@ -30,7 +31,7 @@ class Corridor:
     half_width: Array
     radius: Array  # of the circles around the boxes [m], (m, bands, n)
     max_step: Array  # longest way of a corner from node to node [m], (m, bands)
-    alongside: Mask  # whether an obstacle is alongside the ego, (m, bands, n)
+    alongside: Mask  # whether an obstacle is alongside the ego at this node or a neighbor, (m, bands, n)
     right: (
         Array  # displacement at which the ego passes on an obstacle's right at clearance [m], (m, bands, n)
     )
@@ -94,11 +95,14 @@ def make_corridor(
         turns = np.abs(ahead[..., 1:] - ahead[..., :-1]) * radius[..., 1:]
         max_step = (np.abs(center[..., 1:] - center[..., :-1]) + turns).max(axis=-1)
     relative = (center - route) * tangents.conj()
-    alongside, right, left = _span(
+    overlap, right, left = _span(
         relative - vehicle.box_offset, ahead * tangents.conj(),
         half_length + clearance, half_width + clearance,
         0.5 * vehicle.length, lead[..., None, None],
     )  # fmt: skip
+    alongside, outside = _with_neighbors(overlap)
+    relief = _END_SLOPE * np.abs(route[:, 1:2] - route[:, :1]) * outside
+    right, left = right + relief, left - relief
     half = 0.5 * vehicle.width
     lower, upper = _edges(edges, shape)
     return Corridor(
@@ -134,16 +138,16 @@ def _stacked(obstacles: Sequence[Boxes], shape: tuple[int, ...]) -> Array:
 
 def _span(
     center: Complex, turn: Complex, length: Array, width: Array, reach: float, lead: Array
-) -> tuple[Mask, Array, Array]:
-    """Return where boxes are alongside the x axis from -reach to reach + lead, and their y range there."""
+) -> tuple[Array, Array, Array]:
+    """Return by how much boxes overlap the x axis from -reach to reach + lead [m], and their y range there."""
     # Centers and turns are relative to that stretch, extents are half ones. The range is that of the upper
     # and lower roof of the box over the stretch: a roof has its ridge at a corner and falls to both sides.
     c, s = np.abs(turn.real), np.abs(turn.imag)
     x, y = center.real, center.imag
     half_x, half_y = length * c + width * s, length * s + width * c
-    alongside: Mask = (x >= -half_x - reach) & (x <= half_x + reach + lead)
+    overlap: Array = half_x + reach - np.maximum(-x, x - lead)
     if s.max(initial=0.0) < _ALIGNED:
-        return alongside, y - half_y, y + half_y
+        return overlap, y - half_y, y + half_y
     counter = turn.real * turn.imag >= 0.0  # rotated counter-clockwise by less than a right angle
     ridge = np.where(counter, length * c - width * s, width * s - length * c)
     along_edge, across_edge = s / np.maximum(c, _ALIGNED), c / np.maximum(s, _ALIGNED)
@@ -151,7 +155,17 @@ def _span(
     before, behind = -reach - x, reach + lead - x
     upper = half_y - np.maximum(ridge - behind, 0.0) * rise - np.maximum(before - ridge, 0.0) * fall
     lower = half_y - np.maximum(ridge + before, 0.0) * rise - np.maximum(-behind - ridge, 0.0) * fall
-    return alongside, y - np.maximum(lower, -half_y), y + np.maximum(upper, -half_y)
+    return overlap, y - np.maximum(lower, -half_y), y + np.maximum(upper, -half_y)
+
+
+def _with_neighbors(overlap: Array) -> tuple[Mask, Array]:
+    """Return the nodes with an overlap or next to one, and by which fraction of a step they lie outside."""
+    # bounds at the nodes with an overlap alone would jump by a node when an end moves past one
+    near = overlap.copy()
+    np.maximum(near[..., 1:], overlap[..., :-1], out=near[..., 1:])
+    np.maximum(near[..., :-1], overlap[..., 1:], out=near[..., :-1])
+    alongside = near >= 0.0
+    return alongside, alongside * (np.minimum(overlap, 0.0) / np.minimum(overlap - near, -1e-9))
 
 
 def _edges(edges: tuple[ArrayLike, ArrayLike] | None, shape: tuple[int, ...]) -> tuple[Array, Array]:

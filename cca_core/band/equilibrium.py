@@ -12,6 +12,7 @@ __all__ = ["CurvatureBounds", "equilibrium"]
 _FULL_STEPS = 10  # the active set converges in 3 to 6
 _MAX_SOLVES = 60  # full and damped steps together
 _CORRECTIONS = 3  # rounds of iterative refinement where digits are lost
+_END_STEP = 0.05  # by which an end node is bounded less than its neighbor if the band does not touch it [m]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -178,7 +179,12 @@ class _System:
         """Return the first guess: a stiff band touches a straight bound at its first and last node only."""
         under, over = self.low > 0.0, self.high < 0.0
         if not self._string:
-            for side in (under, over):
+            for side, bound in ((under, self.low), (over, -self.high)):
+                rise = np.diff(np.maximum(bound, 0.0), axis=1)
+                relieved = (rise[:, 1:] > _END_STEP) & ~side[:, :-2] | (rise[:, :-1] < -_END_STEP) & ~side[
+                    :, 2:
+                ]
+                side[:, 1:-1] &= ~relieved
                 side[:, 1:-1] &= ~(side[:, :-2] & side[:, 2:])
         if self.curvature is None:
             return under, over

@@ -104,15 +104,18 @@ def plan_maneuver(
     stretch = _plan_stretch(ego, window, current)
     problem = _band_problem(ego, road, side, lane, stretch, settings)
     obstacles = _occupancies(ego, road.path, stretch, [*blocking, *relevant], settings)
-    band = problem(obstacles, lead_distance=[*window.lead_distances, *(0.0 for _ in relevant)])
-    outside = _outside_lane(ego, road.ego_lane, band) if band.status is Status.OK else None
-    if outside is not None and relevant and current is None:
-        # an uncertain vehicle pushes the band back sooner, which must not make the gap acceptable
-        alone = problem(obstacles[: len(blocking)], lead_distance=window.lead_distances)
-        outside = outside | _outside_lane(ego, road.ego_lane, alone)
-    elif outside is None:
-        ahead = stretch.s - ego.s_cg
-        outside = (ahead >= window.first) & (ahead <= window.last)
+    half_step = 0.5 * float(stretch.stations[1] - stretch.stations[0])
+    lead_distances = [
+        max(lead - half_step, 0.0) for lead in window.lead_distances
+    ]  # bounds begin a node before
+    band = problem(obstacles, lead_distance=[*lead_distances, *(0.0 for _ in relevant)])
+    outside = (stretch.s - ego.s_cg >= window.first) & (stretch.s - ego.s_cg <= window.last)
+    if band.status is Status.OK:
+        outside = _outside_lane(ego, road.ego_lane, band)
+        if relevant and current is None:
+            # an uncertain vehicle pushes the band back sooner, which must not make the gap acceptable
+            alone = problem(obstacles[: len(blocking)], lead_distance=lead_distances)
+            outside = outside | _outside_lane(ego, road.ego_lane, alone)
     until = 0.0
     zone, rejection = None, None
     if outside.any():
@@ -120,9 +123,8 @@ def plan_maneuver(
         until += ego.vehicle.length / max(window.v_return, 1.0)
         if current is None or cancellable:
             # after waiting the gap must be open now, otherwise once the ego enters the lane
-            begin = 0.0
-            if not (start_now and current is None):
-                begin = max(float(stretch.t[np.argmax(outside)]), 0.0)
+            waited = start_now and current is None
+            begin = 0.0 if waited else max(float(stretch.t[np.argmax(outside)]), 0.0)
             zone, rejection = check_gap(np.linspace(begin, until, _GAP_SAMPLES))
     if band.status is not Status.OK and rejection is None:
         rejection = _reject_band(band, side, [*blocking, *relevant], stretch.s - ego.s_cg)

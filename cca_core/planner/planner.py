@@ -226,13 +226,11 @@ class Planner:
             lead = self._select_lead(blocking, ego)
             self._decide(ego, lead, blocking, vehicles)
         if self._maneuver is not None and self._decision.action.is_evading:
-            degraded = self._status is not Status.OK
-            lead = self._select_lead(
-                vehicles_on_maneuver(
-                    self._maneuver, vehicles, ego, lead_settings, self._followed_ids, degraded=degraded
-                ),
-                ego,
-            )
+            kept = vehicles_on_maneuver(
+                self._maneuver, vehicles, ego, lead_settings, self._followed_ids,
+                degraded=self._status is not Status.OK,
+            )  # fmt: skip
+            lead = self._select_lead(kept, ego)
         reference = path if self._maneuver is None else self._maneuver.reference
         self._a_x = float(self._acceleration(ego, state.r, lead, vehicles, reference, dt))
         delta = self._controller.steer(state, reference, dt, s_guess=s)

@@ -55,7 +55,7 @@ def plan_window(
         *(_alongside_interval(ego, b, settings, t, b is blocking[0]) for b in blocking), strict=True
     )
     first, last = intervals[0]
-    if current is None and not first < last < HORIZON:
+    if current is None and not first + 1.0 < last < HORIZON:  # nor a vehicle that is as good as passed
         kind = RejectionKind.TOO_LONG
         return Rejection(kind=kind, side=side, vehicle_id=blocking[0].id, limit=HORIZON)
     half_width = 0.5 * ego.vehicle.width
@@ -66,10 +66,12 @@ def plan_window(
         return Rejection(kind=RejectionKind.NO_LANE, side=side)
     duration = _offset_time(ego, road, offset, min(last, HORIZON), settings)
     v_out, v_return = _speed_after(ego, first), _speed_after(ego, last)
-    required = v_out * (duration + settings.preparation_time)
+    # decided one period early: the start does not depend on when decisions fall
+    early = v_out * settings.decision.period
+    required = v_out * (duration + settings.preparation_time) + early
     return_length = v_return * duration
     if current is None:
-        delay = 0.0 if start_now else max(first - required, 0.0)
+        delay = 0.0 if start_now else max(first - required + early, 0.0)
         start, end = ego.s_cg - _START_OFFSET + delay, ego.s_cg + last + return_length
         if not start_now:
             start += v_out * settings.preparation_time
@@ -122,14 +124,18 @@ def _alongside_interval(
     rear, front = assumed_interval(other, t, settings, overtaken)
     center = ego.s + _DISTANCES
     reach = 0.5 * ego.vehicle.length + settings.clearance
-    not_past, ahead = front >= center - reach, rear - center - reach
+    overlap = np.stack((front - center + reach, center + reach - rear))
 
     def interval(lead_distance: float) -> tuple[float, float]:
-        alongside = np.flatnonzero(not_past & (ahead <= lead_distance))
+        depth = np.minimum(overlap[0], overlap[1] + lead_distance)
+        alongside = np.flatnonzero(depth >= 0.0)
         if not len(alongside):
             return math.inf, math.inf
-        last = float(_DISTANCES[alongside[-1]])
-        return float(_DISTANCES[alongside[0]]), last if alongside[-1] < len(_DISTANCES) - 1 else math.inf
+        i, k, x = int(alongside[0]), int(alongside[-1]), _DISTANCES
+        # interpolated: ends on whole meters would jump with the last digit of a message
+        first = x[i] - depth[i] / (depth[i] - depth[i - 1]) if i else x[i]
+        last = x[k] + depth[k] / (depth[k] - depth[k + 1]) if k < len(x) - 1 else math.inf
+        return float(first), float(last)
 
     closing_speed = max(_speed_after(ego, interval(0.0)[0]) - other.v_s, 0.0)
     lead_distance = settings.min_ttc * closing_speed

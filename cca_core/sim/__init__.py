@@ -1,4 +1,4 @@
-"""Closed loop in software: scenarios, plants, logs and studies; recorded scenarios and messages."""
+"""Closed loop in software: scenarios, plants, logs, studies and recordings."""
 
 from cca_core.sim.bsm_log import read_bsm_log
 from cca_core.sim.commonroad.drive import CommonRoadRun, drive_commonroad

@@ -95,8 +95,8 @@ class Log:
         scenario = self.scenario
         collision = f", collision with {self.collided_with}" if self.collided_with else ""
         return (
-            f"Log({' '.join(filter(None, (scenario.name, scenario.case)))}, {scenario.ego_type}, {self.plant}, "
-            f"seed {self.seed}, {self.t[-1]:.2f} s{collision})"
+            f"Log({' '.join(filter(None, (scenario.name, scenario.case)))}, {scenario.ego_type}, "
+            f"{self.plant}, seed {self.seed}, {self.t[-1]:.2f} s{collision})"
         )
 
     @property

@@ -1,4 +1,4 @@
-"""Closed loop of controller, plant, road users, messages and sensor, in fixed steps."""
+"""Closed loop of controller, plant, road users, messages and sensor."""
 
 import math
 import time
@@ -28,7 +28,7 @@ __all__ = ["CYCLE_TIME", "EgoController", "make_controller", "make_driver", "mak
 
 
 class EgoController(Protocol):
-    """Controller of the ego: a `Planner`, a `Driver`, or anything with the same method."""
+    """Controller of the ego: a `Planner`, a `Driver`, or any object with this method."""
 
     def step(
         self, t: float, state: VehicleState, remotes: Iterable[RemoteVehicle], *, awareness_range: float = ...
@@ -173,7 +173,7 @@ def make_driver(scenario: Scenario) -> Driver:
 
 
 def _collided_with(scenario: Scenario, state: VehicleState, rows: Sequence[Sequence[float]]) -> str:
-    """Return the id of the first road user whose box overlaps the ego's, empty if there is none."""
+    """Return the id of a road user whose box overlaps the ego's; empty if none does."""
     vehicle = scenario.vehicle
     x, y = vehicle.center_at(state.x, state.y, state.psi)
     for user, (x_user, y_user, psi_user, *_) in zip(scenario.road_users, rows, strict=True):

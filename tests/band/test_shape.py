@@ -47,6 +47,22 @@ def test_peak_is_mesh_independent_on_curve(radius: float) -> None:
     assert max(peaks) <= 1.02 * min(peaks)
 
 
+@pytest.mark.parametrize(("speed", "max_step"), [(0.0, 0.02), (0.6, 0.03)])
+@pytest.mark.parametrize("lead", [0.0, 5.0])
+def test_band_moves_continuously_with_obstacle(speed: float, max_step: float, lead: float) -> None:
+    """An end of the overlap that passes a node does not make the band jump.
+
+    At 0.6 of the ego's speed the ego is alongside over a stretch that moves 2.5 times as far as the obstacle.
+    """
+    route = straight(160.0)
+    motion = speed * (route[:, 0] - 70.0)
+    bands = []
+    for x in np.arange(70.0, 72.5, 0.02):
+        case = scene(route, [boxes(x + motion, np.zeros(161), 0.0, 4.5, 1.8)])
+        bands.append(relax(case, side="left", lead_distance=lead).displacement)
+    assert np.abs(np.diff(bands, axis=0)).max() < max_step
+
+
 # --- offset of the obstacle ---------------------------------------------------------------------------
 
 OFFSETS = np.linspace(-2.0, 2.0, 161)

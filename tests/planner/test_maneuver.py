@@ -51,6 +51,35 @@ def plan(traveled: float, current: Maneuver | None = None, left: float = 5.25, *
     return new
 
 
+def new_maneuver(gap: float, traveled: float) -> Maneuver:
+    """A feasible maneuver around a slow car that is known early."""
+    slow = frenet_car(gap, 0.0, 0.0, "slow")
+    found = plan_maneuver(frenet_ego(traveled), TWO_LANE_ROAD, [slow], [], "left", NO_ASSUMPTIONS)
+    assert isinstance(found, Maneuver)
+    assert found.candidate.rejection is None
+    return found
+
+
+def test_window_moves_continuously_with_vehicle() -> None:
+    """By as much as the vehicle: nothing is rounded to whole meters, nor to a node."""
+    found = [new_maneuver(gap, 0.0) for gap in np.arange(120.0, 122.0, 0.05)]
+    assert np.diff([m.start for m in found]) == pytest.approx(0.05, abs=1e-6)
+    assert np.diff([m.end for m in found]) == pytest.approx(0.05, abs=1e-6)
+    assert np.diff([m.candidate.available_distance for m in found]) == pytest.approx(0.05, abs=1e-6)
+
+
+def test_start_is_independent_of_decision_time() -> None:
+    """Decisions are 0.1 s apart, 2 m at 20 m/s: the maneuver starts where it is due."""
+    first = new_maneuver(120.0, 0.0)
+    early = first.candidate.available_distance - first.candidate.required_distance
+    found = [new_maneuver(120.0, early + traveled) for traveled in np.linspace(0.0, 2.0, 9)]
+    assert all(m.candidate.available_distance <= m.candidate.required_distance + 1e-6 for m in found)
+    assert [m.start for m in found] == pytest.approx([first.start] * len(found), abs=1e-6)
+    assert [m.end for m in found] == pytest.approx([first.end] * len(found), abs=1e-6)
+    late = new_maneuver(120.0, early + 2.5)
+    assert late.start == pytest.approx(first.start + 0.5, abs=1e-6)
+
+
 class TestOngoing:
     """A maneuver past a slow car, replanned for a narrower road, or for more comfort than it has."""
 
@@ -68,7 +97,7 @@ class TestOngoing:
         ).candidate.rejection
         assert (None if rejection is None else rejection.kind) is kind
 
-    @pytest.mark.parametrize("traveled", [8.0, 14.0])
+    @pytest.mark.parametrize("traveled", [8.0, 13.0])
     def test_committed_curvature_is_accepted(self, traveled: float) -> None:
         committed = START + traveled + np.linspace(0.0, 5.0, 20)
         assert 400.0 * np.abs(self.current.reference.curvature(committed)).max() > 1.2

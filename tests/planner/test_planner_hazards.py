@@ -183,7 +183,7 @@ def test_replanning_past_parked_car_keeps_side_and_shape(v_x: float, d: float) -
     for cycle in range(3000):
         command = planner.step(0.02 * cycle, plant.state, [parked])
         plant.step(command.delta, command.a_x, 0.02)
-        maneuver = planner._maneuver
+        maneuver = planner.maneuver
         if maneuver is not None:
             shapes.append([maneuver.offset_at(s) for s in np.linspace(100.0, 400.0, 301)])
             sides.add(maneuver.side)

@@ -18,7 +18,7 @@ from cca_core import (
     Status,
     VehicleState,
 )
-from cca_core.planner import EvasionSettings
+from cca_core.planner import AbortSettings, ActuationSettings, EvasionSettings
 from tests.support.planner_drives import (
     CAR,
     CYCLE,
@@ -68,6 +68,22 @@ class TestArguments:
     def test_error_names_setting(self, name: str, bad: Any) -> None:
         with pytest.raises(InputError, match=name):
             EvasionSettings(**{name: bad})
+
+    @pytest.mark.parametrize(
+        "group", ["decision", "lead", "crossing", "last_resort", "replan", "abort", "actuation"]
+    )
+    def test_error_names_settings_group(self, group: str) -> None:
+        with pytest.raises(InputError, match=f"{group} must be"):
+            EvasionSettings(**{group: {"period": 0.1}})
+
+    def test_error_names_field_of_settings_group(self) -> None:
+        with pytest.raises(InputError, match="deceleration must be greater than 0"):
+            AbortSettings(deceleration=0.0)
+
+    def test_settings_group_changes_safe_stop(self) -> None:
+        gentle = ActuationSettings(safe_stop_deceleration=3.0)
+        planner = make_planner(evasion=EvasionSettings(actuation=gentle))
+        assert planner.step(0.0, ego_state(y=40.0), []).a_x == -3.0
 
 
 wild = st.one_of(
@@ -133,7 +149,10 @@ class TestNeverRaises:
             [car(60.0, id=["unhashable"])], [car(60.0, events=None)], [replace(car(60.0), x=10**400)],
             [replace(car(60.0), x="near")], [car(60.0, length=None)], [car(1e300)], [car(60.0, y=-1e200)],
         ],
-        ids=lambda v: str(v)[:40],
+        ids=[
+            "none", "number", "list_of_none", "object", "text", "text_in_list", "unhashable_id", "events_none",
+            "huge_x", "text_x", "length_none", "far_x", "far_y",
+        ],
     )  # fmt: skip
     def test_invalid_remotes_argument_gives_valid_command(self, others: Any) -> None:
         planner = make_planner()

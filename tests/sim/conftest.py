@@ -1,4 +1,4 @@
-"""Roads, and every run of the maneuvering cases driven once for all tests."""
+"""Roads, and runs of the maneuvering cases, each simulated once for all tests."""
 
 from collections.abc import Callable
 from functools import cache
@@ -25,25 +25,25 @@ def _road(name: str) -> Path:
 
 
 @cache
-def _run(case: str, road: str, seed: int, v2v: bool, leader_only: bool) -> Log:
+def _run(case: str, road: str, seed: int, v2v: bool, lead_only: bool) -> Log:
     scenario = overtaking(case, _road(road), start=START, v2v=v2v)
-    planner = LeadOnly(make_planner(scenario)) if leader_only else None
+    planner = LeadOnly(make_planner(scenario)) if lead_only else None
     return simulate(scenario, seed=seed, planner=planner)
 
 
 @pytest.fixture(scope="session")
 def road() -> Callable[[str], Path]:
-    """Route by name: "straight", or "curved" with a radius of 1500 m to the left."""
+    """Route by name: "straight", or "curved" to the left with a radius of 1500 m."""
     return _road
 
 
 @pytest.fixture(scope="session")
 def run() -> Callable[..., Log]:
-    """Log of a case; equal arguments are driven once."""
+    """Log of a case; equal arguments are simulated once."""
 
     def get(
-        case: str, road: str = "straight", seed: int = 1, *, v2v: bool = True, leader_only: bool = False
+        case: str, road: str = "straight", seed: int = 1, *, v2v: bool = True, lead_only: bool = False
     ) -> Log:
-        return _run(case, road, seed, v2v, leader_only)
+        return _run(case, road, seed, v2v, lead_only)
 
     return get

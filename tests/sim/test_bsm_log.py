@@ -1,4 +1,4 @@
-"""Recorded messages: read from several kinds of files, and as traffic of a run."""
+"""Recorded messages: several kinds of files, and as traffic of a run."""
 
 import gzip
 import json
@@ -54,7 +54,7 @@ def test_recorded_times(form: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "xyz", "[1, 2]", '{"a": 1}', "[{]", "t,hex\nx,00"])
-def test_bad_files(text: str, tmp_path: Path) -> None:
+def test_invalid_file_raises(text: str, tmp_path: Path) -> None:
     file = tmp_path / "log"
     file.write_text(text)
     with pytest.raises(InputError, match="path"):
@@ -107,8 +107,8 @@ def test_undecodable_bytes_are_passed_through(tmp_path: Path) -> None:
     assert [data for _, data in read_bsm_log(file)][1] == b"\xff\xff"
 
 
-def test_recorded_drive_as_traffic(data_dir: Path) -> None:
-    """The recorded car drives in front of an ego on its way: it is heard, tracked, and not run into."""
+def test_recorded_messages_become_traffic(data_dir: Path) -> None:
+    """The recorded car is the lead vehicle of an ego that receives, tracks and follows it."""
     frames = read_bsm_log(data_dir / "bsm" / "wyoming_rx_decoded.csv", latency=0.05)
     assert len(frames) == 243
     assert all(a <= b for (a, _), (b, _) in pairwise(frames))
@@ -133,4 +133,4 @@ def test_recorded_drive_as_traffic(data_dir: Path) -> None:
     assert log.command.tobytes() == simulate(scenario, bsm_log=frames).command.tobytes()
     silent = simulate(replace(scenario, ego_type="sensor"), bsm_log=frames)
     assert silent.received == ()
-    assert not np.array_equal(silent.command[:, 1], log.command[:, 1])  # it minds what it hears
+    assert not np.array_equal(silent.command[:, 1], log.command[:, 1])  # the ego reacts to the messages

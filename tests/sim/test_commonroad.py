@@ -1,4 +1,4 @@
-"""CommonRoad files: what is read, and that anything else is refused with its name."""
+"""CommonRoad files: contents, and errors that name the element."""
 
 import math
 import tempfile
@@ -35,7 +35,7 @@ def test_lanelets(tmp_path: Path) -> None:
     assert not one.left.flags.writeable
 
 
-def test_both_names_of_a_moving_obstacle(tmp_path: Path) -> None:
+def test_both_tags_of_moving_obstacle(tmp_path: Path) -> None:
     states = [state("state", k, 2.0 * k, 0.0, 20.0) for k in range(3)]
     new = read_commonroad(written(tmp_path, document(ROAD, moving(31, states), problem(GOAL))))
     text = document(ROAD, moving(31, states, new=False), problem(GOAL), version="2018b")
@@ -43,7 +43,7 @@ def test_both_names_of_a_moving_obstacle(tmp_path: Path) -> None:
     np.testing.assert_array_equal(new.obstacles[0].states, old.obstacles[0].states)
 
 
-def test_an_obstacle_between_its_states(tmp_path: Path) -> None:
+def test_obstacle_is_interpolated_between_states(tmp_path: Path) -> None:
     turning = [state("state", 5, 0.0, 0.0, 10.0, 3.1), state("state", 6, 1.0, 0.5, 11.0, -3.1)]
     text = document(ROAD, moving(31, turning), problem(GOAL))
     (car,) = read_commonroad(written(tmp_path, text)).obstacles
@@ -57,7 +57,7 @@ def test_an_obstacle_between_its_states(tmp_path: Path) -> None:
     assert now.invalid_reason is None
 
 
-def test_a_static_obstacle_is_there_always(tmp_path: Path) -> None:
+def test_static_obstacle_is_always_present(tmp_path: Path) -> None:
     shape = (
         "<shape><rectangle><length>2</length><width>1</width><orientation>0.5</orientation>"
         "<center><x>3</x><y>1</y></center></rectangle></shape>"
@@ -89,7 +89,7 @@ def test_round_and_polygonal_shapes_become_boxes(tmp_path: Path) -> None:
         assert (now.x, now.y, now.length, now.width) == pytest.approx(box)
 
 
-def test_goal_has_time_position_speed_and_heading(tmp_path: Path) -> None:
+def test_goal_checks_time_position_speed_and_heading(tmp_path: Path) -> None:
     inner = (
         REGION.format(y=0.0)
         + "<orientation><intervalStart>-0.1</intervalStart><intervalEnd>0.2</intervalEnd></orientation>"
@@ -113,7 +113,7 @@ def test_goal_has_time_position_speed_and_heading(tmp_path: Path) -> None:
     assert reached(psi=0.2 - math.tau) and not reached(psi=0.21) and not reached(psi=-0.11)  # noqa: PT018
 
 
-def test_goals_of_other_forms(tmp_path: Path) -> None:
+def test_goal_regions_of_other_shapes(tmp_path: Path) -> None:
     circle = "<circle><radius>2</radius><center><x>150</x><y>0</y></center></circle>"
     goals = goal((0, 9), f"<position>{circle}</position>") + goal(
         (0, 9), '<position><lanelet ref="4"/></position>'
@@ -186,7 +186,7 @@ def test_odd_element_is_named_and_rest_read(tmp_path: Path, old: str, new: str, 
     assert len(scenario.obstacles) + len(scenario.problems) >= 1
 
 
-def test_fewer_than_two_points(tmp_path: Path) -> None:
+def test_single_point_raises(tmp_path: Path) -> None:
     text = document('<lanelet id="1"><leftBound/><rightBound/></lanelet>', problem(GOAL))
     (reason, *_) = read_commonroad(written(tmp_path, text)).left_out
     assert "leftBound of lanelet 1 must have at least 2 points, had 0" in reason
@@ -309,7 +309,7 @@ def test_unknown_kinds_of_obstacles_are_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
-def test_entities_are_refused(tmp_path: Path, encoding: str) -> None:
+def test_entities_raise(tmp_path: Path, encoding: str) -> None:
     bomb = '<!DOCTYPE commonRoad [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>'
     text = GOOD.replace('<?xml version="1.0"?>', f'<?xml version="1.0" encoding="{encoding}"?>{bomb}')
     file = tmp_path / "bomb.xml"
@@ -318,7 +318,7 @@ def test_entities_are_refused(tmp_path: Path, encoding: str) -> None:
         read_commonroad(file)
 
 
-def test_large_absent_and_foreign_files(tmp_path: Path) -> None:
+def test_large_missing_or_other_file_raises(tmp_path: Path) -> None:
     large = tmp_path / "large.xml"
     with large.open("wb") as stream:
         stream.truncate(50_000_001)
@@ -348,19 +348,19 @@ def refused_or_read(data: bytes) -> None:
 
 
 @given(st.integers(0, len(GOOD) - 1))
-def test_truncated_files_are_refused(length: int) -> None:
+def test_truncated_file_raises(length: int) -> None:
     with pytest.raises(InputError):
         read(GOOD[:length].encode())
 
 
 @given(st.integers(0, len(GOOD) - 1), st.binary(max_size=4))
-def test_damaged_bytes_are_refused_or_read(at: int, patch: bytes) -> None:
+def test_damaged_bytes_raise_or_are_read(at: int, patch: bytes) -> None:
     data = GOOD.encode()
     refused_or_read(data[:at] + patch + data[at + len(patch) :])
 
 
 @given(st.data())
-def test_damaged_elements_are_refused_or_read(data: st.DataObject) -> None:
+def test_damaged_elements_raise_or_are_read(data: st.DataObject) -> None:
     root = ElementTree.fromstring(GOOD)
     for _ in range(data.draw(st.integers(1, 3))):
         elements = [element for element in root.iter() if len(element)]

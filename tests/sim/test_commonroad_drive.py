@@ -1,4 +1,4 @@
-"""Drives through recorded worlds: written by hand, and recorded ones."""
+"""Runs in CommonRoad scenarios, hand-written and recorded."""
 
 import math
 from pathlib import Path
@@ -25,7 +25,7 @@ def scenario_of(folder: Path, *inner: str) -> CommonRoadScenario:
 
 @pytest.mark.parametrize("plant", PLANTS)
 @pytest.mark.parametrize(("window", "cruise"), [((80, 100), 15.0), ((110, 120), 12.5), ((70, 75), 20.0)])
-def test_the_empty_road_is_driven_in_time(
+def test_goal_on_empty_road_is_reached_in_time(
     tmp_path: Path, plant: str, window: tuple[int, int], cruise: float
 ) -> None:
     """140 m at 15 m/s take 9.3 s; 140 m in 11.0 and 7.5 s are about 12.5 and 20 m/s on average."""
@@ -39,7 +39,7 @@ def test_the_empty_road_is_driven_in_time(
     assert summary["min_gap_m"] is None
 
 
-def test_the_speed_at_the_goal_is_met(tmp_path: Path) -> None:
+def test_goal_speed_is_met(tmp_path: Path) -> None:
     wish = "<velocity><intervalStart>10</intervalStart><intervalEnd>11</intervalEnd></velocity>"
     scenario = scenario_of(tmp_path, problem(goal((50, 200), REGION.format(y=0.0) + wish)))
     summary = drive_commonroad(scenario).summary()
@@ -47,7 +47,7 @@ def test_the_speed_at_the_goal_is_met(tmp_path: Path) -> None:
     assert 10.0 <= summary["final_speed_mps"] <= 11.0
 
 
-def test_lanes_beside_the_route(tmp_path: Path) -> None:
+def test_adjacent_lanes_of_route(tmp_path: Path) -> None:
     scenario = scenario_of(tmp_path, problem(goal((80, 100), REGION.format(y=0.0))))
     lanes = drive_commonroad(scenario).road.lanes
     expected = [
@@ -58,9 +58,9 @@ def test_lanes_beside_the_route(tmp_path: Path) -> None:
         assert found.direction == lane.direction
 
 
-def test_a_goal_on_the_lane_beside_is_reached_by_a_lane_change(tmp_path: Path) -> None:
+def test_goal_in_adjacent_lane_is_reached(tmp_path: Path) -> None:
     scenario = scenario_of(tmp_path, problem(goal((80, 100), REGION.format(y=3.5))))
-    assert find_route(scenario.lanelets, 1, [4]) == (1, 3, 4)  # as early as it can be
+    assert find_route(scenario.lanelets, 1, [4]) == (1, 3, 4)  # as early as possible
     assert find_route(scenario.lanelets, 4, [1]) == ()
     run = drive_commonroad(scenario)
     assert run.summary()["reached"]
@@ -68,14 +68,14 @@ def test_a_goal_on_the_lane_beside_is_reached_by_a_lane_change(tmp_path: Path) -
     assert np.abs(run.a_y).max() < 1.5  # 3.5 m in 4 s: 5.77 h / T^2 = 1.26 m/s^2
 
 
-def test_without_a_place_the_ego_goes_straight_on(tmp_path: Path) -> None:
+def test_route_without_goal_region_goes_straight_on(tmp_path: Path) -> None:
     run = drive_commonroad(scenario_of(tmp_path, problem(goal((50, 50)))))
     assert run.summary()["t_goal_s"] == pytest.approx(5.0)
     assert run.ego[-1, 0] == pytest.approx(10.0 + 5.0 * 15.0, abs=0.1)
     assert len(run.t) == 251
 
 
-def test_gaps_are_those_of_the_boxes(tmp_path: Path) -> None:
+def test_gaps_equal_box_gaps(tmp_path: Path) -> None:
     slow = moving(31, [state("state", k, 40.0 + 0.8 * k, 0.0, 8.0) for k in range(20, 121)])
     scenario = scenario_of(tmp_path, slow, problem(goal((0, 100), REGION.format(y=0.0))))
     run, car = drive_commonroad(scenario), VehicleParams.bmw_320i()
@@ -105,7 +105,7 @@ def test_stop_behind_obstacle_spanning_road(tmp_path: Path) -> None:
     assert summary["final_speed_mps"] < 0.5
 
 
-def test_what_the_planner_cannot_use_is_told(tmp_path: Path) -> None:
+def test_dropped_obstacles_are_listed(tmp_path: Path) -> None:
     wide = BOX.replace("<width>1.8", "<width>25")
     wall = (
         f'<staticObstacle id="40"><type>x</type>{wide}{state("initialState", 0, 90.0, 40.0, 0.0)}'
@@ -113,7 +113,7 @@ def test_what_the_planner_cannot_use_is_told(tmp_path: Path) -> None:
     )
     run = drive_commonroad(scenario_of(tmp_path, wall, problem(goal((10, 10)))))
     assert len(run.dropped) == 1
-    assert run.dropped[0].startswith("40: ")
+    assert run.dropped[0].startswith("40: length and width must be")
 
 
 OWN = {"x": 10.0, "y": 0.0, "v": 15.0, "psi": 0.0}
@@ -157,7 +157,7 @@ def test_own_recording_is_left_out(tmp_path: Path, change: dict[str, float], own
         assert run.summary()["min_gap_m"] is None
 
 
-def test_arguments_are_checked(tmp_path: Path) -> None:
+def test_invalid_argument_raises(tmp_path: Path) -> None:
     scenario = scenario_of(tmp_path, problem(goal((10, 10))))
     with pytest.raises(InputError, match="problem must be 0 to 0, was 1"):
         drive_commonroad(scenario, problem=1)
@@ -171,7 +171,7 @@ def test_arguments_are_checked(tmp_path: Path) -> None:
         drive_commonroad("scenario.xml")  # type: ignore[arg-type]
 
 
-def test_a_start_beside_the_road_and_a_goal_behind(tmp_path: Path) -> None:
+def test_unreachable_goal_raises(tmp_path: Path) -> None:
     aside = problem(goal((10, 10))).replace("<y>0.0</y>", "<y>50.0</y>")
     with pytest.raises(InputError, match="planningProblem 900 must start on a lanelet"):
         drive_commonroad(scenario_of(tmp_path, aside))
@@ -184,7 +184,7 @@ def recorded(data_dir: Path, name: str) -> CommonRoadScenario:
     return read_commonroad(data_dir / "commonroad" / f"{name}.xml")
 
 
-def test_what_recorded_files_hold(data_dir: Path) -> None:
+def test_recorded_files_are_read(data_dir: Path) -> None:
     """Figures read from the XML by hand."""
     road = recorded(data_dir, "DEU_Gar-1_1_T-1")
     assert (len(road.lanelets), len(road.obstacles)) == (5, 4)
@@ -207,7 +207,7 @@ def assert_unhurt(run: CommonRoadRun) -> None:
 
 
 @pytest.mark.parametrize("plant", PLANTS)
-def test_a_turn_behind_a_bicycle(data_dir: Path, plant: str) -> None:
+def test_turn_behind_bicycle(data_dir: Path, plant: str) -> None:
     run = drive_commonroad(recorded(data_dir, "BEL_Putte-10_2_T-1"), plant=plant, toward=12231)
     assert_unhurt(run)
     assert run.summary()["reached"]
@@ -215,15 +215,15 @@ def test_a_turn_behind_a_bicycle(data_dir: Path, plant: str) -> None:
 
 
 @pytest.mark.parametrize("plant", PLANTS)
-def test_straight_on_past_a_car_that_creeps_into_the_lane(data_dir: Path, plant: str) -> None:
+def test_straight_on_past_car_entering_lane(data_dir: Path, plant: str) -> None:
     run = drive_commonroad(recorded(data_dir, "BEL_Putte-10_2_T-1"), plant=plant)
     assert_unhurt(run)
     assert run.summary()["reached"]
 
 
 @pytest.mark.parametrize("plant", PLANTS)
-def test_a_goal_at_the_bumper_of_another_is_reached_by_who_may_go_there(data_dir: Path, plant: str) -> None:
-    """Gaps of 0.2 m and late braking have to be asked for; the car in front is not touched."""
+def test_goal_at_bumper_is_reached_with_small_gaps(data_dir: Path, plant: str) -> None:
+    """With gaps of 0.2 m and late braking the ego reaches the goal without a collision."""
     close = SpeedSettings(
         b_comfort=4.0, standstill_gap=0.2, time_gap=0.01, approach_rate=3.0, jerk=12.0,
     )  # fmt: skip
@@ -235,16 +235,16 @@ def test_a_goal_at_the_bumper_of_another_is_reached_by_who_may_go_there(data_dir
 
 
 @pytest.mark.parametrize("plant", PLANTS)
-def test_a_goal_that_lies_at_the_bumper_of_another_is_not_forced(data_dir: Path, plant: str) -> None:
-    """The ego must be at 28.59 m by 2.0 s, when the rear of car 201 is at 31.23 m: 0.39 m are left."""
+def test_goal_at_bumper_is_not_forced_by_default(data_dir: Path, plant: str) -> None:
+    """The ego must be at 28.59 m by 2.0 s, when the rear of car 201 is at 31.23 m: the gap is 0.39 m."""
     scenario = recorded(data_dir, "DEU_Gar-1_1_T-1")
     run = drive_commonroad(scenario, plant=plant)
     assert_unhurt(run)
     (region,) = scenario.problems[0].goals[0].regions
     other = next(o for o in scenario.obstacles if o.id == "201").at(2.0)
     assert other is not None
-    room = other.x - 0.5 * other.length - float(region[:, 0].min()) - 0.5 * run.vehicle.length
-    assert room == pytest.approx(0.39, abs=0.01)
+    gap = other.x - 0.5 * other.length - float(region[:, 0].min()) - 0.5 * run.vehicle.length
+    assert gap == pytest.approx(0.39, abs=0.01)
     assert not run.summary()["reached"]
     assert run.t[-1] == pytest.approx(2.0)
     assert run.decisions[-1][1] == "FOLLOW"

@@ -1,4 +1,4 @@
-"""The double lane changes of ISO 3888: their gates, and a single track driven through them."""
+"""Double lane changes of ISO 3888: gates, and runs of a single track through them."""
 
 import math
 from dataclasses import replace
@@ -35,7 +35,7 @@ def test_gates_of_part_1(offset: Offset) -> None:
     assert apart[offset] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_the_readings_in_order() -> None:
+def test_offsets_of_part_1_are_ordered() -> None:
     shift = {offset: iso3888_1(CAR.width, offset=offset).gates[1, 2] for offset in OFFSETS}
     assert shift["edge to edge"] < shift["center to center"] < shift["edge to center"]
 
@@ -53,7 +53,7 @@ def test_gates_of_part_2(width: float, last: float) -> None:
     assert iso3888_1(width).release == math.inf
 
 
-def test_nodes_run_straight_through_the_first_gate() -> None:
+def test_nodes_run_straight_through_first_gate() -> None:
     course = iso3888_2(CAR.width)
     nodes = course.nodes()
     np.testing.assert_allclose(nodes[:, 1], 0.5 * course.gates[0, 3])
@@ -61,7 +61,7 @@ def test_nodes_run_straight_through_the_first_gate() -> None:
     assert nodes[[0, -1], 0].tolist() == [-40.0, 121.0]
 
 
-def test_blocks_leave_the_lanes_free() -> None:
+def test_obstacles_leave_gates_free() -> None:
     course = iso3888_1(CAR.width)
     for gate, block in zip(np.repeat(course.gates, 2, axis=0), course.obstacles(), strict=True):
         start, end, right, left = gate
@@ -71,8 +71,8 @@ def test_blocks_leave_the_lanes_free() -> None:
 
 @pytest.mark.parametrize(("course", "speed"), CASES, ids=NAMES)
 @pytest.mark.requires("qpsolvers", "piqp")
-def test_planned_and_driven(course: DoubleLaneChange, speed: float) -> None:
-    """80 km/h and 55 km/h, without touching a gate."""
+def test_planned_path_is_driven_without_collision(course: DoubleLaneChange, speed: float) -> None:
+    """80 km/h and 55 km/h, without a collision."""
     band = plan_gate_path(course, CAR, speed)
     assert band.ok
     assert band.clearance > 0.05
@@ -93,13 +93,13 @@ def test_planned_and_driven(course: DoubleLaneChange, speed: float) -> None:
 
 
 @pytest.mark.requires("qpsolvers", "piqp")
-def test_too_fast_is_infeasible() -> None:
+def test_too_high_speed_is_infeasible() -> None:
     band = plan_gate_path(iso3888_2(CAR.width), CAR, 80.0 / 3.6)
     assert not band.ok
 
 
 @pytest.mark.requires("qpsolvers", "piqp")
-def test_a_touched_gate_is_seen() -> None:
+def test_collision_with_gate_is_detected() -> None:
     """Straight on, the car runs into the ground on the right of the second gate."""
     course, speed = iso3888_2(CAR.width), 15.0
     band = plan_gate_path(course, CAR, speed)
@@ -115,7 +115,7 @@ def test_a_touched_gate_is_seen() -> None:
     assert passage.gaps[2, 1] == pytest.approx(3.0 - y - 0.5 * CAR.width, abs=1e-6)
 
 
-def test_bad_input() -> None:
+def test_invalid_argument_raises() -> None:
     with pytest.raises(InputError, match=r"^width must be greater than 0"):
         iso3888_1(0.0)
     with pytest.raises(InputError, match=r"^width must be greater than 0"):

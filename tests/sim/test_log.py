@@ -1,4 +1,4 @@
-"""The log's metrics against other computations: shapely for gaps, plain loops for the rest."""
+"""Metrics of a log against shapely and plain loops."""
 
 import json
 import math
@@ -12,12 +12,12 @@ from cca_core.sim import Log, eebl, simulate
 Run = Callable[..., Log]
 
 
-def test_a_log_prints_as_one_line() -> None:
+def test_repr_is_one_line() -> None:
     log = simulate(eebl("A"))
     assert repr(log) == f"Log(eebl A, driver, single_track, seed 1, {log.t[-1]:.2f} s, collision with yellow)"
 
 
-def test_gaps_are_shapelys(run: Run) -> None:
+def test_gaps_equal_shapely(run: Run) -> None:
     shapely = pytest.importorskip("shapely")
     affinity = pytest.importorskip("shapely.affinity")
 
@@ -25,7 +25,7 @@ def test_gaps_are_shapelys(run: Run) -> None:
         box = shapely.box(-0.5 * length, -0.5 * width, 0.5 * length, 0.5 * width)
         return affinity.translate(affinity.rotate(box, psi, origin=(0, 0), use_radians=True), x, y)
 
-    for log in (run("1-fast", "curved", 1), run("3", "straight", 1, leader_only=True)):
+    for log in (run("1-fast", "curved", 1), run("3", "straight", 1, lead_only=True)):
         vehicle, gaps = log.scenario.vehicle, log.gaps()
         assert gaps.shape == (len(log.t), len(log.scenario.road_users))
         for k in [*range(0, len(log.t), 17), int(gaps.min(axis=1).argmin())]:
@@ -44,14 +44,14 @@ def test_gaps_are_shapelys(run: Run) -> None:
                     assert ego.intersects(other)
 
 
-def test_a_run_ends_at_the_first_contact(run: Run) -> None:
-    gaps = run("2", leader_only=True).gaps().min(axis=1)
+def test_run_ends_at_first_collision(run: Run) -> None:
+    gaps = run("2", lead_only=True).gaps().min(axis=1)
     assert gaps[-1] <= 0.0
     assert (gaps[:-1] > 0.0).all()
 
 
-def test_time_to_collision_of_a_straight_approach(run: Run) -> None:
-    """Before the first swerve everything is one-dimensional."""
+def test_time_to_collision_of_straight_approach(run: Run) -> None:
+    """Before the first maneuver everything is one-dimensional."""
     log = run("1-smooth", "straight", 1)
     ttc = log.time_to_collision()
     for k in range(0, int(3.5 / 0.02), 10):
@@ -60,11 +60,11 @@ def test_time_to_collision_of_a_straight_approach(run: Run) -> None:
     assert ttc.shape == log.t.shape
 
 
-def test_time_to_collision_against_plain_loops(run: Run) -> None:
-    log = run("3", "curved", 1, leader_only=True)
+def test_time_to_collision_equals_plain_loops(run: Run) -> None:
+    log = run("3", "curved", 1, lead_only=True)
     ttc = log.time_to_collision()
     for k in range(0, len(log.t), 13):
-        least = math.inf
+        shortest = math.inf
         for i, user in enumerate(log.scenario.road_users):
             s, d = log.user_frenet[k, i]
             if abs(d - log.ego_frenet[k, 1]) >= 0.5 * (user.width + log.scenario.vehicle.width):
@@ -72,27 +72,27 @@ def test_time_to_collision_against_plain_loops(run: Run) -> None:
             reach = 0.5 * (user.length + log.scenario.vehicle.length)
             closing = log.ego[k, 3] - user.direction * log.road_users[k, i, 3]
             if s > log.ego_frenet[k, 0] + reach and closing > 0.1:
-                least = min(least, (s - log.ego_frenet[k, 0] - reach) / closing)
+                shortest = min(shortest, (s - log.ego_frenet[k, 0] - reach) / closing)
             if s < log.ego_frenet[k, 0] - reach and closing < -0.1:
-                least = min(least, (log.ego_frenet[k, 0] - s - reach) / -closing)
-        assert ttc[k] == pytest.approx(least)
+                shortest = min(shortest, (log.ego_frenet[k, 0] - s - reach) / -closing)
+        assert ttc[k] == pytest.approx(shortest)
 
 
-def test_time_to_collision_runs_out_before_a_contact(run: Run) -> None:
-    ttc = run("3", leader_only=True).time_to_collision()
+def test_time_to_collision_reaches_zero_at_collision(run: Run) -> None:
+    ttc = run("3", lead_only=True).time_to_collision()
     assert ttc[-3:-1].max() < 0.15
     assert ttc.min() >= 0.0
 
 
-def test_place_and_tracking_are_lateral_errors(run: Run) -> None:
+def test_ego_frenet_and_tracking_are_lateral_errors(run: Run) -> None:
     log = run("1-fast", "curved", 1)
     _, d = log.scenario.road.path.project(log.ego[:, :2])
     assert d == pytest.approx(log.ego_frenet[:, 1], abs=1e-6)
-    # off a maneuver the reference is the route
+    # outside a maneuver the reference is the route
     assert log.tracking[:100] == pytest.approx(log.ego_frenet[:100, 1], abs=1e-9)
 
 
-def test_summary_is_what_the_arrays_say(run: Run) -> None:
+def test_summary_equals_arrays(run: Run) -> None:
     log = run("2")
     summary = log.summary()
     expected = {
@@ -118,8 +118,8 @@ def test_summary_is_what_the_arrays_say(run: Run) -> None:
     assert (summary["plant"], summary["seed"], summary["collided_with"]) == ("single_track", 1, None)
 
 
-def test_summary_is_json_with_the_promised_fields(run: Run) -> None:
-    for log in (run("2"), run("2", leader_only=True), run("1-fast", "curved")):
+def test_summary_is_json_with_documented_fields(run: Run) -> None:
+    for log in (run("2"), run("2", lead_only=True), run("1-fast", "curved")):
         text = json.dumps(log.summary(), allow_nan=False)
         assert set(json.loads(text)) >= {
             "scenario", "case", "v2v", "plant", "seed", "collided", "collided_with", "min_gap_m", "min_ttc_s",

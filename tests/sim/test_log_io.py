@@ -1,4 +1,4 @@
-"""Logs as files and run again: nothing may change by a bit."""
+"""Log files and replay: bitwise identical."""
 
 import dataclasses
 import json
@@ -50,13 +50,13 @@ def test_round_trip(log: Log, tmp_path: FilePath) -> None:
     assert len(again.scenario.other_roads) == len(log.scenario.other_roads)
 
 
-def test_saved_twice_is_the_same_file(log: Log, tmp_path: FilePath) -> None:
+def test_saving_twice_gives_the_same_file(log: Log, tmp_path: FilePath) -> None:
     save_log(log, tmp_path / "one.npz")
     save_log(load_log(tmp_path / "one.npz"), tmp_path / "two.npz")
     assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "two.npz").read_bytes()
 
 
-def test_needs_no_pickle(log: Log, tmp_path: FilePath) -> None:
+def test_file_needs_no_pickle(log: Log, tmp_path: FilePath) -> None:
     save_log(log, tmp_path / "run.npz")
     with np.load(tmp_path / "run.npz", allow_pickle=False) as file:
         assert all(file[name].dtype != object for name in file.files)
@@ -68,7 +68,7 @@ def test_replay_gives_the_same_commands(log: Log, tmp_path: FilePath) -> None:
     assert replay(load_log(tmp_path / "run.npz")).tobytes() == log.command.tobytes()
 
 
-def test_a_loaded_scenario_gives_the_same_run(log: Log, tmp_path: FilePath) -> None:
+def test_loaded_scenario_gives_the_same_run(log: Log, tmp_path: FilePath) -> None:
     save_log(log, tmp_path / "run.npz")
     again = simulate(load_log(tmp_path / "run.npz").scenario, seed=3)
     assert again.ego.tobytes() == log.ego.tobytes()
@@ -103,7 +103,7 @@ def test_unknown_version_raises(log: Log, tmp_path: FilePath) -> None:
         load_log(tmp_path / "next.npz")
 
 
-def test_replay_notices_other_bytes() -> None:
+def test_replay_without_messages_differs() -> None:
     log = simulate(eebl("C"))
     deaf = dataclasses.replace(log, received=())
     assert replay(deaf).tobytes() != log.command.tobytes()
@@ -118,7 +118,7 @@ def test_invalid_log_file_raises(content: bytes | None, tmp_path: FilePath) -> N
         load_log(file)
 
 
-def test_other_arrays_are_no_log(tmp_path: FilePath) -> None:
+def test_file_of_other_arrays_raises(tmp_path: FilePath) -> None:
     np.savez(tmp_path / "run.npz", a=np.zeros(3))
     with pytest.raises(InputError, match="path"):
         load_log(tmp_path / "run.npz")

@@ -1,4 +1,4 @@
-"""What the ego knows when messages and sight say different things, or nothing."""
+"""Fusion of messages and detections that differ or are missing."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ EGO = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=10.0)
 BRAKES = frozenset({"hard_braking"})
 
 
-def heard(t: float, x: float, y: float = 0.0, accuracy: float | None = None) -> bytes:
+def report(t: float, x: float, y: float = 0.0, accuracy: float | None = None) -> bytes:
     lat, lon = LocalFrame(*SCENARIO.origin).to_geodetic((x, y))
     return encode_bsm(
         Bsm(
@@ -33,17 +33,17 @@ def heard(t: float, x: float, y: float = 0.0, accuracy: float | None = None) -> 
     )  # fmt: skip
 
 
-def known(seen: bool, until: float, *, ego: str = "v2v") -> list[tuple[float, str, float, bool]]:
-    """Age, source, place and whether its event is known, in each cycle of 3 s; red is heard up to a time."""
+def known(visible: bool, until: float, *, ego: str = "v2v") -> list[tuple[float, str, float, bool]]:
+    """Age, source, position and whether its event is known, in each cycle of 3 s; red sends up to a time."""
     perception = Perception(replace(SCENARIO, ego_type=ego))
     found = []
     for k in range(150):
         t = 0.02 * k
         x = 40.0 + 10.0 * t
-        messages = [heard(t, x)] if k % 5 == 0 and t <= until else []
-        # red stands from 1 s on, which nobody sends
+        messages = [report(t, x)] if k % 5 == 0 and t <= until else []
+        # red is stationary from 1 s on, which no message reports
         row = (min(x, 50.0), 0.0, 0.0, 10.0 if t < 1.0 else 0.0, 0.0, 0.0)
-        reports = perception.remotes(t, [row], [seen], messages, EGO)
+        reports = perception.remotes(t, [row], [visible], messages, EGO)
         assert len(reports) <= 1
         found += [(r.age, r.source, r.x, r.events == BRAKES) for r in reports]
     return found
@@ -58,63 +58,63 @@ def test_fresh_messages_take_precedence() -> None:
 
 
 def test_visible_vehicle_never_becomes_stale() -> None:
-    ages, sources, x, told = zip(*known(True, 1.0), strict=True)
+    ages, sources, x, found = zip(*known(True, 1.0), strict=True)
     assert len(ages) == 150
     assert max(ages) <= 0.4 + 1e-9
     assert x[-1] == pytest.approx(50.0)
-    assert np.abs(np.diff(x)).max() < 6.0  # from where it would be to where it is seen
-    forgotten = sources.index("sensor")  # as one that sends, with what it sent
-    assert forgotten > 90
-    assert told == (True,) * forgotten + (False,) * (150 - forgotten)
+    assert np.abs(np.diff(x)).max() < 6.0  # from the dead-reckoned to the detected position
+    deleted = sources.index("sensor")  # the track is deleted
+    assert deleted > 90
+    assert found == (True,) * deleted + (False,) * (150 - deleted)
 
 
 def test_occluded_silent_vehicle_becomes_stale() -> None:
     ages, _, x, _ = zip(*known(False, 1.0), strict=True)
     assert ages[-1] > 0.9
-    assert x[-1] > 55.0  # nothing told that it stands
-    assert len(ages) < 150  # and then it is forgotten
+    assert x[-1] > 55.0  # no message reports the stop
+    assert len(ages) < 150  # and then its track is deleted
 
 
 def test_unconnected_vehicle_comes_from_sensor() -> None:
     found = known(True, -1.0)
     assert len(found) == 150 - 20
     assert {source for _, source, _, _ in found} == {"sensor"}
-    assert not any(told for *_, told in found)
+    assert not any(found for *_, found in found)
 
 
-def test_without_v2v_messages_tell_nothing() -> None:
+def test_messages_are_ignored_without_v2v() -> None:
     assert known(True, 3.0, ego="sensor") == known(True, -1.0, ego="sensor")
     assert known(False, 3.0, ego="sensor") == []
 
 
-@pytest.mark.parametrize("seen", [True, False])
-def test_the_sensor_knows_the_place_better_than_a_sender_with_a_poor_receiver(seen: bool) -> None:
+@pytest.mark.parametrize("visible", [True, False])
+def test_sensor_position_replaces_uncertain_report(visible: bool) -> None:
     perception = Perception(SCENARIO)
     for k in range(50):
         t = 0.02 * k
         x = 40.0 + 10.0 * t
-        messages = [heard(t, x, 0.8, 0.5)] if k % 5 == 0 else []
-        (red,) = perception.remotes(t, [(x, 0.0, 0.0, 10.0, 0.0, 0.0)], [seen], messages, EGO)
-    assert (red.x, red.y) == pytest.approx((x, 0.0 if seen else 0.8), abs=0.02)
+        messages = [report(t, x, 0.8, 0.5)] if k % 5 == 0 else []
+        (red,) = perception.remotes(t, [(x, 0.0, 0.0, 10.0, 0.0, 0.0)], [visible], messages, EGO)
+    assert (red.x, red.y) == pytest.approx((x, 0.0 if visible else 0.8), abs=0.02)
     assert (red.source, red.events) == ("v2v", BRAKES)
     assert red.age < 0.1
-    assert red.sigma_across == (0.0 if seen else pytest.approx(0.5, abs=0.01))
+    assert red.sigma_across == (0.0 if visible else pytest.approx(0.5, abs=0.01))
 
 
-def lost_from_sight(y: float, accuracy: float, until: float) -> list[RemoteVehicle]:
-    """What is known each 0.1 s of one that drives at y = 0, says another y, and is in sight for 1 s."""
+def reports_until_occluded(y: float, accuracy: float, until: float) -> list[RemoteVehicle]:
+    """Perception each 0.1 s of a vehicle at y = 0 that reports another y and is visible for 1 s."""
     perception, found = Perception(SCENARIO), []
     for k in range(round(until / 0.02)):
         t = 0.02 * k
         x = 40.0 + 10.0 * t
-        messages = [heard(t, x, y, accuracy)] if k % 5 == 0 else []
+        messages = [report(t, x, y, accuracy)] if k % 5 == 0 else []
         (red,) = perception.remotes(t, [(x, 0.0, 0.0, 10.0, 0.0, 0.0)], [t < 1.0], messages, EGO)
         found += [red] if k % 5 == 0 else []
     return found
 
 
 def test_sender_bias_is_corrected_and_decays() -> None:
-    found = lost_from_sight(0.8, 0.5, 120.0)
+    found = reports_until_occluded(0.8, 0.5, 120.0)
     assert max(abs(red.y) for red in found[5:30]) < 0.05
     assert found[20].sigma_across < 0.15
     across = [red.sigma_across for red in found[15:]]
@@ -126,12 +126,12 @@ def test_sender_bias_is_corrected_and_decays() -> None:
 
 
 def test_correction_never_reduces_uncertainty_below_report() -> None:
-    """The bounds hold whatever the error was; one that was never in sight keeps what it told."""
-    told = lost_from_sight(0.0, 0.3, 10.0)
-    assert all(red.sigma_across <= 0.31 for red in told)
+    """The bounds hold for any error; a vehicle that was never visible keeps its report."""
+    found = reports_until_occluded(0.0, 0.3, 10.0)
+    assert all(red.sigma_across <= 0.31 for red in found)
     perception = Perception(SCENARIO)
     row = (40.0, 0.0, 0.0, 10.0, 0.0, 0.0)
-    (red,) = perception.remotes(0.0, [row], [False], [heard(0.0, 40.0, 0.8, 0.5)], EGO)
+    (red,) = perception.remotes(0.0, [row], [False], [report(0.0, 40.0, 0.8, 0.5)], EGO)
     assert red.y == pytest.approx(0.8, abs=0.02)
     assert red.sigma_across == pytest.approx(0.5, abs=0.01)
 
@@ -141,8 +141,8 @@ def test_implausible_bias_is_not_applied() -> None:
     for k in range(150):
         t = 0.02 * k
         x = 40.0 + 10.0 * t
-        lie = 0.0 if t > 1.0 else 12.0
-        messages = [heard(t, x, lie, 0.3)] if k % 5 == 0 else []
+        error = 0.0 if t > 1.0 else 12.0
+        messages = [report(t, x, error, 0.3)] if k % 5 == 0 else []
         (red,) = perception.remotes(t, [(x, 0.0, 0.0, 10.0, 0.0, 0.0)], [t < 1.0], messages, EGO)
     assert abs(red.y) < 0.1
     assert red.sigma_across == pytest.approx(0.3, abs=0.02)
@@ -152,10 +152,10 @@ def test_bias_is_deleted_with_its_track() -> None:
     perception = Perception(SCENARIO)
     for k in range(50):
         t = 0.02 * k
-        messages = [heard(t, 40.0, 0.8, 0.5)] if k % 5 == 0 else []
+        messages = [report(t, 40.0, 0.8, 0.5)] if k % 5 == 0 else []
         perception.remotes(t, [(40.0, 0.0, 0.0, 10.0, 0.0, 0.0)], [True], messages, EGO)
     row = (200.0, 0.0, 0.0, 10.0, 0.0, 0.0)
     for k in range(2000):
         perception.remotes(1.0 + 0.02 * k, [row], [False], [], EGO)
-    (red,) = perception.remotes(50.0, [row], [False], [heard(50.0, 200.0, 0.8, 0.5)], EGO)
+    (red,) = perception.remotes(50.0, [row], [False], [report(50.0, 200.0, 0.8, 0.5)], EGO)
     assert red.y == pytest.approx(0.8, abs=0.02)

@@ -1,4 +1,4 @@
-"""Line of sight against shapely and by construction; what the sensor reports."""
+"""Line of sight against shapely and by construction; detections of the sensor."""
 
 import math
 from dataclasses import replace
@@ -26,8 +26,8 @@ def scenario(*users: RoadUser, **kwargs: Any) -> Scenario:
     )  # fmt: skip
 
 
-def rows(*places: tuple[float, ...]) -> list[tuple[float, ...]]:
-    return [(*p, 0.0, 0.0, 0.0, 0.0)[:6] for p in places]
+def rows(*poses: tuple[float, ...]) -> list[tuple[float, ...]]:
+    return [(*p, 0.0, 0.0, 0.0, 0.0)[:6] for p in poses]
 
 
 EGO = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=10.0)
@@ -35,37 +35,37 @@ A, B = (RoadUser(id=name, s=0.0, d=0.0, v_x=0.0) for name in "AB")
 
 
 class TestShare:
-    def test_free_sight(self) -> None:
+    def test_unobstructed_body_is_fully_visible(self) -> None:
         assert visible_fraction(0j, 0.0, PI / 3.0, (30.0, 0.0, 0.0, 4.5, 1.8), []) == pytest.approx(1.0)
 
-    def test_hidden_behind_the_same_body(self) -> None:
+    def test_equal_body_occludes_fully(self) -> None:
         body, front = (30.0, 0.0, 0.0, 4.5, 1.8), (15.0, 0.0, 0.0, 4.5, 1.8)
         assert visible_fraction(0j, 0.0, PI / 3.0, body, [front]) == pytest.approx(0.0)
-        # and the front one is not hidden by what is behind it
+        # and the front body is not occluded by one behind it
         assert visible_fraction(0j, 0.0, PI / 3.0, front, [body]) == pytest.approx(1.0)
 
-    def test_half_hidden(self) -> None:
-        """A wall from the line of sight to the right hides the right half."""
+    def test_half_occluded_body(self) -> None:
+        """A wall to the right of the line of sight occludes the right half."""
         body, wall = (40.0, 0.0, 0.5 * PI, 4.0, 0.01), (20.0, -5.0, 0.5 * PI, 10.0, 0.01)
         assert visible_fraction(0j, 0.0, PI / 3.0, body, [wall]) == pytest.approx(0.5, abs=0.01)
 
-    def test_field_of_view(self) -> None:
+    def test_field_of_view_limits_visibility(self) -> None:
         body = (0.0, 40.0, 0.0, 4.0, 0.01)  # at 90 degrees
         assert visible_fraction(0j, 0.0, PI / 3.0, body, []) == pytest.approx(0.0)
         assert visible_fraction(0j, 0.5 * PI, PI / 3.0, body, []) == pytest.approx(1.0)
         assert visible_fraction(0j, 0.0, 0.5 * PI, body, []) == pytest.approx(0.5, abs=1e-9)
 
-    def test_behind_is_no_cover(self) -> None:
+    def test_body_behind_does_not_occlude(self) -> None:
         body, behind = (30.0, 0.0, 0.0, 4.5, 1.8), (-15.0, 0.0, 0.0, 4.5, 1.8)
         assert visible_fraction(0j, 0.0, PI, body, [behind]) == pytest.approx(1.0)
 
-    def test_two_covers_count_once_where_they_overlap(self) -> None:
+    def test_overlapping_occluders_count_once(self) -> None:
         body = (40.0, 0.0, 0.5 * PI, 4.0, 0.01)
         wall, nearer = (20.0, -5.0, 0.5 * PI, 10.0, 0.01), (10.0, -2.5, 0.5 * PI, 5.0, 0.01)
         assert visible_fraction(0j, 0.0, PI, body, [wall, nearer]) == pytest.approx(0.5, abs=0.01)
 
     @given(st.integers(0, 2**32 - 1))
-    def test_against_rays_through_shapely(self, seed: int) -> None:
+    def test_visible_fraction_equals_shapely_rays(self, seed: int) -> None:
         shapely = pytest.importorskip("shapely")
         affinity = pytest.importorskip("shapely.affinity")
         rng = np.random.default_rng(seed)
@@ -107,17 +107,17 @@ class TestSensor:
         fog = Sensor(scenario(A, B, visibility=50.0))
         assert fog.visible(rows((49.0, 0.0), (51.0, 20.0)), EGO) == [True, False]
 
-    def test_a_leader_hides_the_one_before_it(self) -> None:
+    def test_lead_vehicle_occludes_downstream_vehicle(self) -> None:
         sensor = Sensor(scenario(A, B))
         assert sensor.visible(rows((20.0, 0.0), (50.0, 0.0)), EGO) == [True, False]
         assert sensor.visible(rows((20.0, 3.0), (50.0, 0.0)), EGO) == [True, True]
 
-    def test_occluder(self) -> None:
+    def test_building_occludes(self) -> None:
         sensor = Sensor(scenario(A, occluders=((15.0, 0.0, 0.0, 4.0, 4.0),)))
         assert sensor.visible(rows((30.0, 0.0)), EGO) == [False]
         assert sensor.visible(rows((10.0, 0.0)), EGO) == [True]
 
-    def test_reports_late_and_dead_reckoned(self) -> None:
+    def test_detections_are_delayed_and_dead_reckoned(self) -> None:
         sensor = Sensor(scenario(A))
         for k in range(40):
             t = 0.02 * k
@@ -130,7 +130,7 @@ class TestSensor:
                 assert remote.x == pytest.approx(now[0][0])
                 assert remote.v_x == pytest.approx(now[0][3])
 
-    def test_a_change_is_known_a_delay_later_and_what_is_hidden_is_forgotten(self) -> None:
+    def test_change_is_detected_after_delay_and_lost_if_occluded(self) -> None:
         sensor = Sensor(scenario(A))
         known = []
         for k in range(100):
@@ -141,6 +141,6 @@ class TestSensor:
         assert known[70] == -7.0
         assert known[99] == -7.0
 
-    def test_the_driver_sees_at_once(self) -> None:
+    def test_driver_has_no_sensor_delay(self) -> None:
         sensor = Sensor(replace(scenario(A), ego_type="driver"))
         assert sensor.detections(0.0, rows((30.0, 0.0)), [True])[0].age == 0.0

@@ -1,4 +1,4 @@
-"""The steering bench itself: tracks, delay, noise, and errors that are the true ones."""
+"""Path tracking: paths, delay, noise and true errors."""
 
 import math
 
@@ -21,7 +21,7 @@ def straight_on(state: VehicleState, path: Path) -> float:
 
 
 @pytest.mark.parametrize(("width", "length"), [(3.5, 44.0), (3.5, 60.0), (-3.0, 50.0)])
-def test_lane_change_is_the_quintic(width: float, length: float) -> None:
+def test_lane_change_path_is_quintic(width: float, length: float) -> None:
     path = lane_change_path(width, length)
     s = np.arange(path.start, path.end, 0.1)
     xy = path.position(s)
@@ -39,13 +39,13 @@ def test_lane_change_is_the_quintic(width: float, length: float) -> None:
     [((math.nan, 50.0, 80.0, 150.0), "width"), ((3.5, 0.0, 80.0, 150.0), "length"),
      ((3.5, 50.0, -1.0, 150.0), "before"), ((3.5, 50.0, 80.0, 0.0), "after")],
 )  # fmt: skip
-def test_bad_lane_change(arguments: tuple[float, float, float, float], name: str) -> None:
+def test_invalid_lane_change_raises(arguments: tuple[float, float, float, float], name: str) -> None:
     width, length, before, after = arguments
     with pytest.raises(InputError, match=f"^{name} must"):
         lane_change_path(width, length, before=before, after=after)
 
 
-def test_the_error_is_the_lateral_coordinate() -> None:
+def test_error_is_lateral_offset() -> None:
     run = track_path(plant(y=0.7), straight_on, LINE, 20.0)
     assert run.finished
     np.testing.assert_allclose(run.d, 0.7, atol=1e-9)
@@ -55,7 +55,7 @@ def test_the_error_is_the_lateral_coordinate() -> None:
     assert run.s[-1] == pytest.approx(340.0, abs=0.41)
 
 
-def test_leaving_the_path_is_not_finishing() -> None:
+def test_run_that_leaves_path_is_unfinished() -> None:
     bend = lane_change_path(30.0, 80.0)
     run = track_path(plant(), straight_on, bend, 20.0)
     assert not run.finished
@@ -64,7 +64,7 @@ def test_leaving_the_path_is_not_finishing() -> None:
 
 
 def test_delay_is_dead_time() -> None:
-    """The wheels begin to turn that many cycles later."""
+    """The wheels begin to turn after as many cycles."""
 
     def turn(state: VehicleState, path: Path) -> float:
         return 0.01
@@ -77,22 +77,22 @@ def test_delay_is_dead_time() -> None:
 
 
 def test_noise_affects_controller_not_metrics() -> None:
-    told: list[float] = []
+    estimates: list[float] = []
 
     def steer(state: VehicleState, path: Path) -> float:
-        told.append(state.y)
+        estimates.append(state.y)
         return 0.0
 
     run = track_path(plant(), steer, LINE, 20.0, fix_sigma=0.2)
     assert run.peak < 1e-9
-    assert 0.01 < np.std(told) < 0.2
-    told_before = list(told)
-    told.clear()
+    assert 0.01 < np.std(estimates) < 0.2
+    first = list(estimates)
+    estimates.clear()
     track_path(plant(), steer, LINE, 20.0, fix_sigma=0.2)
-    assert told == told_before  # the same seed
-    told.clear()
+    assert estimates == first  # the same seed
+    estimates.clear()
     track_path(plant(), steer, LINE, 20.0, fix_sigma=0.2, seed=2)
-    assert told != told_before
+    assert estimates != first
 
 
 def test_speed_profile_is_followed() -> None:
@@ -105,7 +105,7 @@ def test_speed_profile_is_followed() -> None:
     assert car.state.v_x == pytest.approx(10.0, abs=0.3)
 
 
-def test_a_run_is_repeatable() -> None:
+def test_run_is_repeatable() -> None:
     one, two = (
         track_path(plant(), PreviewController(CAR).steer, lane_change_path(3.5, 60.0), 20.0) for _ in range(2)
     )
@@ -114,6 +114,6 @@ def test_a_run_is_repeatable() -> None:
 
 
 @pytest.mark.parametrize("name", ["delay", "fix_sigma", "margin"])
-def test_bad_input(name: str) -> None:
+def test_invalid_argument_raises(name: str) -> None:
     with pytest.raises(InputError, match=f"^{name} must be at least 0"):
         track_path(plant(), straight_on, LINE, 20.0, **{name: -1.0})

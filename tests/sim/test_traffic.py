@@ -1,4 +1,4 @@
-"""Scripted road users do what they are told, and do not run into each other."""
+"""Actions and reactions of scripted road users."""
 
 import math
 from collections.abc import Callable
@@ -41,7 +41,7 @@ def car(name: str = "R", **kwargs: Any) -> RoadUser:
     return RoadUser(**({"id": name, "s": 200.0, "d": 0.0, "v_x": 20.0, "jerk": 12.65} | kwargs))
 
 
-def test_brakes() -> None:
+def test_brake_action_stops_vehicle() -> None:
     log = run(car(actions=(BrakeAction(t=2.0, deceleration=7.0),)))
     v, a = log.road_users[:, 0, 3], log.user_motion[:, 0, 0]
     assert (v[log.t <= 2.0] == 20.0).all()
@@ -49,13 +49,13 @@ def test_brakes() -> None:
     assert np.abs(np.diff(a)[:200]).max() <= 12.65 * 0.02 + 1e-9
     # ramp of 0.553 s, then 7 m/s^2
     assert log.time_of("stopped", "R") == pytest.approx(2.0 + 20.0 / 7.0 + 0.5 * 7.0 / 12.65, abs=0.04)
-    way = log.user_frenet[-1, 0, 0] - 200.0 - 40.0
-    assert way == pytest.approx(400.0 / 14.0 + 20.0 * 0.5 * 7.0 / 12.65, abs=0.6)
+    route = log.user_frenet[-1, 0, 0] - 200.0 - 40.0
+    assert route == pytest.approx(400.0 / 14.0 + 20.0 * 0.5 * 7.0 / 12.65, abs=0.6)
     assert v[-1] == 0.0
     assert (np.diff(log.user_frenet[:, 0, 0]) >= 0.0).all()
 
 
-def test_swerves_along_a_quintic() -> None:
+def test_lateral_shift_is_quintic() -> None:
     log = run(car(actions=(LateralShiftAction(s_start=240.0, offset=3.0, duration=2.0),)))
     s, d = log.user_frenet[:, 0].T
     t = log.t - log.t[np.argmax(s >= 240.0)]
@@ -68,35 +68,35 @@ def test_swerves_along_a_quintic() -> None:
 
 @pytest.mark.parametrize(("gap", "reaction"), [(8.0, 0.3), (15.0, 0.3), (15.0, 0.7), (40.0, 0.7)])
 @pytest.mark.parametrize("deceleration", [4.0, 7.0])
-def test_a_follower_does_not_hit_its_leader(gap: float, reaction: float, deceleration: float) -> None:
-    leader = car("L", s=300.0, actions=(BrakeAction(t=1.0),))
+def test_vehicle_reacting_to_lead_does_not_collide(gap: float, reaction: float, deceleration: float) -> None:
+    lead = car("L", s=300.0, actions=(BrakeAction(t=1.0),))
     follower = car(
         "F",
         s=300.0 - gap - 4.5,
         actions=(ReactToLeadAction(lead_id="L", reaction_time=reaction, deceleration=deceleration),),
     )
-    log = run(leader, follower)
+    log = run(lead, follower)
     assert (log.user_frenet[:, 0, 0] - log.user_frenet[:, 1, 0] - 4.5).min() > 0.2
     assert log.user_motion[:, 1, 0].min() >= -7.0
     assert log.time_of("brakes", "F") - log.time_of("brakes", "L") == pytest.approx(reaction, abs=0.12)
 
 
-def test_a_warned_follower_brakes_on_the_message() -> None:
-    leader = car("L", s=300.0, actions=(BrakeAction(t=1.0),))
+def test_warned_vehicle_brakes_on_message() -> None:
+    lead = car("L", s=300.0, actions=(BrakeAction(t=1.0),))
     late, warned = (
         car("F", s=260.0, actions=(ReactToLeadAction(lead_id="L", warning_delay=after),))
         for after in (math.inf, 0.12)
     )
-    slow, fast = run(leader, late), run(leader, warned)
+    slow, fast = run(lead, late), run(lead, warned)
     assert slow.time_of("brakes", "F") == pytest.approx(1.0 + 1.25 + 0.1, abs=0.1)
-    # 0.31 s to 0.4 g, at most 0.1 s to the next message, 0.1 s in the air, 0.12 s
+    # 0.31 s to 0.4 g, at most 0.1 s to the next message, 0.1 s latency, 0.12 s
     assert 1.4 < fast.time_of("brakes", "F") < 1.8
 
 
-def test_own_route_and_places() -> None:
-    """A car that crosses at a right angle: its places are its foot points on the ego's route."""
-    way = interpolate_path([[100.0, -80.0], [100.0, 200.0]])
-    log = run(RoadUser(id="X", s=0.0, d=0.0, v_x=10.0, route=way))
+def test_road_user_on_own_route() -> None:
+    """A car that crosses at a right angle: its Frenet coordinates are its foot points on the ego's route."""
+    route = interpolate_path([[100.0, -80.0], [100.0, 200.0]])
+    log = run(RoadUser(id="X", s=0.0, d=0.0, v_x=10.0, route=route))
     assert log.road_users[:, 0, 0] == pytest.approx(np.full(len(log.t), 100.0))
     assert log.road_users[:, 0, 1] == pytest.approx(-80.0 + 10.0 * log.t)
     assert log.user_frenet[:, 0, 0] == pytest.approx(np.full(len(log.t), 100.0))
@@ -104,7 +104,7 @@ def test_own_route_and_places() -> None:
     assert np.cos(log.road_users[:, 0, 2] - 0.5 * np.pi) == pytest.approx(np.ones(len(log.t)))
 
 
-def test_yaw_rate_on_a_bend() -> None:
+def test_yaw_rate_on_curve() -> None:
     s = np.linspace(0.0, 600.0, 61)
     bend = interpolate_path(np.column_stack((500.0 * np.sin(s / 500.0), 500.0 - 500.0 * np.cos(s / 500.0))))
     log = run(car(s=100.0, route=bend), duration=3.0)
@@ -129,6 +129,6 @@ def test_yaw_rate_on_a_bend() -> None:
         (lambda: replace(run().scenario, ego_type="cat"), "ego_type"),
     ],
 )  # fmt: skip
-def test_bad_arguments(make: Callable[[], object], named: str) -> None:
+def test_invalid_argument_raises(make: Callable[[], object], named: str) -> None:
     with pytest.raises(InputError, match=rf"\b{named}\b"):
         make()

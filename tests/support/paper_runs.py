@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,15 +17,21 @@ HOSTILE_ID = "</script><script>alert('&\"')</script>\x00\ud800$\\x$"
 
 
 @cache
-def simulated(name: str, case: str, ego: str) -> Log:
-    """Log of a scenario, case and ego type (the cases of EEBL say it)."""
+def simulated(name: str, case: str, ego: str, seed: int = 1, plant: str = "single_track") -> Log:
+    """Log of a scenario, case and ego type (the cases of EEBL imply it)."""
     if name == "eebl":
-        return simulate(eebl(case))
+        return simulate(eebl(case), seed=seed, plant=plant)
     if name == "maneuver":
         x = np.arange(0.0, 1500.0, 15.0)
         road = fit_path(np.column_stack((x, x**2 / 2000.0)))
-        return simulate(overtaking(case, road, start=210.0, v2v=ego == "v2v"))
-    return simulate({"ima": ima, "curbside": curbside}[name](case, ego_type=ego))
+        return simulate(overtaking(case, road, start=210.0, v2v=ego == "v2v"), seed=seed, plant=plant)
+    return simulate({"ima": ima, "curbside": curbside}[name](case, ego_type=ego), seed=seed, plant=plant)
+
+
+def gap(log: Log, ahead: int, behind: int | None) -> Any:
+    """Bumper gap along the road between two road users, None being the ego [m]."""
+    rear = log.user_frenet[:, ahead, 0] - 2.25
+    return rear - (log.ego_frenet[:, 0] if behind is None else log.user_frenet[:, behind, 0]) - 2.25
 
 
 @pytest.fixture(scope="session")

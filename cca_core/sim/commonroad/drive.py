@@ -114,7 +114,7 @@ def drive_commonroad(
     toward: int | None = None,
     settings: GoalSettings | None = None,
 ) -> CommonRoadRun:
-    """Drive a planning problem of a CommonRoad scenario, to its goal or to the end of its time.
+    """Drive a planning problem of a CommonRoad scenario until its goal or its last time.
 
     Parameters
     ----------
@@ -240,7 +240,8 @@ def _drive(
         command = planner.step(t, state, remotes)
         s, d, _, _ = road.path.foot_point(state.x, state.y, s)
         rows[k] = (
-            t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x, car.a_y, s, d,
+            t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x,
+            car.a_y, s, d,
         )  # fmt: skip
         gaps[k, present] = _gaps(state, vehicle, remotes)
         dropped.update(f"{id_}: {reason}" for id_, reason in command.dropped)

@@ -66,7 +66,7 @@ def goal_road(
     settings: GoalSettings,
     toward: int | None = None,
 ) -> tuple[Road, Goal, float]:
-    """Return the road to the first reachable goal, that goal, and its station [m] (infinite without a region)."""
+    """Return the road to the first reachable goal, that goal, and its station [m] (inf: no region)."""
     lanelets, state = scenario.lanelets, problem.state
     here = [lane for lane in lanelets.values() if inside(lane.outline, state.x, state.y)]
     off = {lane.id: abs(wrap_angle(lane.heading_at(state.x, state.y) - state.psi)) for lane in here}
@@ -129,7 +129,7 @@ def _fit_route(
 def _lanes(
     path: Path, route: Sequence[Lanelet], lanelets: Mapping[int, Lanelet], stations: Array, min_width: float
 ) -> list[Lane]:
-    """Return the ego lane and the lanes adjacent to all lanelets of the route, each with its minimum width."""
+    """Return the ego lane and the lanes adjacent to all lanelets, with their minimum widths."""
     if any(after.id not in lane.successors for lane, after in pairwise(route)):
         return [Lane(d=0.0, width=max(min(lane.width for lane in route), 0.2))]
 

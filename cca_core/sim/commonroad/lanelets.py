@@ -16,26 +16,14 @@ __all__ = ["Lanelet", "centerline", "extend_straight", "find_route", "inside"]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Lanelet:
-    """A piece of one lane.
-
-    Parameters
-    ----------
-    id : int
-        Id in the file [-].
-    left, right : ndarray, shape (n, 2)
-        Lane boundaries in driving direction [m]; points of equal index face each other.
-    predecessors, successors : tuple of int
-        Lanelets before and after it.
-    on_left, on_right : tuple of (int, int) or None
-        Adjacent lanelet and its direction, 1 along this one and -1 against it.
-    """
+    """A piece of one lane."""
 
     id: int
-    left: Array
+    left: Array  # boundary in driving direction [m], shape (n, 2); faces `right` point by point
     right: Array
-    predecessors: tuple[int, ...] = ()
+    predecessors: tuple[int, ...] = ()  # lanelets before and after it
     successors: tuple[int, ...] = ()
-    on_left: tuple[int, int] | None = None
+    on_left: tuple[int, int] | None = None  # adjacent lanelet and its direction, 1 along this one, -1 against
     on_right: tuple[int, int] | None = None
 
     @property
@@ -83,8 +71,8 @@ def inside(polygon: Array, x: float, y: float) -> bool:
 def find_route(
     lanelets: Mapping[int, Lanelet], start: int, goals: Sequence[int], *, change_cost: float = 50.0
 ) -> tuple[int, ...]:
-    """Find the shortest route to one of several lanelets; a lane change costs some meters; empty if none."""
-    # Dijkstra's search
+    """Find the shortest route to one of several lanelets; empty if there is none."""
+    # Dijkstra's search; a lane change costs as much as some meters
     queue: list[tuple[float, tuple[int, ...]]] = [(0.0, (start,))]
     done: set[int] = set()
     while queue:
@@ -105,7 +93,7 @@ def find_route(
 
 
 def extend_straight(lanelets: Mapping[int, Lanelet], route: Sequence[int], length: float) -> tuple[int, ...]:
-    """Extend a route by a length [m] into the straightest successors; it may end early, and never repeats."""
+    """Extend a route by a length [m] along the straightest new successors, if there are any."""
     extended = list(route)
     while length > 0.0:
         here = lanelets[extended[-1]]
@@ -127,7 +115,7 @@ def centerline(
     *,
     change_time: float = 4.0,
 ) -> Array:
-    """Return the centerline of a route [m] with lane changes of `change_time` [s]; the first from `start` on."""
+    """Return the centerline of a route [m]; lane changes take `change_time` [s]."""
     groups: list[list[Lanelet]] = []  # adjacent lanelets, in driving order
     for id_ in route:
         lane = lanelets[id_]

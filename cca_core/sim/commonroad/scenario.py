@@ -17,31 +17,15 @@ _TIME_TOLERANCE = 1e-6  # [s]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RecordedObstacle:
-    """An obstacle on its recorded motion, whatever the ego does.
-
-    Parameters
-    ----------
-    id : str
-        Id in the file.
-    kind : str
-        Type such as ``"car"``.
-    length, width : float
-        Box around the body [m].
-    t : ndarray, shape (n,)
-        Times of the states [s], increasing.
-    states : ndarray, shape (n, 4)
-        x [m], y [m], psi [rad], v_x [m/s] of the box's center; psi without jumps of a full turn.
-    static : bool
-        Whether it is there all the time; else from its first to its last state.
-    """
+    """An obstacle on its recorded motion, whatever the ego does."""
 
     id: str
-    kind: str
-    length: float
+    kind: str  # such as "car"
+    length: float  # of the box around the body [m]
     width: float
-    t: Array
-    states: Array
-    static: bool
+    t: Array  # times of the states [s], increasing
+    states: Array  # x, y [m], psi [rad] (continuous), v_x [m/s] of the box's center
+    static: bool  # always present; else from the first to the last state
 
     def at(self, t: float) -> RemoteVehicle | None:
         """Return the obstacle at a time [s], interpolated between its states; None before and after them."""
@@ -62,27 +46,13 @@ class RecordedObstacle:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Goal:
-    """Time, position, speed and heading of an arrival.
+    """Time, position, speed and heading of an arrival; limits belong to their intervals."""
 
-    Parameters
-    ----------
-    t : tuple of float
-        First and last time [s].
-    regions : tuple of ndarray, each of shape (n, 2)
-        Polygons of which one must hold the center of the ego's body [m]; empty if any position will do.
-    lanelets : tuple of int
-        Lanelets that the file names as goal; their outlines are among the regions.
-    v_x : tuple of float or None
-        Minimum and maximum speed [m/s].
-    psi : tuple of float or None
-        Interval of heading, counter-clockwise from the first to the second [rad].
-    """
-
-    t: tuple[float, float]
-    regions: tuple[Array, ...] = ()
-    lanelets: tuple[int, ...] = ()
-    v_x: tuple[float, float] | None = None
-    psi: tuple[float, float] | None = None
+    t: tuple[float, float]  # first and last time [s]
+    regions: tuple[Array, ...] = ()  # polygons [m]; one must hold the body's center, unless empty
+    lanelets: tuple[int, ...] = ()  # named as goal; their outlines are among the regions
+    v_x: tuple[float, float] | None = None  # minimum and maximum [m/s]
+    psi: tuple[float, float] | None = None  # counter-clockwise from the first to the second [rad]
 
     def reached(self, t: float, state: VehicleState) -> bool:
         """Return whether time, position, speed and heading of a body are within the goal's intervals."""
@@ -97,24 +67,12 @@ class Goal:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlanningProblem:
-    """Start and goals of one ego.
-
-    Parameters
-    ----------
-    id : int
-        Id in the file [-].
-    t : float
-        Time of the start [s].
-    state : VehicleState
-        Motion of the body's center at the start.
-    goals : tuple of Goal
-        Goals of which one must be reached.
-    """
+    """Start and goals of one ego."""
 
     id: int
-    t: float
-    state: VehicleState
-    goals: tuple[Goal, ...]
+    t: float  # start [s]
+    state: VehicleState  # motion of the body's center at the start
+    goals: tuple[Goal, ...]  # of which one must be reached
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

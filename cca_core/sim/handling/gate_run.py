@@ -45,7 +45,7 @@ class GateRun:
 
     @property
     def gap(self) -> float:
-        """Minimum distance of the body to any gate [m], negative in a collision; the run may be unfinished."""
+        """Minimum distance of the body to any gate [m], negative in a collision."""
         return float(self.gaps.min())
 
     @property

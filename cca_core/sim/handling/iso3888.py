@@ -20,7 +20,7 @@ Offset = Literal["center to center", "edge to center", "edge to edge"]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DoubleLaneChange:
-    """Three gates, the middle one to the left; x counts from the entry, y from the right edge of the first.
+    """Three gates; x counts from the entry, y from the right edge of the first.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def plan_gate_path(
     jerk: float = 20.0,
     tolerance: float = 0.005,
 ) -> Band:
-    """Plan the smoothest path through the gates with the largest clearance that the limits allow.
+    """Plan the smoothest path through the gates with the largest feasible clearance.
 
     Parameters
     ----------

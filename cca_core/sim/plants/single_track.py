@@ -152,8 +152,8 @@ class SingleTrackPlant:
         cos_d, sin_d = math.cos(angle), math.sin(angle)
         v_f, v_r = v_y + l_f * r, v_y - l_r * r
         slip_f = (v_f * cos_d - v_x * sin_d) / max(abs(v_x * cos_d + v_f * sin_d), 1e-6)
-        f_f = _fiala(c_f, slip_f, load_f * side)
-        f_r = _fiala(c_r, v_r / v_x, load_r * side)
+        f_f = fiala_force(c_f, slip_f, load_f * side)
+        f_r = fiala_force(c_r, v_r / v_x, load_r * side)
         pull = m * front * force  # of the front axle, along its wheels
         front_x, front_y = pull * cos_d - f_f * sin_d, pull * sin_d + f_f * cos_d
         return (
@@ -168,7 +168,7 @@ class SingleTrackPlant:
         )
 
 
-def _fiala(stiffness: float, slip: float, f_max: float) -> float:
+def fiala_force(stiffness: float, slip: float, f_max: float) -> float:
     """Side force [N] for the tangent of the slip angle."""
     z = stiffness * slip / f_max
     if z >= 3.0 or z <= -3.0:

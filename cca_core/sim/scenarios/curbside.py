@@ -33,7 +33,7 @@ def curbside(
     lead_ttc: float = 1.1,
     start: float = 50.0,
 ) -> Scenario:
-    """On a left-hand curve a parked car (red) blocks part of the lane; the lead vehicle (yellow) evades late.
+    """Follow a lead (yellow) that evades a car parked in a curve (red) late.
 
     Parameters
     ----------

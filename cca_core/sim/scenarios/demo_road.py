@@ -34,7 +34,7 @@ _INTERSTATE_80 = (
 
 
 def demo_route() -> Waypoints:
-    """Centerline of a motorway: 2.5 km with a left curve (radius 700 m) and a right one (850 m).
+    """Centerline of 2.5 km of motorway with curves of 700 m and 850 m radius.
 
     Returns
     -------

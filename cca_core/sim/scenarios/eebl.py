@@ -17,16 +17,16 @@ from cca_core.vehicle import VehicleParams
 __all__ = ["CAR", "EEBL_CASES", "JERK", "LOSSY_CHANNEL", "eebl"]
 
 EEBL_CASES = ("A", "B", "C", "C-gentle", "D", "sensor")
-"""Connected vehicles: none, ego, ego and second car, the same (braking gently), second car, none (sensor)."""
+"""Connected: none, ego, ego and yellow, the same (gentle braking), yellow, none (sensor)."""
 
 LOSSY_CHANNEL = ChannelSettings(latency=0.1, loss_probability=0.3, mean_burst_length=6.0)
-"""Latency 100 ms and 30 % loss, in bursts of 6 messages of one modem that sends for all road users."""
+"""Latency 100 ms and 30 % loss, in bursts of 6 messages."""
 
 CAR = replace(VehicleParams.bmw_320i(), length=4.5, width=1.8)
 """The ego of all scenarios; the road users have the same body."""
 
 JERK = 12.65
-"""Build-up rate of everybody's brakes [m/s^3]: 0.774 g in 0.6 s, the careful driver of UN R157."""
+"""Build-up rate of all brakes [m/s^3]: 0.774 g in 0.6 s, the careful driver of UN R157."""
 
 _EGO_TYPES = {"A": "driver", "D": "driver", "sensor": "sensor"}  # else v2v
 _MAX_DECELERATION = {"B": 5.0, "C": 6.0, "C-gentle": 5.0}  # of the ego [m/s^2]; else 7
@@ -45,7 +45,7 @@ def eebl(
     standstill_gap: float = 5.0,
     start: float = 50.0,
 ) -> Scenario:
-    """Three cars on one lane; the first (red) brakes hard, the ego tailgates the second (yellow).
+    """Tailgate a second car (yellow) behind a first one (red) that brakes hard.
 
     Parameters
     ----------
@@ -94,7 +94,8 @@ def eebl(
             id="yellow", s=yellow, d=0.0, v_x=v_x, jerk=JERK, connected=warned,
             actions=(
                 ReactToLeadAction(
-                    lead_id="red", reaction_time=reaction_time, deceleration=5.5 if case == "C-gentle" else 7.0,
+                    lead_id="red", reaction_time=reaction_time,
+                    deceleration=5.5 if case == "C-gentle" else 7.0,
                     warning_delay=0.12 if warned else math.inf,  # one cycle and the lag of the brakes
                 ),
             ),
@@ -105,7 +106,8 @@ def eebl(
     road = Road(interpolate_path(np.column_stack((s, np.zeros_like(s)))), [Lane(d=0.0)], speed_limit=36.0)
     standstill_gap = min(standstill_gap, 0.5 * gap)
     return Scenario(
-        name="eebl", case=case, road=road, vehicle=CAR, start=start, v_x=v_x, cruise_speed=v_x, road_users=users,
+        name="eebl", case=case, road=road, vehicle=CAR, start=start, v_x=v_x, cruise_speed=v_x,
+        road_users=users,
         speed=SpeedSettings(
             b_max=_MAX_DECELERATION.get(case, 7.0), standstill_gap=standstill_gap,
             time_gap=(gap - standstill_gap) / v_x,

@@ -17,7 +17,7 @@ from cca_core.v2x import ChannelSettings
 __all__ = ["IMA_CASES", "ima"]
 
 IMA_CASES = ("left-turn", "crossing")
-"""Left turn in front of an occluded oncoming car, or straight on across the path of one from the right."""
+"""Left turn in front of an occluded oncoming car, or straight on with one from the right."""
 
 _ARM_LENGTH = 400.0  # of the roads on either side of the junction [m]
 

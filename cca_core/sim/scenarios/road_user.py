@@ -38,7 +38,7 @@ class BrakeAction:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReactToLeadAction:
-    """Brake when the lead vehicle brakes, and harder than wanted if a collision is imminent.
+    """Brake when the lead vehicle brakes, harder than wanted if necessary.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ RoadUserAction = BrakeAction | ReactToLeadAction | LateralShiftAction
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RoadUser:
-    """A scripted vehicle that keeps its lateral offset and its speed, but for its actions.
+    """A scripted vehicle that keeps lateral offset and speed, but for its actions.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from cca_core.vehicle import VehicleParams
 __all__ = ["EGO_TYPES", "LANE_WIDTH", "FixedTimeGap", "Scenario"]
 
 EGO_TYPES = ("v2v", "driver", "sensor")
-"""Controllers of the ego: planner with messages and sensor, human driver, planner with sensor alone."""
+"""Controllers of the ego: planner with messages, human driver, planner with sensor alone."""
 
 LANE_WIDTH = 3.5
 """Width of the lanes of all scenarios [m]."""
@@ -25,7 +25,7 @@ LANE_WIDTH = 3.5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedTimeGap:
-    """Tailgating: a time gap that the ego keeps until it knows of a hazard, whatever its controller commands.
+    """Tailgating: a time gap that the ego keeps until it knows of a hazard.
 
     Parameters
     ----------

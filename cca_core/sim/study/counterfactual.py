@@ -1,4 +1,4 @@
-"""Avoidability of a collision: an action with full knowledge from the first hazard message on, no planner."""
+"""Avoidability: actions with full knowledge from the first hazard message on, without planner."""
 
 import math
 from collections.abc import Iterable, Iterator

@@ -13,7 +13,7 @@ __all__ = ["local_processes"]
 
 @contextmanager
 def local_processes(max_workers: int | None = None) -> Iterator[ProcessPoolExecutor]:
-    """Open a pool of processes, by default one for each processor, that end with this one even if it is killed."""
+    """Open a pool of processes that end with this one, even if it is killed."""
     with _one_thread():
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(max_workers, mp_context=context, initializer=_begin_worker) as pool:

@@ -21,7 +21,7 @@ _TABLES = (
 
 
 class Store:
-    """Rows by key in an SQLite file that one process at a time opens, in a ``with`` statement.
+    """Rows by key in an SQLite file; one process at a time opens it, in a ``with`` statement.
 
     `fingerprint` describes the computation that the file belongs to. Once `add` has returned, its row
     survives a kill of the process; numbers come back exactly.

@@ -39,18 +39,6 @@ class Radio:
     Each road user is a sender of its own, or, with one modem, all are one: a burst of loss then affects the
     messages of all in the order of sending. A road user that reacts to messages has a channel of its own from
     its lead. The ego's messages go through one channel to all others.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        Road users and channel.
-    rng : numpy.random.Generator
-        Source of randomness: phases of the senders, losses and delays of the channels.
-
-    Attributes
-    ----------
-    counts : Counter
-        Messages ``"sent"`` and ``"delivered"`` to the ego, ``"ego_sent"`` and ``"ego_delivered"``.
     """
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
@@ -76,6 +64,7 @@ class Radio:
         self._next_due = [-math.inf] * (
             1 + len(scenario.road_users)
         )  # earliest next message of each, the ego last
+        # "sent" and "delivered" to the ego, "ego_sent" and "ego_delivered"
         self.counts: Counter[str] = Counter(sent=0, delivered=0, ego_sent=0, ego_delivered=0)
 
     @property

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from cca_core import InputError, VehicleParams, VehicleState
 from cca_core.follow.bicycle import steady_yaw_rate
 from cca_core.sim import SingleTrackPlant
-from cca_core.sim.plants.single_track import _fiala
+from cca_core.sim.plants.single_track import fiala_force
 
 G = 9.81
 CARS = [VehicleParams.bmw_320i(), VehicleParams.ford_escort(), VehicleParams.vw_vanagon()]
@@ -43,7 +43,7 @@ def planar_acceleration(p: SingleTrackPlant) -> tuple[float, float]:
         return np.array([s.v_x * c - s.v_y * n, s.v_x * n + s.v_y * c])
 
     before = velocity(p.state)
-    p.step(p._x[6], p._x[7], 1e-4)
+    p.step(p.state.delta, p.state.a_x, 1e-4)
     a = (velocity(p.state) - before) / 1e-4
     return float(a[0]), float(a[1])
 
@@ -60,11 +60,11 @@ class TestStraight:
         assert states[-1].x == pytest.approx(x, abs=1e-3)
         assert all(s.y == s.psi == s.v_y == s.r == 0.0 for s in states)
 
-    def test_drives_in_the_direction_of_its_heading(self) -> None:
+    def test_motion_follows_heading(self) -> None:
         s = drive(plant(10.0, psi=2.0), 1.0)[-1]
         assert (s.x, s.y) == pytest.approx((10.0 * math.cos(2.0), 10.0 * math.sin(2.0)))
 
-    def test_stops_and_stays_stopped(self) -> None:
+    def test_car_stops_and_stays_stopped(self) -> None:
         p = plant(15.0, delta=0.05)
         states = drive(p, 6.0, delta=0.05, a_x=-6.0)
         stopped = next(i for i, s in enumerate(states) if s.v_x == 0.0)
@@ -74,13 +74,13 @@ class TestStraight:
             assert (s.x, s.y, s.psi) == pytest.approx((states[-1].x, states[-1].y, states[-1].psi), abs=2e-3)
         assert min(s.v_x for s in states) >= 0.0
 
-    def test_starts_again(self) -> None:
+    def test_car_moves_off_again(self) -> None:
         p = plant(0.0)
         drive(p, 1.0, a_x=-5.0)
         states = drive(p, 4.0, a_x=2.0)
         assert states[-1].v_x == pytest.approx(2.0 * 3.9, abs=0.1)
 
-    def test_stands_without_command(self) -> None:
+    def test_car_rests_without_command(self) -> None:
         states = drive(plant(0.0), 2.0, delta=0.3)
         assert (states[-1].x, states[-1].y, states[-1].psi) == (0.0, 0.0, 0.0)
         assert states[-1].delta == pytest.approx(0.3, abs=1e-3)
@@ -99,7 +99,7 @@ class TestTurning:
         assert s.r == pytest.approx(float(steady_yaw_rate(delta, s.v_x, vehicle)), rel=0.01)
         assert p.a_y == pytest.approx(s.v_x * s.r, rel=1e-3)
 
-    def test_rolls_without_slip_at_walking_speed(self) -> None:
+    def test_no_slip_at_walking_speed(self) -> None:
         p = plant(0.8)
         drive(p, 1.0, delta=0.4)
         before = p.state
@@ -123,7 +123,7 @@ class TestTurning:
         assert states[-1].delta == pytest.approx(BMW.delta_max, abs=1e-6)
         assert max(s.delta for s in states) <= BMW.delta_max + 1e-12
 
-    def test_slides_at_the_limit_and_not_above(self) -> None:
+    def test_car_slides_at_friction_limit(self) -> None:
         p = plant(25.0)
         peak = 0.0
         for _ in range(100):
@@ -136,7 +136,7 @@ class TestTurning:
     st.sampled_from(CARS), st.floats(2.0, 45.0), st.floats(-0.6, 0.6), st.floats(-12.0, 12.0),
     st.floats(0.2, 1.0),
 )  # fmt: skip
-def test_never_more_than_the_tires_can_hold(
+def test_acceleration_never_exceeds_friction(
     vehicle: VehicleParams, v: float, delta: float, a_x: float, mu: float
 ) -> None:
     p = plant(v, replace(vehicle, mu=mu))
@@ -153,7 +153,7 @@ def test_never_more_than_the_tires_can_hold(
     st.floats(-4.0, 4.0),
     st.floats(-0.6, 0.6),
 )
-def test_tires_only_take_energy(vehicle: VehicleParams, v: float, v_y: float, r: float, delta: float) -> None:
+def test_tires_dissipate_energy(vehicle: VehicleParams, v: float, v_y: float, r: float, delta: float) -> None:
     """Coasting, whatever the slide: kinetic energy never grows."""
     p = plant(v, vehicle, v_y=v_y, r=r, delta=delta)
     energy = math.inf
@@ -184,7 +184,7 @@ def test_mirror_symmetry_is_exact(v: float, v_y: float, r: float, inputs: list[t
 
 
 @pytest.mark.parametrize("v", [12.0, 25.0])
-def test_converges_with_the_step(v: float) -> None:
+def test_result_converges_with_step(v: float) -> None:
     """Half the step, far less error: the scheme is of fourth order while the input is smooth."""
     ends = []
     for n in (1, 2, 4):
@@ -199,7 +199,7 @@ def test_converges_with_the_step(v: float) -> None:
     assert fine < coarse / 8.0 + 1e-11
 
 
-def test_one_long_step_is_many_short_ones() -> None:
+def test_long_step_equals_many_short_ones() -> None:
     a, b = plant(20.0), plant(20.0)
     a.step(0.02, 1.0, 0.5)
     for _ in range(50):
@@ -209,25 +209,25 @@ def test_one_long_step_is_many_short_ones() -> None:
 
 class TestFiala:
     @pytest.mark.parametrize("stiffness", [5e4, 1.3e5])
-    def test_slope_at_zero_is_the_stiffness(self, stiffness: float) -> None:
+    def test_fiala_slope_at_zero_is_stiffness(self, stiffness: float) -> None:
         for alpha in (1e-6, -1e-6):
-            assert _fiala(stiffness, alpha, 5e3) / alpha == pytest.approx(-stiffness, rel=1e-4)
-        assert _fiala(stiffness, 0.0, 5e3) == 0.0
+            assert fiala_force(stiffness, alpha, 5e3) / alpha == pytest.approx(-stiffness, rel=1e-4)
+        assert fiala_force(stiffness, 0.0, 5e3) == 0.0
 
     @given(st.floats(1e4, 3e5), st.floats(100.0, 2e4), st.floats(-1.5, 1.5))
-    def test_odd_bounded_and_against_the_slip(self, stiffness: float, most: float, alpha: float) -> None:
-        force = _fiala(stiffness, alpha, most)
-        assert force == -_fiala(stiffness, -alpha, most)
-        assert abs(force) <= most * (1.0 + 1e-12)
+    def test_fiala_force_is_odd_and_bounded(self, stiffness: float, f_max: float, alpha: float) -> None:
+        force = fiala_force(stiffness, alpha, f_max)
+        assert force == -fiala_force(stiffness, -alpha, f_max)
+        assert abs(force) <= f_max * (1.0 + 1e-12)
         assert force * alpha <= 0.0
 
-    def test_grows_to_full_sliding_without_a_jump(self) -> None:
-        forces = [-_fiala(1e5, a, 5e3) for a in np.linspace(0.0, 0.3, 400)]
+    def test_fiala_force_is_continuous_up_to_sliding(self) -> None:
+        forces = [-fiala_force(1e5, a, 5e3) for a in np.linspace(0.0, 0.3, 400)]
         assert np.diff(forces).min() >= -1e-9
         assert forces[-1] == 5e3
         assert np.diff(forces).max() < 1e5 * 0.3 / 399 * 1.01
 
 
-def test_bad_lag() -> None:
+def test_invalid_lag_raises() -> None:
     with pytest.raises(InputError, match="drive_lag"):
         plant(10.0, drive_lag=-0.1)

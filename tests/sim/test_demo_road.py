@@ -6,7 +6,7 @@ from cca_core.sim import demo_route, longest_stretch
 
 
 def winding_road() -> Path:
-    """Straight, a bend of radius 80 m, and a longer straight."""
+    """A straight, a curve of radius 80 m, and a longer straight."""
     turn = np.linspace(0.0, np.pi / 2.0, 60)
     bend = np.column_stack((300.0 + 80.0 * np.sin(turn), 80.0 - 80.0 * np.cos(turn)))
     before = np.column_stack((np.arange(0.0, 300.0, 5.0), np.zeros(60)))
@@ -32,23 +32,23 @@ def winding() -> Path:
 
 
 @pytest.mark.parametrize("radius", [40.0, 75.0, 200.0, 1000.0])
-def test_longest_stretch_agrees_with_a_search_by_hand(winding: Path, radius: float) -> None:
+def test_longest_stretch_equals_plain_search(winding: Path, radius: float) -> None:
     assert longest_stretch(winding, radius=radius) == pytest.approx(longest_by_hand(winding, radius), abs=1.1)
 
 
-def test_the_whole_of_a_straight_road_is_gentle() -> None:
+def test_longest_stretch_of_straight_road_is_all_of_it() -> None:
     path = fit_path([(10.0 * i, 0.0) for i in range(20)])
     assert longest_stretch(path, radius=1e6) == (path.start, path.end)
 
 
-def test_a_roundabout_has_no_gentle_stretch() -> None:
+def test_roundabout_has_no_stretch() -> None:
     turn = np.linspace(0.0, 2.0 * np.pi, 60)
     path = fit_path(30.0 * np.column_stack((np.cos(turn), np.sin(turn)))[:-1], closed=True)
     start, end = longest_stretch(path)
     assert start == end
 
 
-def test_the_demo_route_is_a_gentle_road() -> None:
+def test_demo_route_has_no_tight_curve() -> None:
     route = demo_route()
     xy = LocalFrame(route.lat[0], route.lon[0]).to_local(route.lat, route.lon)
     chords = np.diff(xy, axis=0)
