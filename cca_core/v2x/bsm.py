@@ -4,8 +4,10 @@ import math
 import operator
 import re
 from collections.abc import Mapping, Set
+from dataclasses import replace
 from typing import Any, NamedTuple
 
+from cca_core._checks import shown
 from cca_core.errors import InputError
 from cca_core.v2x.events import decode_events, encode_events
 from cca_core.v2x.message import BrakeStatus, Bsm, PositionalAccuracy
@@ -51,6 +53,18 @@ _CORE = BitFields(
     (7, 32, 16, 31, 32, 16, 8, 8, 16, 3, 13, 15, 8, 12, 12, 8, 16, 5, 2, 2, 2, 2, 2, 10, 12)
 )  # fmt: skip
 _CORE_BYTES = 37  # three leading flags and 290 bits
+_TRACKED = (
+    "sec_mark",
+    "latitude_deg",
+    "longitude_deg",
+    "elevation",
+    "speed",
+    "psi",
+    "a_x",
+    "r",
+    "width",
+    "length",
+)
 
 
 def _heading_from_code(code: int) -> float:
@@ -208,31 +222,67 @@ def encode_bsm(bsm: Bsm) -> bytes:
     return close_frame(bits, n_bits, _MESSAGE_ID)
 
 
+def plain_bsm(bsm: Bsm) -> Bsm:
+    """Return a message whose values for tracking are of Python's own types; they may be NaN or infinite."""
+    changed: dict[str, Any] = {}
+    for name in _TRACKED:
+        value = getattr(bsm, name)
+        if value is not None and type(value) is not float:
+            changed[name] = _real(name, value)
+    if type(bsm.msg_count) is not int:
+        changed["msg_count"] = _count(bsm.msg_count)
+    id: Any = bsm.id
+    events: Any = bsm.events
+    if not isinstance(id, str):
+        raise InputError(f"id must be text, was {shown(id)}")
+    if not isinstance(events, Set) or not all(isinstance(name, str) for name in events):
+        raise InputError(f"events must be a set of names, was {shown(events)}")
+    if type(id) is not str or type(events) is not frozenset:
+        changed |= {"id": str(id), "events": frozenset(map(str, events))}
+    _choice("transmission", bsm.transmission)
+    major = getattr(bsm.accuracy, "semi_major", None)
+    if major is not None and type(major) is not float:
+        changed["accuracy"] = PositionalAccuracy(semi_major=_real("semi_major", major))
+    return replace(bsm, **changed) if changed else bsm
+
+
 def _check_kinds(bsm: Any) -> None:
     """Check the types of a message."""
     if not isinstance(bsm, Bsm):
-        raise InputError(f"bsm must be a Bsm, was {bsm!r}")
+        raise InputError(f"bsm must be a Bsm, was {shown(bsm)}")
     parts: tuple[Any, ...] = (bsm.accuracy, bsm.brakes)
     if not (isinstance(parts[0], PositionalAccuracy) and isinstance(parts[1], BrakeStatus)):
-        raise InputError(f"accuracy and brakes must be PositionalAccuracy and BrakeStatus, were {parts!r}")
+        raise InputError(
+            f"accuracy and brakes must be PositionalAccuracy and BrakeStatus, were {shown(parts)}"
+        )
     name: Any = bsm.id
     if not isinstance(name, str) or not re.fullmatch("[0-9a-f]{8}", name):
-        raise InputError(f"id must be 8 hexadecimal digits in lower case, was {name!r}")
+        raise InputError(f"id must be 8 hexadecimal digits in lower case, was {shown(name)}")
     events: Any = bsm.events
     if not isinstance(events, Set):
-        raise InputError(f"events must be a set of names, was {events!r}")
+        raise InputError(f"events must be a set of names, was {shown(events)}")
+
+
+def _real(name: str, value: Any) -> float:
+    """Return any real number as float."""
+    try:
+        if isinstance(value, (str, bytes, bytearray)):  # float() would read them
+            raise TypeError
+        return float(value)
+    except Exception:  # a value may be of any class
+        raise InputError(f"{name} must be a finite number or None, was {shown(value)}") from None
 
 
 def _number(name: str, value: float | None, scale: float, lowest: int, highest: int, unavailable: int) -> int:
     """Return the code of a number, `scale` steps a unit."""
     if value is None:
         return unavailable
-    try:
-        code = round(value * scale)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be a finite number or None, was {value!r}") from None
+    scaled = _real(name, value) * scale
+    if not math.isfinite(scaled):
+        raise InputError(f"{name} must be a finite number or None, was {shown(value)}")
+    code = round(scaled)
     if not lowest <= code <= highest:
-        raise InputError(f"{name} must be {lowest / scale:.8g} to {highest / scale:.8g}, was {value!r}")
+        raise InputError(f"{name} must be {lowest / scale:.8g} to {highest / scale:.8g}, was {shown(value)}")
     return code
 
 
@@ -240,10 +290,10 @@ def _direction(name: str, value: float | None, steps: int) -> int:
     """Return the code clockwise from north, `steps` a turn, of a direction counter-clockwise from east."""
     if value is None:
         return steps
-    try:
-        return round((0.25 - value / math.tau) % 1.0 * steps) % steps
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} must be a finite angle or None, was {value!r}") from None
+    angle = _real(name, value)
+    if not math.isfinite(angle):
+        raise InputError(f"{name} must be a finite angle or None, was {shown(value)}")
+    return round((0.25 - angle / math.tau) % 1.0 * steps) % steps
 
 
 def _choice(name: str, value: Any, table: str = "") -> int:
@@ -251,17 +301,17 @@ def _choice(name: str, value: Any, table: str = "") -> int:
     codes = _CODES[table or name].of
     try:
         return codes[value]
-    except (KeyError, TypeError):
+    except Exception:  # a value may be of any class
         allowed = ", ".join(map(repr, codes)) if len(codes) < 9 else "four bools or None"
-        raise InputError(f"{name} must be one of {allowed}; was {value!r}") from None
+        raise InputError(f"{name} must be one of {allowed}; was {shown(value)}") from None
 
 
 def _count(value: int) -> int:
     """Return a checked message count."""
     try:
         count = operator.index(value)
-    except TypeError:
+    except Exception:  # a value may be of any class
         count = -1
     if not 0 <= count <= 127:
-        raise InputError(f"msg_count must be an integer from 0 to 127, was {value!r}")
+        raise InputError(f"msg_count must be an integer from 0 to 127, was {shown(value)}")
     return count

@@ -2,6 +2,7 @@
 
 from collections.abc import Set
 
+from cca_core._checks import shown
 from cca_core.errors import InputError
 from cca_core.v2x.uper import open_type, take, take_open_type
 
@@ -52,7 +53,7 @@ def encode_events(events: Set[str]) -> tuple[int, int]:
     try:
         flags = sum(1 << len(EVENTS) - 1 - EVENTS.index(name) for name in events)
     except (TypeError, ValueError):
-        raise InputError(f"events must be names among {', '.join(EVENTS)}, was {events!r}") from None
+        raise InputError(f"events must be names among {', '.join(EVENTS)}, was {shown(events)}") from None
     if flags & 1:
         content, n_bits = 0b01000_1 << 22 | len(EVENTS) << 14 | flags, 28
     else:

@@ -8,7 +8,7 @@ from cca_core.errors import InputError
 from cca_core.path.local_frame import LocalFrame
 from cca_core.v2x._intake import Intake
 from cca_core.v2x._tracks import is_expired
-from cca_core.v2x.bsm import Bsm, decode_frame
+from cca_core.v2x.bsm import Bsm, decode_frame, plain_bsm
 from cca_core.v2x.health import MessageRates, TrackerHealth, health_of
 from cca_core.v2x.tracker_settings import TrackerSettings
 from cca_core.v2x.update_result import ACCEPTED_KINDS, UNCOUNTED_KINDS, UpdateResult
@@ -162,7 +162,7 @@ class Tracker:
     def _process_data(self, data: bytes | bytearray | str | Bsm, t: float) -> UpdateResult:
         """Decode and process a message."""
         if isinstance(data, Bsm):
-            bsm = data
+            bsm = plain_bsm(data)
         else:
             frame = unwrap_message(data)
             if frame.name != "BSM":

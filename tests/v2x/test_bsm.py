@@ -3,6 +3,8 @@
 import math
 import os
 from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -10,8 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cca_core import LocalFrame
 from cca_core.errors import InputError
-from cca_core.v2x import BrakeStatus, Bsm, PositionalAccuracy, decode_bsm, encode_bsm
+from cca_core.v2x import BrakeStatus, Bsm, PositionalAccuracy, Tracker, decode_bsm, encode_bsm
 from cca_core.v2x.events import EVENTS
 from tests.support import asn1_peer as peer
 from tests.support.asn1_peer import assert_means, flat
@@ -176,3 +179,61 @@ def test_out_of_range_value_raises(name: str, value: Any) -> None:
 def test_encoding_other_types_raises() -> None:
     with pytest.raises(InputError, match="bsm must be"):
         encode_bsm(None)  # type: ignore[arg-type]
+
+
+class Hostile:
+    """A value whose methods raise."""
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        raise RuntimeError
+
+    def __repr__(self) -> str:
+        raise RuntimeError
+
+    def __float__(self) -> float:
+        raise RuntimeError
+
+    def __mul__(self, other: object) -> float:
+        raise RuntimeError
+
+
+ODD = [
+    10**400, 10**5000, -(10**5000), math.nan, math.inf, True, "x", "1.0", b"1", [], [1.0], (1.0,), {}, {1},
+    frozenset(), frozenset({"hard_braking"}), frozenset({5}), np.float64(1.0), np.float32(1.5), np.int64(3),
+    np.array(1.0), np.array([1.0]), np.array([1.0, 2.0]), np.str_("00c0ffee"), Decimal("1.5"),
+    Fraction(1, 3), 1j, int, Hostile(), None, "00c0ffee\n", -1, 128, 2.5, "x" * 10**6,
+    PositionalAccuracy(semi_major="x"), BrakeStatus(abs=[]),
+]  # fmt: skip
+DRIVING = replace(
+    PLAIN, sec_mark=7.0, latitude_deg=45.0, longitude_deg=14.0, speed=10.0, psi=0.5, length=4.5, width=1.8
+)
+
+
+def odd_messages(name: str) -> list[Bsm]:
+    """Messages with one value of an odd type."""
+    for part, kind in (("accuracy", PositionalAccuracy), ("brakes", BrakeStatus)):
+        if name in kind.__dataclass_fields__:
+            return [replace(DRIVING, **{part: kind(**{name: value})}) for value in ODD]
+    return [replace(DRIVING, **{name: value}) for value in ODD]
+
+
+def error_of_encoding(bsm: Bsm) -> str:
+    try:
+        encode_bsm(bsm)
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize("name", [*flat(PLAIN), "accuracy", "brakes", "events", "signed"])
+def test_odd_values_raise_input_error_or_nothing(name: str) -> None:
+    for bsm in odd_messages(name):
+        assert len(error_of_encoding(bsm)) < 400
+        tracker = Tracker(LocalFrame(45.0, 14.0))
+        for i, sent in enumerate((bsm, DRIVING, bsm)):
+            tracker.update(sent, 7.0 + 0.1 * i)
+            for vehicle in tracker.vehicles(7.05 + 0.1 * i):
+                assert type(vehicle.v_x) is float
+                assert type(vehicle.events) is frozenset
