@@ -25,7 +25,14 @@ T = TypeVar("T")
 
 _MADE_OF: dict[type, dict[str, Any]] = {
     Path: {"breaks": Array, "coefficients": Array},
-    Road: {"path": Path, "lanes": tuple[Lane, ...], "speed_limit": float, "stop_lines": tuple[float, ...]},
+    Road: {
+        "path": Path,
+        "lanes": tuple[Lane, ...],
+        "speed_limit": float,
+        "stop_lines": tuple[float, ...],
+        "elevation": Array | None,
+        "sigma_elevation": float,
+    },
     LocalFrame: {"lat0": float, "lon0": float},
 }
 _NOT_FINITE = {"Infinity": math.inf, "-Infinity": -math.inf, "NaN": math.nan}

@@ -114,7 +114,9 @@ def _plain(record: object) -> RemoteVehicle | str:
     if reason is not None:
         return reason
     if type(record) is RemoteVehicle and _PLAIN_TYPES.issuperset(map(type, _VALUES(record))):
-        return record
+        height: tuple[object, object] = record.z, record.sigma_z
+        if isinstance(height[0], float | None) and isinstance(height[1], float):
+            return record
     # what classes of the caller's compute is read once
     values = dict(zip(_FIELDS, _VALUES(record), strict=True))
     height = [values.pop(name) for name in ("z", "sigma_z")]

@@ -1,5 +1,6 @@
 """Lanes along a path."""
 
+import math
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -8,6 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_real, shown
 from cca_core.errors import InputError
@@ -16,6 +18,8 @@ from cca_core.path.fit import fit_path
 from cca_core.path.local_frame import LocalFrame
 from cca_core.path.path import Path
 from cca_core.path.waypoints import Waypoints, read_waypoints
+
+_SIGMA_ELEVATION = 3.0  # of heights of satellite receivers [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,11 +75,18 @@ class Road:
         Legal speed [m/s].
     stop_lines : sequence of float
         Stations at which the ego stops to yield to crossing traffic [m].
+    elevation : array_like, shape (n, 2), optional
+        Stations and heights of the route in the local frame [m], stations increasing, heights linear between
+        them. A height that is NaN is unknown, as are those before the first and behind the last station. By
+        default the route is level, at height 0.
+    sigma_elevation : float
+        Standard deviation of these heights [m].
 
     Raises
     ------
     InputError
-        If `path` is not a `Path`, no lane contains the route, or the speed limit is not positive.
+        If `path` is not a `Path`, no lane contains the route, the speed limit is not positive, or the
+        stations of `elevation` do not increase.
     """
 
     def __init__(
@@ -84,6 +95,8 @@ class Road:
         lanes: Sequence[Lane] | None = None,
         speed_limit: float = 36.0,
         stop_lines: Sequence[float] = (),
+        elevation: ArrayLike | None = None,
+        sigma_elevation: float = 0.0,
     ) -> None:
         if not isinstance(path, Path):
             raise InputError(f"path must be a Path, was {type(path).__name__}")
@@ -95,6 +108,8 @@ class Road:
         self.lanes = tuple(sorted(lanes, key=lambda lane: lane.d))
         self.speed_limit = check_real("speed_limit", speed_limit, gt=0.0)
         self.stop_lines = tuple(check_real("stop_lines", line) for line in stop_lines)
+        self.elevation = None if elevation is None else _check_elevation(elevation)
+        self.sigma_elevation = check_real("sigma_elevation", sigma_elevation, ge=0.0)
         ego_lane = self.lane_at(0.0)
         if ego_lane is None or ego_lane.direction != 1:
             raise InputError("lanes must contain the route (d = 0) in a lane of direction 1")
@@ -143,7 +158,7 @@ class Road:
         -------
         road : Road
             The cleaned and fitted route. Its ``frame`` is the local frame of a file with latitude and
-            longitude.
+            longitude. Its ``elevation`` are the heights of the file above the first one, if there are any.
 
         Raises
         ------
@@ -167,7 +182,9 @@ class Road:
                 f"file {FilePath(file).name!r} must have no gap within a part, had {len(route.report.gaps)}, after "
                 f"the points {(rows.start + route.report.gaps[:5]).tolist()} of the part"
             )
-        road = cls(fit_path(route.parts[0], **fit), lanes, speed_limit, stop_lines)
+        path = fit_path(route.parts[0], **fit)
+        heights = _elevation_along(path, route.parts[0], xy[rows], points.z[rows])
+        road = cls(path, lanes, speed_limit, stop_lines, heights, _SIGMA_ELEVATION)
         if not len(points.xy):
             lat0, lon0 = (points.lat[0], points.lon[0]) if origin is None else origin
             road.frame = LocalFrame(lat0, lon0)
@@ -189,6 +206,26 @@ class Road:
     def left_edge(self) -> float:
         """Lateral offset of the left road edge [m]."""
         return max(lane.left for lane in self.lanes)
+
+    def height_range(self, start: float, end: float) -> tuple[float, float]:
+        """Lowest and highest height of a part of the route.
+
+        Parameters
+        ----------
+        start, end : float
+            Stations [m].
+
+        Returns
+        -------
+        low, high : float
+            Heights in the local frame [m]; NaN if one is unknown.
+        """
+        if self.elevation is None:
+            return 0.0, 0.0
+        s, z = self.elevation.T
+        within = z[(s > start) & (s < end)]
+        heights = np.append(within, np.interp((start, end), s, z, left=math.nan, right=math.nan))
+        return float(heights.min()), float(heights.max())
 
     def lane_at(self, d: float) -> Lane | None:
         """Lane at a lateral offset.
@@ -228,3 +265,37 @@ def _rows_of(points: Waypoints, xy: Array, part: int | None, max_gap: float, nam
         text = f"file {name!r} has {n} parts, which were joined over gaps of up to {gaps.max():.0f} m"
         warnings.warn(text, stacklevel=3)
     return slice(0, len(xy))
+
+
+def _check_elevation(elevation: ArrayLike) -> Array:
+    """Return stations and heights as a read-only table; unknown heights are NaN."""
+    words = "elevation must be finite, increasing stations and heights of shape (n, 2)"
+    try:
+        table = np.array(elevation, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{words}, was {type(elevation).__name__}") from None
+    if table.ndim != 2 or table.shape[1] != 2 or not len(table):
+        raise InputError(f"{words}, had shape {table.shape}")
+    s, z = table.T
+    if not (np.isfinite(s).all() and (np.diff(s) > 0.0).all() and not np.isinf(z).any()):
+        raise InputError(f"{words}, was not")
+    table.setflags(write=False)
+    return table
+
+
+def _elevation_along(path: Path, nodes: Array, xy: Array, z: Array) -> Array | None:
+    """Return stations of waypoints and their heights above the first one; None without heights."""
+    heights = dict(zip(map(tuple, xy.tolist()), z.tolist(), strict=False))
+    rows: list[tuple[float, float]] = []
+    s, last = path.start, (float(nodes[0, 0]), float(nodes[0, 1]))
+    for x, y in nodes.tolist():
+        s = path.foot_point(x, y, s + math.dist((x, y), last))[0]
+        height = heights.get((x, y), math.nan)
+        if math.isfinite(height) and not (rows and s <= rows[-1][0]):
+            rows.append((s, height))
+        last = x, y
+    if not rows:
+        return None
+    table = np.array(rows)
+    table[:, 1] -= table[0, 1]
+    return table

@@ -1,7 +1,6 @@
 """Planner: one cycle from vehicles around the ego to steering and acceleration."""
 
 from cca_core.planner.command import Command
-from cca_core.planner.inputs import RadioHealth
 from cca_core.planner.maneuver_tuning import AbortSettings, LastResortSettings, ReplanSettings
 from cca_core.planner.planner import Planner
 from cca_core.planner.settings import EvasionSettings
@@ -16,7 +15,6 @@ __all__ = [
     "LastResortSettings",
     "LeadSettings",
     "Planner",
-    "RadioHealth",
     "ReplanSettings",
     "YieldSettings",
 ]  # fmt: skip

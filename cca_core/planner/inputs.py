@@ -1,14 +1,16 @@
 """Inputs of a planner and of a cycle: which of them can be used."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from types import NoneType
 from typing import Protocol
 
 from cca_core.errors import InputError
 from cca_core.follow import PreviewController, SpeedSettings
+from cca_core.frenet import FrenetVehicle
 from cca_core.path import Path, Road
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.tuning import DecisionSettings
 from cca_core.vehicle import (
     MAX_COORDINATE,
     MAX_SPEED,
@@ -26,6 +28,7 @@ __all__ = [
     "invalid_input_reason",
     "invalid_state_reason",
     "usable_range",
+    "vehicles_on_level",
 ]
 
 _MAX_TIME = 1e12  # [s]; larger numbers have no resolution left for a cycle
@@ -34,15 +37,7 @@ _MAX_PERIOD = 0.1  # to which the limits of steering and jerk apply [s]; longer 
 
 
 class RadioHealth(Protocol):
-    """Whether the list of other vehicles is complete; `Tracker.health` returns one.
-
-    Attributes
-    ----------
-    trusted : bool
-        Whether a vehicle that is not in the list is not there.
-    reason : str
-        Why not, for the driver and the log.
-    """
+    """Whether the list of other vehicles is complete; `Tracker.health` returns one."""
 
     @property
     def trusted(self) -> bool:
@@ -148,6 +143,36 @@ def invalid_state_reason(t: float, state: object, max_age: float) -> str:
     if age < -max_age - _ROUNDING:
         return f"state was measured {-age:.3g} s after t; both must come from one clock"
     return ""
+
+
+def vehicles_on_level(
+    vehicles: Sequence[FrenetVehicle], road: Road, settings: DecisionSettings
+) -> tuple[list[FrenetVehicle], tuple[tuple[str, str], ...], tuple[str, ...]]:
+    """Return the vehicles at the height of the route, others with the reason, and faults of heights."""
+    kept: list[FrenetVehicle] = []
+    others: list[tuple[str, str]] = []
+    faults: list[str] = []
+    for n in vehicles:
+        difference = _height_above(n, road)
+        limit = settings.level_gap + 2.0 * math.hypot(n.remote.sigma_z, road.sigma_elevation)
+        limit += settings.max_grade * abs(n.d)
+        text = f"{abs(difference):.1f} m {'above' if difference > 0.0 else 'below'} the route"
+        if limit < abs(difference) <= settings.max_level_gap:
+            others.append((n.id, f"{text} (limit {limit:.1f} m)"))
+            continue
+        if abs(difference) > settings.max_level_gap:
+            faults.append(f"{n.id} is {text}; heights beyond {settings.max_level_gap:g} m are not used")
+        kept.append(n)
+    return kept, tuple(others), tuple(faults)
+
+
+def _height_above(vehicle: FrenetVehicle, road: Road) -> float:
+    """Height above or below (negative) the part of the route at a body [m]; 0 if it is unknown."""
+    z = vehicle.remote.z
+    if z is None or not (math.isfinite(z) and vehicle.remote.sigma_z >= 0.0):
+        return 0.0
+    low, high = road.height_range(vehicle.rear, vehicle.front)
+    return z - min(max(z, low), high) if low <= high else 0.0
 
 
 def usable_range(

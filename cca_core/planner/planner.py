@@ -30,6 +30,7 @@ from cca_core.planner.inputs import (
     check_arguments,
     invalid_state_reason,
     usable_range,
+    vehicles_on_level,
 )
 from cca_core.planner.lead import find_lead, oncoming_assumed_in_lane
 from cca_core.planner.maneuver import Maneuver
@@ -170,9 +171,9 @@ class Planner:
         awareness_range : float
             Awareness range in this cycle [m]; overrides the setting if smaller. Pass 0 while
             `Tracker.is_saturated`.
-        radio : RadioHealth, optional
-            `Tracker.health(t)`. While it is not to be trusted, the awareness range is 0 and the command says
-            why.
+        radio : TrackerHealth, optional
+            `Tracker.health(t)`, or any object with `trusted` and `reason`. While it is not to be trusted, the
+            awareness range is 0 and the command says why.
 
         Returns
         -------
@@ -211,6 +212,8 @@ class Planner:
             v_target=v_target, speed=self.speed,
         )  # fmt: skip
         vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range)
+        vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, self.evasion.decision)
+        dropped, self._input_faults = dropped + off_level, self._input_faults + faults
         incomplete = [reason for _, reason in dropped if reason.startswith(INCOMPLETE)]
         if incomplete:
             self._awareness_range, self._input_faults = 0.0, (*self._input_faults, *incomplete)

@@ -31,6 +31,15 @@ class DecisionSettings:
         Lateral offset above which the ego is off its route and makes a safe stop [m].
     relevance_margin : float
         Distance beyond the road edges and the clearance within which vehicles are relevant [m].
+    level_gap : float
+        Height above or below the route, beyond both uncertainty bounds, from which on a vehicle is not in
+        the way [m]: the height of trucks.
+    max_level_gap : float
+        Greater differences of height are errors, such as ellipsoid against sea level; the vehicle is in the
+        way [m].
+    max_grade : float
+        Grade of roads that cross the route [-]. A vehicle beside the route may be higher by this times its
+        lateral offset and still be on a road that meets it.
     max_state_age : float
         Age of the ego's state above which it counts as lost [s].
 
@@ -45,6 +54,9 @@ class DecisionSettings:
     comfort_deceleration: float = 2.0
     max_route_distance: float = 15.0
     relevance_margin: float = 1.5
+    level_gap: float = 4.0
+    max_level_gap: float = 20.0
+    max_grade: float = 0.06
     max_state_age: float = 0.1
 
     def __post_init__(self) -> None:
