@@ -119,8 +119,8 @@ def _plain(record: object) -> RemoteVehicle | str:
             return record
     # what classes of the caller's compute is read once
     values = dict(zip(_FIELDS, _VALUES(record), strict=True))
-    height = [values.pop(name) for name in ("z", "sigma_z")]
-    z, sigma_z = map(float, height) if all(map(is_finite_number, height)) else (None, 0.0)
+    heights = [values.pop(name) for name in ("z", "sigma_z")]
+    z, sigma_z = map(float, heights) if all(map(is_finite_number, heights)) else (None, 0.0)
     labels = {kind: values.pop(kind) for kind in ("id", "events", "source")}
     plain = RemoteVehicle(
         id=str(labels["id"]), events=frozenset(labels["events"]), source=str(labels["source"]), z=z,

@@ -32,11 +32,10 @@ class DecisionSettings:
     relevance_margin : float
         Distance beyond the road edges and the clearance within which vehicles are relevant [m].
     level_gap : float
-        Height above or below the route, beyond both uncertainty bounds, from which on a vehicle is not in
-        the way [m]: the height of trucks.
+        Height above or below the route, beyond both uncertainty bounds, from which on a vehicle does not
+        block it [m]: the height of trucks.
     max_level_gap : float
-        Greater differences of height are errors, such as ellipsoid against sea level; the vehicle is in the
-        way [m].
+        Greater differences of height are errors, such as ellipsoid against sea level; the vehicle blocks [m].
     max_grade : float
         Grade of roads that cross the route [-]. A vehicle beside the route may be higher by this times its
         lateral offset and still be on a road that meets it.

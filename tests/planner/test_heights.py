@@ -1,4 +1,4 @@
-"""Heights: a body on another level than the route is not in its way, an unknown height is."""
+"""Heights: a body on another level than the route does not block it, one of unknown height does."""
 
 import math
 from typing import Any
@@ -20,7 +20,7 @@ def step(other: RemoteVehicle, **road: Any) -> Command:
     return command
 
 
-def is_in_way(other: RemoteVehicle, **road: Any) -> bool:
+def is_blocking(other: RemoteVehicle, **road: Any) -> bool:
     command = step(other, **road)
     assert bool(command.dropped) == (command.a_x >= 0.0)
     return command.a_x < 0.0
@@ -32,14 +32,14 @@ class TestLevelRoad:
         [(None, True), (math.nan, True), (math.inf, True), ("high", True), (0.0, True), (3.9, True), (-3.9, True),
          (4.1, False), (8.0, False), (-6.0, False), (45.0, True), (-200.0, True)],
     )  # fmt: skip
-    def test_body_in_way_by_height(self, z: Any, expected: bool) -> None:
-        assert is_in_way(car(60.0, v_x=0.0, z=z)) is expected
+    def test_body_blocks_by_height(self, z: Any, expected: bool) -> None:
+        assert is_blocking(car(60.0, v_x=0.0, z=z)) is expected
 
     @pytest.mark.parametrize(
         ("sigma", "expected"), [(0.0, False), (1.9, False), (2.1, True), (math.nan, True), (-1.0, True)]
     )
-    def test_uncertain_height_is_in_way(self, sigma: float, expected: bool) -> None:
-        assert is_in_way(car(60.0, v_x=0.0, z=8.0, sigma_z=sigma)) is expected
+    def test_body_of_uncertain_height_blocks(self, sigma: float, expected: bool) -> None:
+        assert is_blocking(car(60.0, v_x=0.0, z=8.0, sigma_z=sigma)) is expected
 
     def test_reason_names_height_and_limit(self) -> None:
         assert step(car(60.0, z=8.0)).dropped == (("R", "8.0 m above the route (limit 4.0 m)"),)
@@ -61,23 +61,23 @@ class TestElevation:
     )
     def test_height_counts_from_the_route_there(self, z: float, expected: bool) -> None:
         """The route is 2.9 to 3.1 m high at the body."""
-        assert is_in_way(car(60.0, v_x=0.0, z=z), elevation=HILL) is expected
+        assert is_blocking(car(60.0, v_x=0.0, z=z), elevation=HILL) is expected
 
     def test_grade_counts_over_the_extent_of_the_body(self) -> None:
         tram = {"v_x": 0.0, "length": 60.0, "z": 10.0}  # the route is 3.0 to 6.0 m high
-        assert not is_in_way(car(90.0, v_x=0.0, z=10.0), elevation=HILL)
-        assert is_in_way(car(110.0, **(tram | {"z": 10.0})), elevation=HILL)
-        assert is_in_way(car(90.0, v_x=0.0, z=10.0, sigma_along=20.0), elevation=HILL)
+        assert not is_blocking(car(90.0, v_x=0.0, z=10.0), elevation=HILL)
+        assert is_blocking(car(110.0, **(tram | {"z": 10.0})), elevation=HILL)
+        assert is_blocking(car(90.0, v_x=0.0, z=10.0, sigma_along=20.0), elevation=HILL)
 
     @pytest.mark.parametrize(("sigma", "expected"), [(0.0, False), (1.0, False), (3.0, True)])
-    def test_uncertain_route_keeps_body_in_way(self, sigma: float, expected: bool) -> None:
-        assert is_in_way(car(60.0, v_x=0.0, z=10.0), elevation=HILL, sigma_elevation=sigma) is expected
+    def test_body_over_uncertain_route_blocks(self, sigma: float, expected: bool) -> None:
+        assert is_blocking(car(60.0, v_x=0.0, z=10.0), elevation=HILL, sigma_elevation=sigma) is expected
 
     @pytest.mark.parametrize(
         "elevation", [[(0.0, 0.0), (50.0, math.nan), (80.0, 0.0)], [(0.0, 0.0), (50.0, 0.0)], [(70.0, 0.0)]]
     )
-    def test_unknown_height_of_route_keeps_body_in_way(self, elevation: Any) -> None:
-        assert is_in_way(car(60.0, v_x=0.0, z=10.0), elevation=elevation)
+    def test_body_over_unknown_height_of_route_blocks(self, elevation: Any) -> None:
+        assert is_blocking(car(60.0, v_x=0.0, z=10.0), elevation=elevation)
 
     @pytest.mark.parametrize(
         "wrong", [7.0, "hill", [], [(0.0, 1.0, 2.0)], [(0.0, 1.0), (0.0, 2.0)], [(5.0, 1.0), (0.0, 2.0)],
