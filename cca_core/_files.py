@@ -5,6 +5,7 @@ import re
 from pathlib import Path as FilePath
 from typing import Any
 from xml.etree import ElementTree
+from xml.parsers import expat
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from cca_core.errors import InputError
 MAX_BYTES = 50_000_000
 MAX_DEPTH = 100  # of elements in elements, or lists in lists
 MAX_ELEMENTS = 5_000_000  # an element takes about 100 bytes
+_MAX_TAG = 1_000_000  # with its attributes, a comment alike [bytes]
 _JSON_TEXT = re.compile(rb'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 
 
@@ -57,40 +59,54 @@ class XmlTarget:
         """Leave an element."""
         self.depth -= 1
 
+    def data(self, text: str, /) -> Any:
+        """Take text within an element."""
+
+    def close(self) -> Any:
+        """Return what was kept."""
+
 
 class _Tree(XmlTarget):
     """Builds the tree of elements."""
 
     def __init__(self) -> None:
         super().__init__()
-        builder = ElementTree.TreeBuilder()
-        self._start, self._end, self.data, self.close = (
-            builder.start,
-            builder.end,
-            builder.data,
-            builder.close,
-        )
+        self._builder = ElementTree.TreeBuilder()
 
     def start(self, tag: str, attributes: dict[str, str], /) -> None:
         super().start(tag, attributes)
-        self._start(tag, attributes)
+        self._builder.start(tag, attributes)
 
     def end(self, tag: str, /) -> None:
         self.depth -= 1
-        self._end(tag)
+        self._builder.end(tag)
+
+    def data(self, text: str, /) -> None:
+        self._builder.data(text)
+
+    def close(self) -> ElementTree.Element:
+        return self._builder.close()
 
 
 def parse_xml(data: bytes, target: XmlTarget, name: str) -> Any:
     """Pass the elements of an XML text to `target`; `name` is that of the file."""
-    parser = ElementTree.XMLParser(target=target)
+    parser = expat.ParserCreate()  # without namespaces, which would be copied into every name
+    parser.buffer_text = True
+    parser.StartDoctypeDeclHandler = target.doctype
+    parser.StartElementHandler, parser.EndElementHandler = target.start, target.end
+    parser.CharacterDataHandler = target.data
     try:
-        # in one call: the parser would start a long token again with every further one
-        parser.feed(data)
-        return parser.close()
+        for begin in range(0, len(data), _MAX_TAG):
+            parser.Parse(data[begin : begin + _MAX_TAG], False)
+            # the parser starts an unfinished tag again with every piece
+            if begin - parser.CurrentByteIndex > _MAX_TAG:
+                raise InputError(f"file must have tags of at most {_MAX_TAG / 1e6:g} MB")
+        parser.Parse(b"", True)
     except InputError:
         raise
-    except (ElementTree.ParseError, LookupError, ValueError, OverflowError) as error:
+    except (expat.ExpatError, LookupError, ValueError, OverflowError) as error:
         raise InputError(f"file {name!r} is broken XML: {error}") from None
+    return target.close()
 
 
 def parse_tree(data: bytes, name: str) -> ElementTree.Element:
@@ -104,9 +120,9 @@ def parse_json(data: str | bytes, name: str) -> Any:
     try:
         raw = data.encode() if isinstance(data, str) else data
         brackets = np.frombuffer(_JSON_TEXT.sub(b"", raw), dtype=np.uint8)
-        opened = (brackets == ord("[")) | (brackets == ord("{"))
-        closed = (brackets == ord("]")) | (brackets == ord("}"))
-        if np.cumsum(opened.astype(np.int32) - closed).max(initial=0) > MAX_DEPTH:
+        brackets = brackets[np.isin(brackets, np.frombuffer(b"[]{}", dtype=np.uint8))]
+        steps = np.where((brackets == ord("[")) | (brackets == ord("{")), 1, -1).astype(np.int32)
+        if np.cumsum(steps, dtype=np.int32).max(initial=0) > MAX_DEPTH:
             raise InputError(f"{name} must be nested at most {MAX_DEPTH} deep")
         return json.loads(data)
     except InputError:

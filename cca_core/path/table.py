@@ -23,6 +23,7 @@ _AROUND = {"gps", "gnss", "wgs84", "deg", "degree", "degrees", "dd", "m", "meter
 _OTHER = {"orientation", "velocity", "acceleration", "linear", "angular", "twist", "covariance", "std", "error",
           "accuracy", "magnetic", "rad", "radians"}  # fmt: skip
 _HEADER_ROWS = 20  # in which the header is sought
+_MAX_COLUMNS = 1000
 
 
 def read_table(data: bytes, name: str) -> Fixes:
@@ -32,7 +33,7 @@ def read_table(data: bytes, name: str) -> Fixes:
         rows = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter)
         try:
             for header in islice(rows, _HEADER_ROWS):
-                columns = _columns(header)
+                columns = _columns(header[:_MAX_COLUMNS])
                 if {"lat", "lon"} <= columns.keys() or {"x", "y"} <= columns.keys():
                     return _read_rows(rows, columns, decimal_comma=delimiter != ",")
         except csv.Error as error:

@@ -29,12 +29,9 @@ class _TextTarget(XmlTarget):
         super().__init__()
         self._text: list[str] | None = None
 
-    def data(self, text: str) -> None:
+    def data(self, text: str, /) -> None:
         if self._text is not None:
             self._text.append(text)
-
-    def close(self) -> None:
-        pass
 
     def _taken(self) -> str:
         text, self._text = "".join(self._text or ()), None
@@ -49,25 +46,29 @@ class _Gpx(_TextTarget):
         self.found = {kind: Fixes() for kind in ("trkpt", "rtept", "wpt")}
         self._point: dict[str, str] | None = None
         self._point_depth = 0
+        self._values: dict[str, str] = {}
 
     def start(self, tag: str, attributes: dict[str, str], /) -> None:
         super().start(tag, attributes)
-        name = tag.rpartition("}")[2]
+        name = tag.rpartition(":")[2]
         if name in _GPX_PARTS:
             self.found[_GPX_PARTS[name]].begin_part()
         elif name in self.found:
-            self._point, self._point_depth = attributes, self.depth
+            self._point, self._point_depth, self._values = attributes, self.depth, {}
         elif name in _GPX_VALUES and self._point is not None and self.depth == self._point_depth + 1:
             self._text = []
 
     def end(self, tag: str, /) -> None:
-        name = tag.rpartition("}")[2]
+        name = tag.rpartition(":")[2]
         if self._point is not None:
             if self.depth == self._point_depth:
                 point, self._point = self._point, None
-                self.found[name].add(point.get("lat"), point.get("lon"), point.get("ele"), point.get("time"))
+                values = self._values
+                self.found[name].add(
+                    point.get("lat"), point.get("lon"), values.get("ele"), values.get("time")
+                )
             elif name in _GPX_VALUES and self._text is not None:
-                self._point = {**self._point, name: self._taken()}
+                self._values[name] = self._taken()
         super().end(tag)
 
 
@@ -83,14 +84,14 @@ class _Kml(_TextTarget):
 
     def start(self, tag: str, attributes: dict[str, str], /) -> None:
         super().start(tag, attributes)
-        name = tag.rpartition("}")[2]
+        name = tag.rpartition(":")[2]
         if name in ("LineString", "Track", "Point", "LinearRing"):
             self._owner, self._times, self._positions = name, [], []
         elif name in _KML_VALUES and self._owner:
             self._text = []
 
     def end(self, tag: str, /) -> None:
-        name = tag.rpartition("}")[2]
+        name = tag.rpartition(":")[2]
         if name in _KML_VALUES and self._text is not None:
             text = self._taken()
             if name == "when":

@@ -19,7 +19,7 @@ REFERENCE = "test_speed", "test_reference_solve_banded"
 # the result is not a run time but a table of docs/steering.md
 WITHOUT_RUN_TIME = (
     "test_errors", "test_high_gain_controllers_with_dead_time", "test_robust", "test_recorded_drive",
-    "test_table",
+    "test_table", "test_time_is_linear_in_size",
 )  # fmt: skip
 INTERNAL = ("us", "budget")
 TITLES = {

@@ -1,7 +1,7 @@
 """CommonRoad scenario files (XML, formats 2018b and 2020a), read with the standard library alone."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
@@ -75,6 +75,8 @@ class _Reader:
         self._dt = dt
         self._left_out: list[str] = []
         self._changed: list[str] = []
+        self._uses: dict[str, int] = {}  # of ids of obstacles
+        self._outlines: dict[int, Array] = {}
 
     def read(self, root: Element) -> CommonRoadScenario:
         """Return what can be read."""
@@ -134,11 +136,10 @@ class _Reader:
         )
 
     def _add_obstacle(self, element: Element, obstacles: dict[str, RecordedObstacle]) -> None:
-        id_ = plain = (element.get("id") or "").strip()[:40] or "unnamed"
-        number = 1
-        while id_ in obstacles:
-            number += 1
-            id_ = f"{plain} ({number})"
+        plain = (element.get("id") or "").strip()[:40] or "unnamed"
+        number = self._uses[plain] = self._uses.get(plain, 0) + 1
+        id_ = plain if number == 1 else f"{plain} ({number})"
+        _check_new(id_, obstacles)
         obstacles[id_] = read_obstacle(element, _name(element), id_, self._dt, self._changed)
         if number > 1:
             self._changed.append(f"{_name(element)}: its id was taken, and is {id_!r} now")
@@ -191,12 +192,15 @@ class _Reader:
         ids: tuple[int, ...] = ()
         if element.find("position") is not None:
             position = child(element, "position", name)
-            named = references(position, "lanelet", name)
+            named = tuple(dict.fromkeys(references(position, "lanelet", name)))
             ids = tuple(i for i in named if i in lanelets)
             self._left_out += [
                 f"{name}: refers to lanelet {i}, which is not read" for i in named if i not in lanelets
             ]
-            regions = [lanelets[i].outline for i in ids]
+            for i in ids:  # one array each, however many goals refer to it
+                if i not in self._outlines:
+                    self._outlines[i] = frozen(lanelets[i].outline)
+            regions = [self._outlines[i] for i in ids]
             regions += [corners(shape, name) for shape in position if shape.tag != "lanelet"]
             if not regions:
                 raise InputError(f"position of {name} must hold a shape or a known lanelet, held none")
@@ -204,7 +208,7 @@ class _Reader:
         goals.append(Goal(t=times, regions=tuple(map(frozen, regions)), lanelets=ids, v_x=v_x, psi=psi))
 
 
-def _check_new(id_: int, known: Mapping[int, object]) -> None:
+def _check_new(id_: object, known: Container[object]) -> None:
     if id_ in known:
         raise InputError(f"id must be unique, {id_} is not; the first one was taken")
 
