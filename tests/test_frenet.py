@@ -9,6 +9,7 @@ import pytest
 
 from cca_core import RemoteVehicle
 from cca_core.frenet import FrenetVehicle, to_frenet
+from cca_core.frenet.branches import Branches
 from cca_core.path import fit_path
 
 S = np.linspace(0.0, 3.0, 60)
@@ -102,3 +103,50 @@ def test_nominal_has_no_uncertainty_and_reported_speed() -> None:
     assert sure.nominal() == sure
     assert vague.v_lower == 0.0
     assert vague.nominal().v_lower == sure.v_s
+
+
+TURN = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 40)
+OUT = [(x, 0.0) for x in np.arange(0.0, 600.0, 10.0)]
+OUT_AND_BACK = fit_path(
+    [*OUT, *np.column_stack((600.0 + 20.0 * np.cos(TURN), 20.0 + 20.0 * np.sin(TURN))), *[(x, 40.0) for x, _ in OUT[::-1]]],
+    tolerance=0.05,
+)  # fmt: skip
+NARROW = fit_path(
+    [*OUT, (620.0, -10.0), (640.0, 0.0), (630.0, 8.0), *[(x, 4.0) for x, _ in OUT[::-1]]], tolerance=0.3
+)
+LOOP = np.linspace(0.0, 4.0 * math.pi, 400)
+TWO_LAPS = fit_path(np.column_stack((80.0 * np.sin(LOOP), 80.0 - 80.0 * np.cos(LOOP))), tolerance=0.05)
+
+
+def stations_of(path: Any, x: float, y: float, s_ego: float) -> list[float]:
+    remote = RemoteVehicle(id="a", x=x, y=y, psi=0.0, v_x=0.0)
+    return [n.s for n in to_frenet([remote], path, {}, (-6.0, 6.0), (Branches(path), s_ego))[0]]
+
+
+@pytest.mark.parametrize(
+    ("path", "expected"), [(PATH, False), (OUT_AND_BACK, False), (NARROW, True), (TWO_LAPS, True)]
+)
+def test_routes_that_pass_themselves_are_found(path: Any, expected: bool) -> None:
+    assert Branches(path).passes_itself is expected
+
+
+def test_vehicle_between_two_branches_is_on_both() -> None:
+    near, far = stations_of(NARROW, 550.0, 2.0, 500.0)
+    assert near == pytest.approx(550.0, abs=0.5)
+    assert NARROW.position(far) == pytest.approx((550.0, 4.0), abs=0.3)
+    assert stations_of(NARROW, 300.0, 2.0, 200.0) == pytest.approx([300.0], abs=0.5)
+
+
+def test_vehicle_on_a_loop_is_on_the_lap_of_the_ego() -> None:
+    lap = 2.0 * math.pi * 80.0
+    for s_ego, expected in ((10.0, 20.0), (lap + 10.0, lap + 20.0)):
+        x, y = TWO_LAPS.position(20.0)
+        assert min(abs(s - expected) for s in stations_of(TWO_LAPS, float(x), float(y), s_ego)) < 0.5
+
+
+def test_branches_of_an_ordinary_route_change_nothing() -> None:
+    many = remotes(30)
+    plain, _ = to_frenet(many, PATH, {})
+    found, _ = to_frenet(many, PATH, {}, branches=(Branches(PATH), 200.0))
+    assert [n.id for n in found] == [n.id for n in plain]
+    assert [n.s for n in found] == pytest.approx([n.s for n in plain], abs=1e-6)

@@ -7,6 +7,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from cca_core.frenet.branches import Branches
 from cca_core.frenet.records import FrenetVehicle
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import Path
@@ -31,6 +32,7 @@ def to_frenet(
     path: Path,
     last_s: dict[str, float],
     lateral_range: tuple[float, float] = (-15.0, 15.0),
+    branches: tuple[Branches, float] | None = None,
 ) -> tuple[list[FrenetVehicle], tuple[tuple[str, str], ...]]:
     """Convert remote vehicles to Frenet coordinates.
 
@@ -46,6 +48,9 @@ def to_frenet(
     lateral_range : tuple of float
         Lateral offsets of the right and left end of the relevant area [m]. A vehicle beyond, with its
         uncertainty bound, is left out unless it may cross the route.
+    branches : tuple of Branches and float, optional
+        For a route that passes near itself: its branches, and the station of the ego [m]. A vehicle near two
+        branches is on both.
 
     Returns
     -------
@@ -55,11 +60,16 @@ def to_frenet(
         Id and reason of the invalid ones.
     """
     valid, dropped = valid_vehicles(remotes)
-    feet = _foot_points(valid, path, last_s)
-    last_s.clear()
-    last_s.update(zip(valid, (foot[0] for foot in feet), strict=True))
+    pairs: Iterable[tuple[RemoteVehicle, tuple[float, float, float, float]]]
+    if branches is None:
+        feet = _foot_points(valid, path, last_s)
+        last_s.clear()
+        last_s.update(zip(valid, (foot[0] for foot in feet), strict=True))
+        pairs = zip(valid.values(), feet, strict=True)
+    else:
+        pairs = _feet_on_branches(valid, path, *branches)
     vehicles = []
-    for remote, (s, d, heading, kappa) in zip(valid.values(), feet, strict=True):
+    for remote, (s, d, heading, kappa) in pairs:
         angle = remote.psi - heading
         if not lateral_range[0] <= d <= lateral_range[1]:
             sine = abs(math.sin(angle))
@@ -158,6 +168,15 @@ def _label(record: object) -> str:
         return str(record.id if isinstance(record, RemoteVehicle) else record)[:20]
     except Exception:  # a class of the caller's
         return type(record).__name__
+
+
+def _feet_on_branches(
+    remotes: dict[str, RemoteVehicle], path: Path, branches: Branches, s_ego: float
+) -> Iterator[tuple[RemoteVehicle, tuple[float, float, float, float]]]:
+    """Yield each vehicle with its foot point on each branch near it."""
+    for remote in remotes.values():
+        for guess in branches.near(remote.x, remote.y, s_ego):
+            yield remote, path.foot_point(remote.x, remote.y, guess)
 
 
 def _foot_points(

@@ -5,6 +5,8 @@ from collections.abc import Iterable, Sequence
 from types import NoneType
 from typing import Protocol
 
+import numpy as np
+
 from cca_core.errors import InputError
 from cca_core.follow import PreviewController, SpeedSettings
 from cca_core.frenet import FrenetVehicle
@@ -25,6 +27,7 @@ __all__ = [
     "CycleClock",
     "RadioHealth",
     "check_arguments",
+    "first_station",
     "invalid_input_reason",
     "invalid_state_reason",
     "usable_range",
@@ -32,6 +35,7 @@ __all__ = [
 ]
 
 _MAX_TIME = 1e12  # [s]; larger numbers have no resolution left for a cycle
+_SPACING = 2.0  # of the stations at which the ego's first one is searched [m]
 _ROUNDING = 1e-6  # of differences between times [s]
 _MAX_PERIOD = 0.1  # to which the limits of steering and jerk apply [s]; longer cycles count as this
 
@@ -145,6 +149,22 @@ def invalid_state_reason(t: float, state: object, max_age: float) -> str:
     return ""
 
 
+def first_station(path: Path, state: VehicleState) -> float:
+    """Station at which the ego begins [m]: of those equally near the first at which it heads along the route."""
+    nearest = float(path.project((state.x, state.y))[0])
+    stations = np.linspace(path.start, path.end, max(2, math.ceil(path.length / _SPACING) + 1))
+    xy, first, _ = path.derivatives(stations)
+    along = first[:, 0] * math.cos(state.psi) + first[:, 1] * math.sin(state.psi) > 0.0
+    distance = np.where(along, np.hypot(xy[:, 0] - state.x, xy[:, 1] - state.y), math.inf)
+    if not along.any():
+        return nearest
+    near = np.append(distance <= distance.min() + _SPACING, False)
+    begin = int(np.argmax(near))
+    end = begin + int(np.argmin(near[begin:]))
+    guess = float(stations[begin + int(np.argmin(distance[begin:end]))])
+    return nearest if abs(guess - nearest) <= _SPACING else float(path.project((state.x, state.y), guess)[0])
+
+
 def vehicles_on_level(
     vehicles: Sequence[FrenetVehicle], road: Road, settings: DecisionSettings
 ) -> tuple[list[FrenetVehicle], tuple[tuple[str, str], ...], tuple[str, ...]]:
@@ -163,7 +183,8 @@ def vehicles_on_level(
         if abs(difference) > settings.max_level_gap:
             faults.append(f"{n.id} is {text}; heights beyond {settings.max_level_gap:g} m are not used")
         kept.append(n)
-    return kept, tuple(others), tuple(faults)
+    on_level = {n.id for n in kept}  # on another branch of the route
+    return kept, tuple(item for item in others if item[0] not in on_level), tuple(faults)
 
 
 def _height_above(vehicle: FrenetVehicle, road: Road) -> float:

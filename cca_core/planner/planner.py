@@ -18,6 +18,7 @@ from cca_core.decide import (
 from cca_core.errors import Status
 from cca_core.follow import PreviewController, SpeedSettings, profile_acceleration, squared_speed_limit
 from cca_core.frenet import INCOMPLETE, FrenetEgo, FrenetVehicle, to_frenet
+from cca_core.frenet.branches import Branches
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.abort import delay_return, return_deceleration, vehicle_alongside
 from cca_core.planner.actuation import limit_acceleration, requested_acceleration
@@ -28,6 +29,7 @@ from cca_core.planner.inputs import (
     CycleClock,
     RadioHealth,
     check_arguments,
+    first_station,
     invalid_state_reason,
     usable_range,
     vehicles_on_level,
@@ -93,6 +95,8 @@ class Planner:
         self.road.path.project(self.road.path.position(self.road.path.start))
         margin = self.evasion.clearance + self.evasion.decision.relevance_margin
         self._lateral_range = self.road.right_edge - margin, self.road.left_edge + margin
+        branches = Branches(self.road.path)
+        self._branches = branches if branches.passes_itself else None
         self._clock = CycleClock()
         self._s: float | None = None
         self._v_x = 0.0
@@ -198,7 +202,7 @@ class Planner:
 
     def _cycle(self, dt: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
         path = self.road.path
-        s_guess = self._s if self._s is not None else float(path.project((state.x, state.y))[0])
+        s_guess = first_station(path, state) if self._s is None else self._s
         s, d, heading, _ = path.foot_point(state.x, state.y, s_guess)
         max_distance = self.evasion.decision.max_route_distance
         if not abs(d) < max_distance:
@@ -211,7 +215,8 @@ class Planner:
             vehicle=self.vehicle, s=s + self.vehicle.box_offset, d=d, v_x=self._v_x,
             v_target=v_target, speed=self.speed,
         )  # fmt: skip
-        vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range)
+        branches = None if self._branches is None else (self._branches, s)
+        vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range, branches)
         vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, self.evasion.decision)
         dropped, self._input_faults = dropped + off_level, self._input_faults + faults
         incomplete = [reason for _, reason in dropped if reason.startswith(INCOMPLETE)]

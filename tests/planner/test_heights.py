@@ -48,7 +48,7 @@ class TestLevelRoad:
     def test_impossible_height_is_reported(self) -> None:
         assert "47.0 m above the route" in step(car(60.0, z=47.0)).input_faults[0]
 
-    def test_vehicle_beside_route_may_be_higher_by_grade(self) -> None:
+    def test_vehicle_off_route_may_be_higher_by_grade(self) -> None:
         """It may come down a road that meets the route."""
         crossing = {"psi": -0.5 * math.pi, "v_x": 15.0, "z": 7.0}
         assert step(car(100.0, 40.0, **crossing)).dropped

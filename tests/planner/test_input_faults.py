@@ -10,7 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cca_core import Action, Command, InputError, RemoteVehicle, Status, VehicleState
+from cca_core import (
+    Action,
+    Command,
+    InputError,
+    Planner,
+    RemoteVehicle,
+    Road,
+    Status,
+    VehicleState,
+    fit_path,
+)
 from cca_core.geometry import box_gap, boxes
 from cca_core.sim import SingleTrackPlant
 from tests.support.planner_drives import CAR, CYCLE, START, assert_valid, car, ego_state, make_planner
@@ -266,6 +276,33 @@ class TestRecords:
             gap = float(box_gap(boxes(state.x, state.y, state.psi, CAR.length, CAR.width), box))
             assert gap > 0.5
         assert plant.state.v_x < 0.1
+
+
+class TestFirstStation:
+    """Out along y = 0, back along y = 4."""
+
+    OUT = tuple((float(x), 0.0) for x in range(0, 601, 10))
+    PATH = fit_path(
+        [*OUT, (620.0, -10.0), (640.0, 0.0), (630.0, 8.0), *[(x, 4.0) for x, _ in OUT[::-1]]], tolerance=0.3
+    )
+
+    @pytest.mark.parametrize("y", [0.0, 1.8, 2.3, 3.0])
+    def test_ego_begins_on_branch_of_its_heading(self, y: float) -> None:
+        for psi in (0.0, math.pi):
+            planner = Planner(CAR, Road(self.PATH), cruise_speed=10.0)
+            command = planner.step(0.0, VehicleState(x=300.0, y=y, psi=psi, v_x=10.0), [])
+            assert command.status is Status.OK
+            assert abs(command.delta) < 0.3
+
+    def test_ego_begins_on_first_lap(self) -> None:
+        a = np.linspace(0.0, 4.0 * math.pi, 400)
+        laps = fit_path(np.column_stack((80.0 * np.sin(a), 80.0 - 80.0 * np.cos(a))), tolerance=0.05)
+        planner = Planner(CAR, Road(laps), cruise_speed=10.0)
+        x, y = laps.to_cartesian(40.0, 0.2)
+        state = VehicleState(x=float(x), y=float(y), psi=float(laps.heading(40.0)), v_x=10.0)
+        parked = laps.position(70.0)
+        remote = RemoteVehicle(id="R", x=float(parked[0]), y=float(parked[1]), psi=0.0, v_x=0.0)
+        assert planner.step(0.0, state, [remote]).a_x < 0.0
 
 
 class _RaisingMethod(RemoteVehicle):
