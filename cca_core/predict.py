@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 from cca_core._checks import Array
 from cca_core.geometry import Boxes
 from cca_core.path.path import Path
-from cca_core.vehicle import STANDSTILL_SPEED, RemoteVehicle
+from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED, RemoteVehicle
 
 __all__ = ["occupancy_boxes", "predict_along", "predict_ctra", "predict_distance", "reachable_interval"]
 
@@ -45,21 +45,29 @@ def predict_distance(v_x: float, a_x: float, t: ArrayLike) -> Array:
 
 
 def reachable_interval(
-    v: ArrayLike, t: ArrayLike, *, braking: float, acceleration: float, age: ArrayLike = 0.0
+    v: ArrayLike,
+    t: ArrayLike,
+    *,
+    braking: float,
+    acceleration: float,
+    age: ArrayLike = 0.0,
+    a_reported: ArrayLike = 0.0,
 ) -> tuple[Array, Array]:
     """Interval of displacements that a vehicle can reach within assumed limits.
 
     Parameters
     ----------
     v : array_like, shape (...)
-        Speed along the road as reported [m/s], negative against it.
+        Speed along the road now, dead-reckoned by `age` [m/s], negative against it.
     t : array_like, shape (...)
         Times from now [s]; the speed was constant at negative times.
     braking, acceleration : float
         Assumed maximum deceleration and acceleration [m/s^2], not negative. Braking ends at standstill.
     age : array_like, shape (...)
-        Time since the speed was measured [s]. The speed may have changed since then; the position now is
-        dead-reckoned at constant speed.
+        Time since the speed was measured [s]. The vehicle may have braked or accelerated since then.
+    a_reported : array_like, shape (...)
+        Rate of change of |v| with which position and speed were dead-reckoned by `age` [m/s^2], for at most
+        1 s. The vehicle may have driven otherwise.
 
     Returns
     -------
@@ -70,20 +78,29 @@ def reachable_interval(
     -----
     Below 0.5 m/s the vehicle may start in both directions, because the sign of a small speed is noise.
 
+    The measured speed is v_0 = |v| - a tau with the reported acceleration a and tau = min(age, 1 s). From the
+    position at the measurement the vehicle has driven between v_0 (age + t) - b (age + t)^2 / 2 and
+    v_0 (age + t) + c (age + t)^2 / 2; dead reckoning has already counted |v| age - a tau^2 / 2 of it. A
+    reported braking therefore adds |a| age t to the larger displacement.
+
     Examples
     --------
     >>> low, high = reachable_interval(20.0, [1.0, 4.0], braking=8.0, acceleration=3.0)
     >>> low, high
     (array([16., 25.]), array([ 21.5, 104. ]))
     """
-    v, t, age = (np.asarray(a, dtype=np.float64) for a in (v, t, age))
+    v, t, age, rate = (np.asarray(a, dtype=np.float64) for a in (v, t, age, a_reported))
     speed = np.abs(v)
-    since = np.maximum(t, 0.0) + age * (t >= 0.0)
+    ahead = t >= 0.0
+    since = np.maximum(t, 0.0) + age * ahead
+    reckoned = np.minimum(age, STALE_AGE)
+    measured = np.maximum(speed - rate * reckoned, 0.0)
     # the smallest normal number avoids an overflow for denormal decelerations
-    slows = np.minimum(since, speed / max(braking, 1e-300)) if braking > 0.0 else since
-    known = speed * np.minimum(t, 0.0) - speed * age * (t >= 0.0)
-    shortest = speed * slows - 0.5 * braking * slows * slows + known
-    longest = speed * since + 0.5 * acceleration * since * since + known
+    slows = np.minimum(since, measured / max(braking, 1e-300)) if braking > 0.0 else since
+    counted = speed * age - 0.5 * rate * reckoned * reckoned
+    known = speed * np.minimum(t, 0.0) - counted * ahead
+    shortest = np.where(ahead, measured * slows - 0.5 * braking * slows * slows, 0.0) + known
+    longest = np.where(ahead, measured * since + 0.5 * acceleration * since * since, 0.0) + known
     creeping = STANDSTILL_SPEED if acceleration > 0.0 else 0.0
     forwards, backwards = v > -creeping, v < creeping
     low = np.where(backwards, -longest, shortest)
@@ -151,6 +168,8 @@ def predict_ctra(remote: RemoteVehicle, t: ArrayLike) -> tuple[Array, Array, Arr
     t = np.asarray(t, dtype=np.float64)
     braking = remote.a_x * remote.v_x < 0.0
     moves = np.minimum(t, -remote.v_x / remote.a_x) if braking else t
+    if remote.v_x == 0.0 and remote.a_x < 0.0:  # it has braked to standstill
+        moves = np.zeros_like(t)
     s = remote.v_x * moves + 0.5 * remote.a_x * moves**2
     if abs(remote.v_x) < STANDSTILL_SPEED or remote.r == 0.0:
         psi = np.full(s.shape, remote.psi)

@@ -10,7 +10,7 @@ from cca_core._checks import Array, check_array, check_real
 from cca_core.decide.sweep import Sweep, always_parallel, heading_range
 from cca_core.errors import InputError
 from cca_core.path import Path
-from cca_core.vehicle import STANDSTILL_SPEED, RemoteVehicle, VehicleParams
+from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED, RemoteVehicle, VehicleParams
 
 __all__ = ["Conflict", "CrossingSettings", "find_conflict"]
 
@@ -183,13 +183,22 @@ def find_conflict_for_sweep(
     settings: CrossingSettings,
 ) -> Conflict | None:
     """Find the conflict of a swept ego; `find_conflict` checks the arguments."""
-    v = abs(remote.v_x)
-    if v < settings.standstill_speed:
+    v, age = abs(remote.v_x), remote.age
+    nominal = max(v, settings.standstill_speed)
+    # since the measurement it may have driven otherwise than with the reported acceleration
+    rate, reckoned = (-remote.a_x if remote.v_x < 0.0 else remote.a_x), min(age, STALE_AGE)
+    gained, counted = rate * reckoned, rate * reckoned * (age - 0.5 * reckoned)
+    speed_change = max(settings.a_max, settings.b_max) * age
+    faster = max(speed_change, settings.a_max * age - gained)
+    if v + faster - speed_change < settings.standstill_speed:
         return None
-    speed_change = max(settings.a_max, settings.b_max) * remote.age
-    fast, slow = v + speed_change, max(v - speed_change, 0.0)
+    fast, slow = v + faster, max(v - max(speed_change, settings.b_max * age + gained), 0.0)
     reach = fast * horizon + 0.5 * settings.a_max * horizon**2
-    along = 2.0 * remote.sigma_along + 0.5 * speed_change * remote.age
+    along = 2.0 * remote.sigma_along + max(
+        0.5 * speed_change * age,
+        0.5 * settings.a_max * age * age - counted,
+        0.5 * settings.b_max * age * age + counted,
+    )
     if always_parallel(body.headings, heading_range(remote, reach), settings.min_angle):
         return None
     start = complex(body.center[0]) - complex(remote.x, remote.y)
@@ -215,7 +224,7 @@ def find_conflict_for_sweep(
         vehicle_id=remote.id, s_enter=s_enter, s_exit=s_exit, distance=s_enter - s, min_pet=settings.min_pet,
         t_ego=(float(np.interp(s_enter, at, t)), leaves),
         t_other=(_time(u_in, fast, settings.a_max), latest),
-        t_other_nominal=(u_in / v, math.inf if endless else u_out / v),
+        t_other_nominal=(u_in / nominal, math.inf if endless else u_out / nominal),
     )  # fmt: skip
 
 

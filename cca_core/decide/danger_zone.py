@@ -62,6 +62,7 @@ def danger_zone(
     braking: float = 0.0,
     acceleration: float = 0.0,
     age: ArrayLike = 0.0,
+    a_reported: ArrayLike = 0.0,
 ) -> Array:
     """Interval of the road in which a vehicle of the adjacent lane blocks a maneuver.
 
@@ -83,6 +84,8 @@ def danger_zone(
         Assumed maximum deceleration and acceleration of the vehicle [m/s^2].
     age : array_like, shape (...)
         Age of the report [s], in which the vehicle may have braked or accelerated already.
+    a_reported : array_like, shape (...)
+        Reported rate of change of |v_adj| [m/s^2], with which position and speed were dead-reckoned by `age`.
 
     Returns
     -------
@@ -127,6 +130,7 @@ def danger_zone(
     low, high = reachable_interval(
         check_any("v_adj", v_adj)[..., None], t,
         braking=braking, acceleration=acceleration, age=aged[..., None],
+        a_reported=check_any("a_reported", a_reported)[..., None],
     )  # fmt: skip
     grown = x_safety + further
     start = back - grown + (low - driven).min(axis=-1)

@@ -11,7 +11,7 @@ from cca_core.follow import SpeedSettings, arrival_times
 from cca_core.geometry import Boxes
 from cca_core.path import Path
 from cca_core.predict import predict_distance, reachable_interval
-from cca_core.vehicle import STALE_AGE, RemoteVehicle, VehicleParams
+from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED, RemoteVehicle, VehicleParams
 
 __all__ = ["FrenetEgo", "FrenetVehicle"]
 
@@ -111,6 +111,13 @@ class FrenetVehicle:
         return max(self.v_s - _STALE_BRAKING * stale_time, 0.0)
 
     @property
+    def speed_rate(self) -> float:
+        """Reported rate of change of the magnitude of the speed along the route [m/s^2]."""
+        v, a = self.remote.v_x, self.remote.a_x
+        scale = abs(self.v_s / v) if abs(v) > STANDSTILL_SPEED else abs(math.cos(self.angle))
+        return scale * (-a if v < 0.0 else a)
+
+    @property
     def is_stale(self) -> bool:
         """Whether the age exceeds 1 s."""
         return self.remote.age > STALE_AGE
@@ -149,9 +156,10 @@ class FrenetVehicle:
         if braking == acceleration == 0.0:
             low = high = math.copysign(1.0, self.v_s) * predict_distance(abs(self.v_s), a_x, t)
         else:
+            a_s = self.speed_rate
             low, high = reachable_interval(
-                self.v_s, t, braking=max(braking, -a_x), acceleration=max(acceleration, a_x),
-                age=self.remote.age,
+                self.v_s, t, braking=max(braking, -a_s), acceleration=max(acceleration, a_s),
+                age=self.remote.age, a_reported=a_s,
             )  # fmt: skip
         return self.s + low - self.half_length, self.s + high + self.half_length
 

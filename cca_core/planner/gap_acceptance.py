@@ -18,11 +18,12 @@ __all__ = ["check_adjacent_lane"]
 
 
 class _Body(NamedTuple):
-    """A body in the lane: rear and front relative to the ego [m], speed [m/s], age [s], its vehicle if known."""
+    """A body in the lane: ends relative to the ego [m], speed [m/s], its rate [m/s^2], age [s], id if known."""
 
     rear: float
     front: float
     v_s: float
+    rate: float
     age: float
     vehicle_id: str | None
 
@@ -55,11 +56,13 @@ def check_adjacent_lane(
     closest: tuple[tuple[float, float] | None, Rejection | None] = None, None
     min_gap = math.inf
     for body in _bodies_in_lane(lane, ego, road, in_lane, awareness_range):
-        known = body.vehicle_id is not None  # the assumed vehicle keeps the speed limit
+        braking, acceleration = settings.assumed_braking, settings.assumed_acceleration
+        rate = body.rate if braking or acceleration else 0.0
+        if body.vehicle_id is None:  # the assumed vehicle keeps the speed limit
+            braking = acceleration = 0.0
         zone = danger_zone(
             body.rear, body.front, body.v_s, times=times, ego_travel=traveled, x_safety=settings.x_safety,
-            age=body.age, braking=settings.assumed_braking * known,
-            acceleration=settings.assumed_acceleration * known,
+            age=body.age, braking=max(braking, -rate), acceleration=max(acceleration, rate), a_reported=rate,
         )  # fmt: skip
         gap = max(float(zone[0]) - half, -half - float(zone[1]))
         if gap < min_gap:
@@ -95,11 +98,13 @@ def _bodies_in_lane(
 ) -> list[_Body]:
     """Known vehicles in a lane, and the one assumed at the end of the awareness range."""
     found = [
-        _Body(o.s - o.half_length - ego.s, o.s + o.half_length - ego.s, o.v_s, o.remote.age, o.id)
+        _Body(
+            o.s - o.half_length - ego.s, o.s + o.half_length - ego.s, o.v_s, o.speed_rate, o.remote.age, o.id
+        )
         for o in vehicles
     ]
     if math.isfinite(awareness_range):
         oncoming = lane.direction < 0
         s, v = (awareness_range, -road.speed_limit) if oncoming else (-awareness_range, road.speed_limit)
-        found.append(_Body(s, s, v, 0.0, None))
+        found.append(_Body(s, s, v, 0.0, 0.0, None))
     return found

@@ -104,14 +104,15 @@ def dead_reckon(fix: Fix, t: float) -> Fix:
     _, x, y, psi, v, a, r = fix
     age = max(t - fix.t, 0.0)
     turning = min(age, STALE_AGE)
-    if a * v < 0.0:
+    stops = a * v < 0.0 or (v == 0.0 and a < 0.0)
+    if stops:
         turning = min(turning, -v / a)
     s = (v + 0.5 * a * turning) * turning
     half = 0.5 * r / v * s if abs(v) >= STANDSTILL_SPEED else 0.0
     chord = s * math.sin(half) / half if half else s
     x, y, psi = x + chord * math.cos(psi + half), y + chord * math.sin(psi + half), psi + 2.0 * half
     after = v + a * turning
-    if a * v < 0.0 and after * v <= 1e-9:
+    if stops and after * v <= 1e-9:
         return Fix(t, x, y, psi, 0.0)
     if age > STALE_AGE:
         straight = after * (age - STALE_AGE)
