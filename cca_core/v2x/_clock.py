@@ -92,12 +92,13 @@ class SenderClocks:
             return
         expected = self.correction if self.offset is None else self.offset
         step = _median(list(recent.values()), expected)
-        if not self._is_acceptable(step):
+        if not -self._checks.clock_error <= step - self.correction <= _MAX_LATENCY:
             self.offset, self.correction = step, step - self._latency
             for marks in self._senders.values():
                 marks.delays = deque(list(marks.delays)[-_RECENT:], maxlen=marks.delays.maxlen)
         else:
-            self.offset = _median([self._senders[s].low(t) for s in recent], expected)
+            agreeing = [s for s, low in recent.items() if self._is_acceptable(low)]
+            self.offset = _median([self._senders[s].low(t) for s in agreeing], expected)
             self._follow(self.offset, elapsed)
         self.n_agreeing = sum(map(self._is_acceptable, recent.values()))
 

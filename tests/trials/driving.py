@@ -123,14 +123,13 @@ def drive(
     for k in range(round(duration / CYCLE)):
         t, state = k * CYCLE, plant.state
         true = list(world(t, state))
-        awareness_range = math.inf
+        health = None
         if radio is None:
             known = reported(t, true)
         else:
-            known = radio.known(t, state, true)
-            if radio.is_blind(t):
-                run.blind, awareness_range = True, 0.0
-        command = planner.step(clock(t), sensed(t, state), known, awareness_range=awareness_range)
+            known, health = radio.known(t, state, true), radio.health(t)
+            run.blind = run.blind or not health.trusted
+        command = planner.step(clock(t), sensed(t, state), known, radio=health)
         s, d, _, _ = path.foot_point(state.x, state.y, s)
         gap, decision = ego_gap(state, true, car), command.decision
         action, status = decision.action.name, command.status.name

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from cca_core import LocalFrame, RemoteVehicle, VehicleParams, VehicleState
-from cca_core.v2x import Bsm, Tracker, encode_bsm
+from cca_core.v2x import Bsm, Tracker, TrackerHealth, encode_bsm
 
 EPOCH = 1200.0  # senders' time when the drive begins [s]
 ROAD_HEIGHT = 200.0  # of the ego's road [m]
@@ -34,9 +34,9 @@ class Radio:
         self.count, self.due = 0, 0.0
         self.tracker = Tracker(self.frame, own_ids=(EGO_ID,), height=ROAD_HEIGHT)
 
-    def is_blind(self, t: float) -> bool:
-        """Return whether the tracker reports that its list is incomplete."""
-        return not self.tracker.health(EPOCH + t + self.clock).trusted
+    def health(self, t: float) -> TrackerHealth:
+        """Return what the tracker reports about its messages."""
+        return self.tracker.health(EPOCH + t + self.clock)
 
     def known(self, t: float, state: VehicleState, true: Sequence[RemoteVehicle]) -> Sequence[RemoteVehicle]:
         """Send what is due and return all tracks."""

@@ -1,0 +1,182 @@
+"""Health of the radio: rates, offsets of the clock, and when the radio cannot be trusted."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from cca_core import InputError, Lane, Planner, RemoteVehicle, Road, VehicleParams, VehicleState, fit_path
+from cca_core.v2x import Tracker, TrackerHealth, TrackerSettings
+from tests.support.v2x_messages import FRAME, T0, bsm
+
+Clock = Callable[[float], float]  # receiver's clock minus the senders' at a time
+
+
+def receive(
+    tracker: Tracker,
+    clock: Clock,
+    seconds: float,
+    senders: tuple[float, ...] = (0.0, 0.0, 0.0),
+    latency: Callable[[int], float] = lambda i: 0.02 + 0.01 * i,
+    begin: float = 0.0,
+) -> float:
+    """Receive cars at 20 m/s, 40 m apart; each sender's clock leads by a value [s]. Return the last time."""
+    now = 0.0
+    for k in range(round(10.0 * seconds) + 1):
+        since = begin + 0.1 * k
+        for i, lead in enumerate(senders):
+            message = bsm(
+                T0 + since + lead, 40.0 * i + 20.0 * since, id=f"{i + 1:08x}",
+                n=round(10.0 * since) % 128, transmission="forward",
+            )  # fmt: skip
+            tracker.update(message, T0 + since + latency(i) + clock(since))
+        now = T0 + since + clock(since)
+    return now + latency(len(senders) - 1)
+
+
+OFFSETS = [-30.0 + 1.0, -5.0, -2.0, -0.3, 0.8, 2.0, 5.0, 18.0, 29.0, 37.0 - 60.0]
+
+
+@pytest.mark.parametrize("offset", OFFSETS)
+def test_clock_offset_is_found_and_corrected(offset: float) -> None:
+    tracker = Tracker(FRAME)
+    now = receive(tracker, lambda t: offset, 4.0)
+    health = tracker.health(now)
+    assert health.trusted
+    assert health.clock_offset == pytest.approx(offset + 0.03, abs=0.011)
+    assert health.accepted == health.received == pytest.approx(30.0, abs=3.0)
+    vehicles = {v.id: v for v in tracker.vehicles(now)}
+    assert len(vehicles) == 3
+    for i in range(3):
+        vehicle, true = vehicles[f"{i + 1:08x}"], 40.0 * i + 20.0 * 4.04
+        assert abs(vehicle.x - true) <= 2.0 * vehicle.sigma_along
+        assert vehicle.age <= 0.2
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.1, 0.3, 0.5])
+def test_latency_is_not_corrected(offset: float) -> None:
+    tracker = Tracker(FRAME)
+    now = receive(tracker, lambda t: offset, 12.0)
+    assert tracker.health(now).clock_correction == 0.0
+    assert [v.age for v in tracker.vehicles(now)] == pytest.approx([offset + 0.04] * 3, abs=1e-6)
+
+
+@pytest.mark.parametrize("drift", [50e-6, -50e-6])
+@pytest.mark.parametrize("offset", [-3.0, 0.0, 18.0])
+def test_clock_drift_is_followed(offset: float, drift: float) -> None:
+    """For 10 minutes of every hour: 0.18 s an hour."""
+    tracker = Tracker(FRAME)
+    for hour in range(3):
+        now = receive(tracker, lambda t: offset + drift * t, 20.0, begin=3600.0 * hour)
+        health = tracker.health(now)
+        assert health.trusted
+        assert health.clock_offset == pytest.approx(offset + drift * 3600.0 * hour + 0.03, abs=0.015)
+        assert all(v.age < 0.7 for v in tracker.vehicles(now))
+
+
+@pytest.mark.parametrize("step", [-5.0, -3600.0, 5.0, 3600.0, -0.4, 0.9])
+def test_clock_step_is_corrected(step: float) -> None:
+    tracker = Tracker(FRAME)
+    now = receive(tracker, lambda t: step * (t > 4.0), 9.0)
+    assert tracker.health(now).trusted
+    vehicles = tracker.vehicles(now)
+    assert len(vehicles) == 3
+    assert max(v.age for v in vehicles) < 1.0
+    assert min(v.x for v in vehicles) == pytest.approx(20.0 * 9.04, abs=15.0)
+
+
+@pytest.mark.parametrize("lead", [-20.0, -1.5, -0.5, 0.3, 5.0, 25.0])
+@pytest.mark.parametrize("offset", [0.0, 5.0])
+@pytest.mark.parametrize("honest", [1, 2, 3, 4])
+def test_one_wrong_sender_moves_estimate_by_nothing(lead: float, offset: float, honest: int) -> None:
+    """It joins the others. A lead that may be latency moves it within the latencies of the others."""
+    plain, attacked = Tracker(FRAME), Tracker(FRAME)
+    senders = (0.0,) * honest
+    for tracker in (plain, attacked):
+        receive(tracker, lambda t: offset, 5.0, senders)
+    now = receive(plain, lambda t: offset, 15.0, senders, begin=5.1)
+    receive(attacked, lambda t: offset, 15.0, (*senders, lead), begin=5.1)
+    health, expected = attacked.health(now), plain.health(now)
+    plausible = lead in (-0.5, 0.3)
+    assert health.clock_offset == pytest.approx(expected.clock_offset, abs=0.011 if plausible else 1e-9)
+    assert health.clock_correction == pytest.approx(
+        expected.clock_correction, abs=0.011 if plausible else 1e-9
+    )
+    assert health.trusted or (honest == 1 and lead != -0.5)
+    assert health.accepted >= 8.0 * honest
+
+
+def test_rejected_messages_are_counted_by_reason() -> None:
+    tracker = Tracker(FRAME)
+    now = receive(tracker, lambda t: 0.0, 3.0, (0.0,))
+    for _ in range(5):
+        tracker.update(b"noise", now)
+        tracker.update(bsm(T0 + 3.0, 60.0, n=30), now)  # the last one again
+    health = tracker.health(now)
+    assert health.rejected == (("unreadable", 5.0), ("duplicate", 5.0))
+    assert health.received == health.accepted + 10.0
+    assert health.trusted
+    assert tracker.health(now + 2.0) == TrackerHealth(
+        t=now + 2.0, received=0.0, accepted=0.0, clock_offset=health.clock_offset, clock_senders=1
+    )
+
+
+def test_radio_is_not_trusted_if_no_message_is_accepted() -> None:
+    tracker = Tracker(FRAME)
+    assert tracker.health(T0).trusted
+    for k in range(10):
+        tracker.update(bsm(T0 + 0.1 * k, latitude_deg=None), T0 + 0.1 * k)
+    health = tracker.health(T0 + 0.95)
+    assert not health.trusted
+    assert health.awareness_range == 0.0
+    assert health.reason == "none of 10 messages per second accepted (10 unusable)"
+
+
+def test_own_and_other_messages_do_not_count() -> None:
+    tracker = Tracker(FRAME, own_ids=["000000ee"])
+    tracker.update(bsm(T0, id="000000ee"), T0)
+    tracker.update("00120a" + 10 * "00", T0)
+    assert set(tracker.counts) <= {"own", "other_message", "unreadable"}
+    assert tracker.counts["own"] == 1
+    assert tracker.dropped == () or tracker.counts["unreadable"]
+    tracker.own_ids.add("000000ef")
+    assert tracker.update(bsm(T0, id="000000ef"), T0).kind == "own"
+    assert len(tracker) == 0
+
+
+def test_untrusted_radio_blocks_lanes_and_command_names_it() -> None:
+    """A slow car ahead that a sensor detects; every message is refused."""
+    s = np.arange(0.0, 1001.0, 10.0)
+    road = Road(
+        fit_path(np.column_stack((s, np.zeros_like(s)))), [Lane(d=0.0), Lane(d=3.5)], speed_limit=30.0
+    )
+    texts = set()
+    for trusted in (True, False):
+        planner, tracker = Planner(VehicleParams.bmw_320i(), road, cruise_speed=20.0), Tracker(FRAME)
+        actions = set()
+        for k in range(150):
+            t = 0.02 * k
+            if not trusted:
+                tracker.update(b"", t)
+            state = VehicleState(x=200.0 + 20.0 * t, y=0.0, psi=0.0, v_x=20.0)
+            slow = RemoteVehicle(id="slow", x=280.0 + 8.0 * t, y=0.0, psi=0.0, v_x=8.0, source="sensor")
+            command = planner.step(t, state, [slow], radio=tracker.health(t))
+            actions.add(command.decision.action.is_evading)
+            texts.add((trusted, command.input_faults))
+        assert (True in actions) == trusted
+    assert {faults for trusted, faults in texts if trusted} == {()}
+    assert all("messages per second accepted" in faults[0] for trusted, faults in texts if not trusted)
+
+
+def test_saturated_tracker_is_not_trusted() -> None:
+    tracker = Tracker(FRAME, TrackerSettings(max_tracks=2))
+    for i in range(3):
+        tracker.update(bsm(T0, 40.0 * i, id=f"{i:08x}"), T0)
+    assert tracker.health(T0).reason == "more senders than tracks"
+
+
+@pytest.mark.parametrize("t", [math.nan, None])
+def test_invalid_time_raises(t: float) -> None:
+    with pytest.raises(InputError, match="t must"):
+        Tracker(FRAME).health(t)
