@@ -61,7 +61,7 @@ class Intake:
         if track is not None:
             order = track.out_of_order(bsm.msg_count, measured, timed, t)
             measured = measured if timed else max(measured, track.fix.t + 1e-3)
-        if order == "duplicate":
+        if order == "duplicate" and track is not None and math.dist(position, track.reported) < 0.01:
             return order
         message = self._message(bsm, measured, position, timed, track, order)
         if message is None:
