@@ -14,7 +14,6 @@ from cca_core import RemoteVehicle, VehicleState
 from cca_core.v2x import Tracker, TrackerSettings, encode_bsm
 from tests.support.v2x_messages import FRAME, T0, bsm, feed
 
-
 N_FRAMES = 1_000_000 if os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full" else 3000
 
 
