@@ -57,8 +57,6 @@ class MultiBodyPlant:
        commonroad-vehicle-models 3.0.2 (BSD-3).
     """
 
-    name = "multi_body"
-
     def __init__(
         self,
         state: VehicleState,

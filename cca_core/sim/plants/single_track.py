@@ -33,8 +33,6 @@ class SingleTrackPlant:
     circle first. Integrated by the classical Runge-Kutta scheme.
     """
 
-    name = "single_track"
-
     def __init__(self, vehicle: VehicleParams, state: VehicleState, *, drive_lag: float = 0.1) -> None:
         self.vehicle = vehicle
         self.drive_lag = check_real("drive_lag", drive_lag, ge=0.0)
