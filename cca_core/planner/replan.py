@@ -36,11 +36,6 @@ class ReplanResult:
     outcome: Outcome = Outcome.CONTINUED
     rejection: Rejection | None = None
 
-    @property
-    def reason(self) -> str:
-        """Outcome in words; empty if the maneuver continues."""
-        return "" if self.outcome is Outcome.CONTINUED else f"{self.outcome.value}: {self.rejection}"
-
 
 def replan(
     ego: FrenetEgo,

@@ -112,15 +112,16 @@ def describe_run(log: Log) -> str:
         What the ego did and when, the vehicles it waited for, and how the run ended.
     """
     parts = []
+    reasons = log.reasons or [(reason, "") for _, _, reason in log.decisions]
     ends = [begin for begin, _, _ in log.decisions[1:]] + [float(log.t[-1])]
-    for i, ((begin, name, reason), end) in enumerate(zip(log.decisions, ends, strict=True)):
+    for i, ((begin, name, _), (activity, cause), end) in enumerate(
+        zip(log.decisions, reasons, ends, strict=True)
+    ):
         is_last = i + 1 == len(log.decisions)
-        head, _, detail = reason.partition(": ")  # the action, then its causes
-        head = head.partition(" (")[0]  # the numbers are those of its first cycle
         if Action(name) in (Action.FOLLOW, Action.BRAKE):
-            parts.append(_describe_wait(log, begin, end, head, detail if is_last else None))
+            parts.append(_describe_wait(log, begin, end, activity, cause if is_last else None))
         elif Action(name).is_evading:
-            parts.append(f"{head} ({begin:.1f} s)")
+            parts.append(f"{activity} ({begin:.1f} s)")
         elif is_last and i > 0:
             parts.append(f"back in the ego lane ({begin:.1f} s)")
     if (log.gaps() <= 0.0).any():
@@ -132,13 +133,13 @@ def describe_run(log: Log) -> str:
     return begin_sentence(", ".join(parts)) + "."
 
 
-def _describe_wait(log: Log, begin: float, end: float, head: str, detail: str | None) -> str:
-    """Following or braking between two times; `detail` is given if it lasts to the end."""
-    if detail is not None:
-        return f"{head}, from {begin:.1f} s to the end{f' ({detail})' if detail else ''}"
+def _describe_wait(log: Log, begin: float, end: float, activity: str, cause: str | None) -> str:
+    """Following or braking between two times; `cause` is given if it lasts to the end."""
+    if cause is not None:
+        return f"{activity}, from {begin:.1f} s to the end{f' ({cause})' if cause else ''}"
     names = vehicles_waited_for(log, begin, end)
     until = f" until {join_names(names)} {'has' if len(names) == 1 else 'have'} passed" if names else ""
-    return f"{head} for {end - begin:.1f} s{until} ({begin:.1f} s)"
+    return f"{activity} for {end - begin:.1f} s{until} ({begin:.1f} s)"
 
 
 def describe_participants(log: Log) -> str:

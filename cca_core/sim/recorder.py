@@ -28,6 +28,7 @@ class EventRecorder:
         self._initially_moving = {u.id for u in scenario.road_users if u.v_x > standstill_speed}
         self._first: dict[tuple[str, str], float] = {}
         self.decisions: list[tuple[float, str, str]] = []
+        self.reasons: list[tuple[str, str]] = []
 
     @property
     def events(self) -> list[tuple[float, str, str]]:
@@ -50,6 +51,7 @@ class EventRecorder:
         decision = command.decision
         if not self.decisions or self.decisions[-1][1] != decision.action.value:
             self.decisions.append((t, decision.action.value, decision.reason))
+            self.reasons.append((decision.activity or decision.reason, decision.cause))
         for vehicle_id, is_visible in zip(self._user_ids, visible, strict=True):
             self._note(t, "first_visible", vehicle_id, is_visible)
         for remote in remotes:
@@ -144,7 +146,7 @@ class LogBuilder:
             tracking=ego[:, 14], road_users=users[:, :, :4], user_motion=users[:, :, 4:],
             user_frenet=self._user_frenet[:n], visible=self._visible[:n], tracked=self._tracked[:n],
             gap_held=self._gap_held[:n], decisions=tuple(self._events.decisions),
-            events=tuple(self._events.events), received=tuple(self._received), messages=dict(radio.counts),
+            reasons=tuple(self._events.reasons), events=tuple(self._events.events), received=tuple(self._received), messages=dict(radio.counts),
             degraded=self._degraded[:n], cycle_us=self._cycle_us[:n], wall_s=wall_s,
             missed_deadlines=missed_deadlines,
         )  # fmt: skip
