@@ -28,8 +28,6 @@ from cca_core.planner.window import Window, assumed_interval, is_following_ego, 
 from cca_core.predict import occupancy_boxes
 from cca_core.vehicle import GRAVITY
 
-__all__ = ["Maneuver", "plan_maneuver", "predicted_occupancy"]
-
 _MAX_NODES = 140  # of a band; they are never closer than 1 m
 _STEERING_LIMITED_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
 _GAP_SAMPLES = 24  # times at which a gap is checked

@@ -16,8 +16,6 @@ from cca_core.planner.maneuver import Maneuver, plan_maneuver, predicted_occupan
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.window import is_following_ego
 
-__all__ = ["Outcome", "ReplanResult", "replan"]
-
 
 class Outcome(Enum):
     """What becomes of an ongoing maneuver."""

@@ -8,16 +8,7 @@ from cca_core.decide import Action
 from cca_core.plot.labels import begin_sentence, case_name, join_names
 from cca_core.report.selection import baseline_and_v2v, one_run_per_ego
 from cca_core.sim import Log
-from cca_core.sim.outcome import STOPPED_SPEED, final_lead, first_collision, overtaken, row_at
-
-__all__ = [
-    "describe_outcome",
-    "describe_participants",
-    "describe_run",
-    "headline",
-    "summarize_outcome",
-    "vehicles_waited_for",
-]
+from cca_core.sim.outcome import MOVING_SPEED, final_lead, first_collision, overtaken, row_at
 
 
 def headline(groups: Sequence[Sequence[Log]]) -> str:
@@ -80,7 +71,7 @@ def summarize_outcome(log: Log) -> str:
     if collision is not None:
         return f"collides with {collision.id} at {collision.speed:.1f} m/s"
     gaps, names = log.gaps(), [user.id for user in log.scenario.road_users]
-    stationary = log.ego[:, 3] < STOPPED_SPEED
+    stationary = log.ego[:, 3] < MOVING_SPEED
     lead = final_lead(log)
     if stationary[-1]:
         return "stops" if lead is None else f"stops {gaps[-1, lead]:.1f} m behind {names[lead]}"

@@ -89,4 +89,4 @@ __all__ = [
     "simulate",
     "track_path",
     "visible_fraction",
-]  # fmt: skip
+]

@@ -22,8 +22,6 @@ from cca_core.path import Road
 from cca_core.planner import Command
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
-__all__ = ["CURVE_ACCELERATION", "Driver", "DriverSettings"]
-
 CURVE_ACCELERATION = 2.5
 """Lateral acceleration that limits the speed in curves [m/s^2], as that of the planner."""
 

@@ -29,4 +29,4 @@ __all__ = [
     "stationary_ahead",
     "warn",
     "warning_view",
-]  # fmt: skip
+]

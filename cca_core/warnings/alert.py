@@ -8,8 +8,6 @@ from cca_core._checks import check_real
 from cca_core.decide import CrossingSettings
 from cca_core.vehicle import GRAVITY, STANDSTILL_SPEED
 
-__all__ = ["Alert", "AlertSettings", "Application", "Level"]
-
 
 class Application(Enum):
     """V2V application."""

@@ -5,16 +5,6 @@ import math
 from cca_core.warnings.alert import Alert, AlertSettings, Application, Level, level_for
 from cca_core.warnings.view import PARALLEL_ANGLE, VehicleInView, WarningView, blocks_ego, is_ahead
 
-__all__ = [
-    "blind_spot",
-    "do_not_pass",
-    "emergency_brake_light",
-    "forward_collision",
-    "intersection",
-    "left_turn",
-    "stationary_ahead",
-]  # fmt: skip
-
 
 def forward_collision(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
     """Warn of a lead vehicle that brakes, is stationary or is slower (FCW).

@@ -18,8 +18,6 @@ from cca_core.path import Path, Road
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 from cca_core.warnings.alert import AlertSettings
 
-__all__ = ["VehicleInView", "WarningView", "warning_view"]
-
 PARALLEL_ANGLE = 0.25 * math.pi
 """Largest angle between a heading and the route, or its opposite, that counts as parallel [rad]."""
 

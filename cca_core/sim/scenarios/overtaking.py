@@ -10,8 +10,6 @@ from cca_core.sim.scenarios.eebl import CAR
 from cca_core.sim.scenarios.road_user import RoadUser
 from cca_core.sim.scenarios.scenario import LANE_WIDTH, Scenario
 
-__all__ = ["OVERTAKING_CASES", "overtaking"]
-
 
 class _Case(NamedTuple):
     """Traffic, tuning and figures of one case."""

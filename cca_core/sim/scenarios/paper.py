@@ -10,8 +10,6 @@ from cca_core.sim.scenarios.ima import ima
 from cca_core.sim.scenarios.overtaking import OVERTAKING_CASES, overtaking
 from cca_core.sim.scenarios.scenario import EGO_TYPES, Scenario
 
-__all__ = ["paper_scenarios"]
-
 
 def paper_scenarios(path: Path | None = None, *, start: float | None = None) -> list[Scenario]:
     """All runs of the paper's four scenarios.

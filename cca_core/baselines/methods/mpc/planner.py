@@ -23,8 +23,6 @@ from cca_core.planner.command import Command
 from cca_core.planner.inputs import invalid_input_reason
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
-__all__ = ["MpcPlanner"]
-
 
 class MpcPlanner:
     """Steering and acceleration from the solution of a predictive controller.
