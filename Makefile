@@ -17,7 +17,7 @@ help:
 	@echo "make docs      the documentation, in docs/_build/html"
 	@echo "make bench     run times and budgets, into docs/performance.md (10 minutes)"
 	@echo "make table1    the planning methods of the paper's Table 1 compared, into docs/table1.md (10 minutes)"
-	@echo "make validate  the tests with the full number of random cases, into docs/validation.md (hours, resumable)"
+	@echo "make validate  the tests and studies in full, into docs/validation.md (hours, resumable)"
 	@echo "make trials    measure the library in cases and traffic from outside (4 minutes)"
 	@echo "make package   check that wheel and sdist build, install and pass the tests in clean environments;"
 	@echo "               keeps neither (needs the network)"

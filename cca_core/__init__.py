@@ -1,6 +1,6 @@
-"""Cooperative collision avoidance for connected vehicles.
+"""Cooperative collision avoidance of connected vehicles.
 
-From GPS waypoints and the Basic Safety Messages of other cars to steering and acceleration.
+From GPS waypoints and the Basic Safety Messages of other vehicles to steering and acceleration.
 """
 
 import logging

@@ -10,11 +10,7 @@ from hypothesis import HealthCheck, settings
 ROOT = Path(__file__).resolve().parents[1]
 
 settings.register_profile(
-    "ci",
-    deadline=None,
-    derandomize=True,
-    max_examples=50,
-    suppress_health_check=[HealthCheck.too_slow],
+    "ci", deadline=None, derandomize=True, max_examples=50, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.register_profile("full", parent=settings.get_profile("ci"), max_examples=1000)
 settings.load_profile(os.environ.get("CCA_HYPOTHESIS_PROFILE", "ci"))

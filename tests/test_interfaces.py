@@ -11,13 +11,7 @@ from typing import Any
 import pytest
 
 import cca_core
-from cca_core import (
-    InfeasibleError,
-    Lane,
-    Planner,
-    PreviewController,
-    VehicleState,
-)
+from cca_core import InfeasibleError, Lane, Planner, PreviewController, VehicleState
 from cca_core.sim.study.pool import local_processes
 from tests.support.recorded_data import CAR, OTHERS, ROAD, ROUTE, driven, examples, parts
 
@@ -53,9 +47,7 @@ def test_copied_path_is_read_only_and_equal(how: str) -> None:
 def test_equal_records_have_equal_hash(name: str) -> None:
     value = EXAMPLES[name]
     again = pickle.loads(pickle.dumps(value))
-    assert hash(value) == hash(value)
-    if value == again:
-        assert hash(value) == hash(again)
+    assert (hash(value) == hash(again)) == (value == again)
 
 
 def test_settings_and_decisions_can_be_keys() -> None:

@@ -36,4 +36,4 @@ __all__ = [
     "relax_band",
     "smooth_band",
     "stiffness_matrix",
-]  # fmt: skip
+]

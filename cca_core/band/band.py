@@ -19,8 +19,8 @@ from cca_core.path.interpolate import cubics_along
 
 _ROUNDING = 1e-9  # violations up to here are rounding errors [m]
 
-Failure = tuple[Status, str, str]
-"""Status, message and active constraint of a band that was not solved."""
+Failure = tuple[Status, str, int | str]
+"""Status, message and active constraint (obstacles by index) of a band that was not solved."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,6 +56,8 @@ class Band:
         Reason for the status.
     active_constraint : str or ndarray of str, shape (...)
         Closest or violated constraint: "obstacle 0", "left edge", "right edge", "curvature" or "".
+    active_obstacle : int, optional, or ndarray of object, shape (...)
+        Index of the obstacle that is the active constraint; None if it is another.
     n_solves : int or ndarray of int, shape (...)
         Banded systems solved [-].
     moment_over_6 : ndarray, shape (..., n, 2)
@@ -81,6 +83,7 @@ class Band:
     n_solves: Annotated[Any, int]
     moment_over_6: Array
     problem: BandProblem
+    active_obstacle: Annotated[Any, int | None] = None
     qp_residual: float | None = None
 
     def __repr__(self) -> str:
@@ -219,23 +222,28 @@ def assemble_band(
     }  # fmt: skip
     for name, value in values.items():
         shaped[name] = value.reshape(batch_shape) if batch_shape else value.item()
-    names = "status", "message", "active_constraint"
-    for name, column in zip(names, zip(*results, strict=True), strict=True):
+    status, message, active = zip(*results, strict=True)
+    columns: dict[str, tuple[Any, ...]] = {
+        "status": status, "message": message,
+        "active_constraint": tuple(f"obstacle {a}" if isinstance(a, int) else a for a in active),
+        "active_obstacle": tuple(a if isinstance(a, int) else None for a in active),
+    }  # fmt: skip
+    for name, column in columns.items():
         shaped[name] = np.array(column, dtype=object).reshape(batch_shape) if batch_shape else column[0]
     return Band(problem=problem, **shaped)
 
 
-def _compare(problem: BandProblem, i: int, u: Array, certificate: Certificate) -> tuple[Status, str, str]:
+def _compare(problem: BandProblem, i: int, u: Array, certificate: Certificate) -> Failure:
     """Return status, message and active constraint of band `i`."""
     gap, edge = float(certificate.min_gap[i]), float(certificate.min_edge_clearance[i])
     excess = gap - problem.clearance
-    nearest = f"obstacle {certificate.gaps[:, i].min(axis=1).argmin()}" if excess < math.inf else ""
-    closest = nearest
+    nearest = int(certificate.gaps[:, i].min(axis=1).argmin()) if excess < math.inf else ""
+    closest: int | str = nearest
     if edge < excess:
         closest = f"{'right' if certificate.right_margin[i].min() == edge else 'left'} edge"
     displacement = float(np.abs(u).max())
     if excess < -_ROUNDING:
-        reason = f"clearance to {nearest} is {gap:.3f} m (limit {problem.clearance:.3f} m)"
+        reason = f"clearance to obstacle {nearest} is {gap:.3f} m (limit {problem.clearance:.3f} m)"
         return Status.INFEASIBLE, reason, nearest
     if edge < -_ROUNDING:
         return Status.INFEASIBLE, f"the body crosses the {closest} by {-edge:.3f} m", closest

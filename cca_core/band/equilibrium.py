@@ -7,8 +7,6 @@ import numpy as np
 from cca_core._checks import Array, Index, Mask
 from cca_core.errors import InputError
 
-__all__ = ["CurvatureBounds", "equilibrium"]
-
 _FULL_STEPS = 10  # the active set converges in 3 to 6
 _MAX_SOLVES = 60  # full and damped steps together
 _CORRECTIONS = 3  # rounds of iterative refinement where digits are lost

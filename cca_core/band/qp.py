@@ -13,8 +13,6 @@ from cca_core._checks import Array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 
-__all__ = ["QpSolution", "solve_smoothing_qp"]
-
 QPSolver = Literal["piqp", "osqp"]
 
 SOLVER_OPTIONS: dict[str, dict[str, Any]] = {

@@ -5,8 +5,6 @@ from dataclasses import dataclass, fields
 from cca_core._checks import check_real
 from cca_core.errors import InputError
 
-__all__ = ["BandSettings"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BandSettings:

@@ -29,7 +29,7 @@ def relax_with_sides(problem: BandProblem, batch_shape: tuple[int, ...], passes_
     for i, o in blocked.items():
         gap = float(search.certificate.gaps[o, i].min())
         reason = f"clearance to obstacle {o}, at a pinned end, {gap:.3f} m (limit {problem.clearance:.3f} m)"
-        failures[i] = Status.INFEASIBLE, reason, f"obstacle {o}"
+        failures[i] = Status.INFEASIBLE, reason, o
     search.tighten(np.flatnonzero(solvable))
     for i in np.flatnonzero(~search.converged).tolist():
         reason = f"active set did not converge in {search.solves[i]} solves"
@@ -150,14 +150,15 @@ def _report_empty_interval(problem: BandProblem, passes_left: Mask, band: int) -
     c = problem.corridor
     lower, upper = c.bounds(passes_left)
     node = int(np.argmax(lower[band] - upper[band]))
-    right, left = "right edge", "left edge"
+    right: int | str = "right edge"
+    left: int | str = "left edge"
     for o in np.flatnonzero(c.alongside[:, band, node]).tolist():
         if passes_left[o, band] and c.left[o, band, node] == lower[band, node]:
-            right = f"obstacle {o}"
+            right = o
         if not passes_left[o, band] and c.right[o, band, node] == upper[band, node]:
-            left = f"obstacle {o}"
-    constraint = right if right.startswith("obstacle") else left
-    names = (name if name.startswith("obstacle") else f"the {name}" for name in (right, left))
+            left = o
+    constraint = right if isinstance(right, int) else left
+    names = (f"obstacle {one}" if isinstance(one, int) else f"the {one}" for one in (right, left))
     return Status.INFEASIBLE, "no space between {} and {} at node {}".format(*names, node), constraint
 
 

@@ -12,8 +12,6 @@ from cca_core.geometry import wrap_angle
 from cca_core.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
 
-__all__ = ["LqrSteering", "PurePursuit", "Stanley"]
-
 _SPEED_STEP = 0.25  # LQR gains are computed once for each step of speed [m/s]
 
 
@@ -118,12 +116,7 @@ class Stanley:
     name = "Stanley"
 
     def __init__(
-        self,
-        vehicle: VehicleParams,
-        *,
-        gain: float = 2.5,
-        softening: float = 1.0,
-        yaw_damping: float = 0.1,
+        self, vehicle: VehicleParams, *, gain: float = 2.5, softening: float = 1.0, yaw_damping: float = 0.1
     ) -> None:
         self.vehicle = vehicle
         self.gain = check_real("gain", gain, ge=0.0)

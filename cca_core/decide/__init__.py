@@ -32,4 +32,4 @@ __all__ = [
     "rss_lateral",
     "rss_opposite_direction",
     "rss_same_direction",
-]  # fmt: skip
+]

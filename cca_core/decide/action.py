@@ -98,6 +98,9 @@ class Decision:
         What the ego does.
     reason : str
         Why, with numbers and limits.
+    activity, cause : str
+        The reason in two parts, without the numbers of the activity, such as "following R2" and "no left lane";
+        empty if the reason has only one.
     lead_id : str, optional
         Id of the lead vehicle.
     danger_zone : tuple of float, optional
@@ -106,6 +109,8 @@ class Decision:
 
     action: Action
     reason: str
+    activity: str = ""
+    cause: str = ""
     lead_id: str | None = None
     danger_zone: tuple[float, float] | None = None
 
@@ -169,34 +174,48 @@ def choose_action(
         if not (waited or hard or best.available_distance <= best.required_distance):
             action = Action.KEEP
             ahead = best.available_distance - best.required_distance
-            reason = f"approaching {lead.id}: {best.side} maneuver feasible, starts in {ahead:.0f} m"
+            activity = f"approaching {lead.id}"
+            cause = f"{best.side} maneuver feasible, starts in {ahead:.0f} m"
         else:
             action = Action.EVADE_LEFT if best.side == "left" else Action.EVADE_RIGHT
-            reason = f"passing {lead.id} on the {best.side}: {_start(lead, best, waited, limit)}"
-        return Decision(action=action, reason=reason, lead_id=lead.id, danger_zone=best.danger_zone)
+            activity = f"passing {lead.id} on the {best.side}"
+            cause = _start(lead, best, waited, limit)
+        return explained(action, activity, cause, lead_id=lead.id, danger_zone=best.danger_zone)
     why = _why_not_passing(lead, candidates)
-    need = lead.required_deceleration
+    need, numbers = lead.required_deceleration, ""
     if hard:
         action = Action.BRAKE
         if need < 20.0:  # no brakes give more
-            reason = f"braking for {lead.id}: needs {need:.1f} m/s² (limit {limit:.1f} m/s²); {why}"
+            activity = f"braking for {lead.id}"
+            cause = f"needs {need:.1f} m/s² (limit {limit:.1f} m/s²); {why}"
         else:
-            reason = f"full braking for {lead.id}: braking insufficient; {why}"
+            activity, cause = f"full braking for {lead.id}", f"braking insufficient; {why}"
     elif stops:
         action, comfort = Action.BRAKE, lead.comfort_stop_deceleration
-        numbers = f"{comfort:.1f} m/s² (comfort limit {comfort_deceleration:.1f} m/s²)"
-        reason = f"stopping behind {lead.id} ({lead.gap:.0f} m): {numbers}"
+        activity, numbers = f"stopping behind {lead.id}", f" ({lead.gap:.0f} m)"
+        cause = f"{comfort:.1f} m/s² (comfort limit {comfort_deceleration:.1f} m/s²)"
     elif lead.kind == "crossing" and (waited or lead.follow_acceleration < follow_threshold):
-        action, reason = Action.FOLLOW, f"yielding to {lead.id} ({lead.gap:.0f} m ahead): {why}"
+        action, cause = Action.FOLLOW, why
+        activity, numbers = f"yielding to {lead.id}", f" ({lead.gap:.0f} m ahead)"
     elif waited or lead.follow_acceleration < follow_threshold:
-        action = Action.FOLLOW
-        reason = f"following {lead.id} (gap {lead.gap:.0f} m, {lead.v_x:.1f} m/s): {why}"
+        action, cause = Action.FOLLOW, why
+        activity, numbers = f"following {lead.id}", f" (gap {lead.gap:.0f} m, {lead.v_x:.1f} m/s)"
     else:
-        action = Action.KEEP
-        reason = f"keeping lane: {lead.id} {lead.gap:.0f} m ahead, no action needed yet"
-        reason += f"; {why}" if candidates else ""
+        action, activity = Action.KEEP, "keeping lane"
+        cause = f"{lead.id} {lead.gap:.0f} m ahead, no action needed yet{f'; {why}' if candidates else ''}"
     zone = candidates[0].danger_zone if candidates else None
-    return Decision(action=action, reason=reason, lead_id=lead.id, danger_zone=zone)
+    return explained(action, activity, cause, numbers=numbers, lead_id=lead.id, danger_zone=zone)
+
+
+def explained(
+    action: Action, activity: str, cause: str, *, numbers: str = "", lead_id: str | None = None,
+    danger_zone: tuple[float, float] | None = None,
+) -> Decision:  # fmt: skip
+    """Make a decision whose reason is an activity, its numbers and its cause."""
+    return Decision(
+        action=action, reason=f"{activity}{numbers}: {cause}", activity=activity, cause=cause,
+        lead_id=lead_id, danger_zone=danger_zone,
+    )  # fmt: skip
 
 
 def _start(lead: LeadVehicle, best: Candidate, waited: bool, limit: float) -> str:

@@ -12,8 +12,6 @@ from cca_core.errors import InputError
 from cca_core.path import Path
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED, RemoteVehicle, VehicleParams
 
-__all__ = ["Conflict", "CrossingSettings", "find_conflict"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CrossingSettings:

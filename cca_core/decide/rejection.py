@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-__all__ = ["Rejection", "RejectionKind"]
-
 
 class RejectionKind(Enum):
     """Cause of a rejection, with the template of its text."""

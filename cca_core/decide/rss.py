@@ -8,15 +8,6 @@ from numpy.typing import ArrayLike
 from cca_core._checks import Array, check_any, check_real
 from cca_core.errors import InputError
 
-__all__ = [
-    "RSS_EGO",
-    "RSS_OTHER",
-    "RssSettings",
-    "rss_lateral",
-    "rss_opposite_direction",
-    "rss_same_direction",
-]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RssSettings:

@@ -10,8 +10,6 @@ from cca_core._checks import Array, Complex
 from cca_core.path import Path
 from cca_core.vehicle import RemoteVehicle, VehicleParams
 
-__all__ = ["Sweep", "always_parallel", "heading_range"]
-
 _SPACING = 1.0  # upper limit of the distance between samples [m]
 _BLOCK = 4  # samples that are compared together first
 _MAX_TURN = 0.5 * math.pi  # a turning vehicle drives straight on after a right angle [rad]

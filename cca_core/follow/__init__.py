@@ -18,12 +18,7 @@ from cca_core.follow.car_following import (
 )
 from cca_core.follow.estimate import PoseEstimator
 from cca_core.follow.feedforward import InverseSteering
-from cca_core.follow.gains import (
-    GainRegion,
-    StabilityRegion,
-    design_gains,
-    gain_region,
-)
+from cca_core.follow.gains import GainRegion, StabilityRegion, design_gains, gain_region
 from cca_core.follow.margins import Margins, stability_margins
 from cca_core.follow.preview import PreviewController
 from cca_core.follow.schedule import PreviewGains, shipped_gains

@@ -4,8 +4,6 @@ import math
 
 from cca_core.follow.speed import SpeedSettings
 
-__all__ = ["cacc_acceleration", "follow_acceleration", "idm_acceleration", "required_deceleration"]
-
 
 def follow_acceleration(
     v_x: float, gap: float, v_lead: float, settings: SpeedSettings, a_lead: float = 0.0

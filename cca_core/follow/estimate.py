@@ -7,8 +7,6 @@ from cca_core._checks import check_real
 from cca_core.geometry import wrap_angle
 from cca_core.vehicle import VehicleState
 
-__all__ = ["PoseEstimator"]
-
 
 class PoseEstimator:
     """Position and heading from speed and yaw rate, corrected by GPS fixes.

@@ -5,8 +5,6 @@ from collections import deque
 
 from cca_core.vehicle import GRAVITY, VehicleParams
 
-__all__ = ["InverseSteering"]
-
 ROLLING_SPEED = 3.0
 """Below this speed the tires roll without slip, and the sideslip is too small to measure [m/s]."""
 

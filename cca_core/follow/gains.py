@@ -11,8 +11,6 @@ from cca_core.follow.margins import steering_loop
 from cca_core.follow.schedule import SPEEDS, PreviewGains
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["GainRegion", "StabilityRegion", "design_gains", "gain_region"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StabilityRegion:

@@ -10,8 +10,6 @@ from cca_core.follow.bicycle import single_track
 from cca_core.follow.schedule import SIDESLIP_FRACTION, PreviewGains
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["Margins", "stability_margins"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Margins:

@@ -11,8 +11,6 @@ from cca_core.geometry import wrap_angle
 from cca_core.path.path import Path
 from cca_core.vehicle import GRAVITY, VehicleParams, VehicleState
 
-__all__ = ["PreviewController"]
-
 _INTEGRAL_TIME = 3.0  # slow: it corrects what the model omits, such as load and alignment [s]
 _INTEGRAL_LIMIT = 0.02  # [rad]
 

@@ -13,8 +13,6 @@ from cca_core.path import Path
 from cca_core.predict import predict_distance, reachable_interval
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED, RemoteVehicle, VehicleParams
 
-__all__ = ["FrenetEgo", "FrenetVehicle"]
-
 _STALE_BRAKING = 8.0  # assumed deceleration of a stale vehicle, as in its uncertainty bound [m/s^2]
 
 

@@ -11,8 +11,6 @@ from cca_core.planner.maneuver import Maneuver
 from cca_core.planner.maneuver_tuning import AbortSettings
 from cca_core.planner.return_path import return_length, return_maneuver
 
-__all__ = ["delay_return", "plan_abort", "plan_early_return", "return_deceleration", "vehicle_alongside"]
-
 
 def plan_abort(
     ego: FrenetEgo,
@@ -79,11 +77,7 @@ def plan_early_return(
 
 
 def delay_return(
-    ego: FrenetEgo,
-    road: Road,
-    maneuver: Maneuver,
-    others: Sequence[FrenetVehicle],
-    settings: AbortSettings,
+    ego: FrenetEgo, road: Road, maneuver: Maneuver, others: Sequence[FrenetVehicle], settings: AbortSettings
 ) -> Maneuver:
     """Delay the return of an aborted maneuver while a vehicle is alongside or close behind, or return ahead."""
     near = _near_in_lane(ego, road, others, settings)

@@ -5,8 +5,6 @@ from cca_core.follow import SpeedSettings, friction_limited, jerk_limited
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import GRAVITY, VehicleParams
 
-__all__ = ["limit_acceleration", "requested_acceleration"]
-
 
 def requested_acceleration(
     cruise: float, action: Action, lead: LeadVehicle | None, speed: SpeedSettings, settings: EvasionSettings

@@ -7,8 +7,6 @@ from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.planner.maneuver import Maneuver
 from cca_core.planner.tuning import LeadSettings
 
-__all__ = ["blocking_vehicles", "blocks_offset", "excluding", "vehicles_on_maneuver"]
-
 
 def blocks_offset(other: FrenetVehicle, d: float, ego: FrenetEgo, settings: LeadSettings) -> bool:
     """Return whether a vehicle leaves less than the blocking gap to an ego at a lateral offset."""

@@ -15,8 +15,6 @@ from cca_core.planner.maneuver import Maneuver, plan_maneuver
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import GRAVITY, VehicleParams
 
-__all__ = ["Levels", "Plans", "maneuver_levels", "plan_around_lead", "plan_candidates"]
-
 Levels = Sequence[tuple[EvasionSettings, Status]]
 """Maneuver levels, the most comfortable first, each with the status of its maneuvers."""
 

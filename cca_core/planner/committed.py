@@ -8,8 +8,6 @@ from cca_core._checks import Array
 from cca_core.geometry import Boxes, box_gap
 from cca_core.planner.maneuver_tuning import ReplanSettings
 
-__all__ = ["committed_nodes", "first_replannable_node", "relax_clearance", "resample_displacement"]
-
 
 def resample_displacement(s: Array, stations: Array, displacement: Array) -> Array:
     """Return a displacement at other stations, continuous in curvature; 0 beyond its end."""

@@ -14,8 +14,6 @@ from cca_core.path import Lane, Road
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.window import HORIZON
 
-__all__ = ["check_adjacent_lane"]
-
 
 class _Body(NamedTuple):
     """A body in the lane: ends relative to the ego [m], speed [m/s], its rate [m/s^2], age [s], id if known."""

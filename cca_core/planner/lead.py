@@ -11,8 +11,6 @@ from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.planner.tuning import LeadSettings
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["find_lead", "make_lead", "oncoming_assumed_in_lane", "vehicles_to_follow"]
-
 
 def find_lead(
     blocking: Sequence[FrenetVehicle],

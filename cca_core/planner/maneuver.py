@@ -28,8 +28,6 @@ from cca_core.planner.window import Window, assumed_interval, is_following_ego, 
 from cca_core.predict import occupancy_boxes
 from cca_core.vehicle import GRAVITY
 
-__all__ = ["Maneuver", "plan_maneuver", "predicted_occupancy"]
-
 _MAX_NODES = 140  # of a band; they are never closer than 1 m
 _STEERING_LIMITED_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
 _GAP_SAMPLES = 24  # times at which a gap is checked
@@ -215,15 +213,15 @@ def _assemble(
 
 def _reject_band(band: Band, side: Side, vehicles: Sequence[FrenetVehicle], ahead: Array) -> Rejection:
     """Rejection of a band that is not OK, from the constraint that decides."""
-    kinds, constraint = RejectionKind, band.active_constraint
+    kinds, obstacle = RejectionKind, band.active_obstacle
     if band.status is not Status.INFEASIBLE:
         return Rejection(kind=kinds.NOT_CONVERGED, side=side)
-    if constraint == "curvature":
+    if band.active_constraint == "curvature":
         limit = float(np.min(band.problem.curvature_limit))
         return Rejection(kind=kinds.CURVATURE, side=side, value=band.curvature, limit=limit)
-    if constraint.endswith("edge"):
+    if band.active_constraint in ("left edge", "right edge"):
         return Rejection(kind=kinds.ROAD_EDGE, side=side, value=max(-band.edge_clearance, 0.0))
-    vehicle_id = vehicles[int(constraint.removeprefix("obstacle "))].id if constraint else ""
+    vehicle_id = "" if obstacle is None else vehicles[obstacle].id
     lower, upper = band.problem.corridor.bounds(band.passes_left[:, None])
     overlap = (lower - upper)[0]
     if (overlap > 0.0).any():

@@ -4,12 +4,6 @@ from dataclasses import dataclass
 
 from cca_core.planner.tuning import check_fields
 
-__all__ = [
-    "AbortSettings",
-    "LastResortSettings",
-    "ReplanSettings",
-]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LastResortSettings:
@@ -38,13 +32,7 @@ class LastResortSettings:
     lateral_acceleration: float = 3.5
 
     def __post_init__(self) -> None:
-        check_fields(
-            self,
-            positive=(
-                "grip_fraction",
-                "lateral_acceleration",
-            ),
-        )
+        check_fields(self, positive=("grip_fraction", "lateral_acceleration"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,11 +127,4 @@ class AbortSettings:
     max_hold_time: float = 3.0
 
     def __post_init__(self) -> None:
-        check_fields(
-            self,
-            positive=(
-                "deceleration",
-                "lateral_acceleration",
-                "min_length",
-            ),
-        )
+        check_fields(self, positive=("deceleration", "lateral_acceleration", "min_length"))

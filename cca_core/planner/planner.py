@@ -15,6 +15,7 @@ from cca_core.decide import (
     LeadVehicle,
     choose_action,
 )
+from cca_core.decide.action import explained
 from cca_core.errors import Status
 from cca_core.follow import PreviewController, SpeedSettings, profile_acceleration, squared_speed_limit
 from cca_core.frenet import INCOMPLETE, FrenetEgo, FrenetVehicle, to_frenet
@@ -336,7 +337,7 @@ class Planner:
         )  # fmt: skip
         self._maneuver, self._status = result.maneuver, result.status
         if result.outcome is not Outcome.CONTINUED:
-            self._decision = Decision(action=Action.FOLLOW, reason=result.reason)
+            self._decision = explained(Action.FOLLOW, result.outcome.value, str(result.rejection))
             self._returning = result.maneuver is not None
 
     def _acceleration(

@@ -16,8 +16,6 @@ from cca_core.planner.maneuver import Maneuver, plan_maneuver, predicted_occupan
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.window import is_following_ego
 
-__all__ = ["Outcome", "ReplanResult", "replan"]
-
 
 class Outcome(Enum):
     """What becomes of an ongoing maneuver."""
@@ -35,11 +33,6 @@ class ReplanResult:
     status: Status = Status.OK
     outcome: Outcome = Outcome.CONTINUED
     rejection: Rejection | None = None
-
-    @property
-    def reason(self) -> str:
-        """Outcome in words; empty if the maneuver continues."""
-        return "" if self.outcome is Outcome.CONTINUED else f"{self.outcome.value}: {self.rejection}"
 
 
 def replan(

@@ -14,8 +14,6 @@ from cca_core.path import Road, splice_path
 from cca_core.planner.maneuver import Maneuver
 from cca_core.planner.maneuver_tuning import AbortSettings
 
-__all__ = ["return_length", "return_maneuver"]
-
 
 def return_length(d: float, v: float, settings: AbortSettings) -> float:
     """Return the length of a return from a lateral offset at a speed [m]."""

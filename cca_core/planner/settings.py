@@ -12,8 +12,6 @@ from cca_core.planner.tuning import (
 )
 from cca_core.vehicle import STALE_AGE
 
-__all__ = ["EvasionSettings"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EvasionSettings:

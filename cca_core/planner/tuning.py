@@ -6,13 +6,7 @@ from typing import Any
 from cca_core._checks import check_real
 from cca_core.errors import InputError
 
-__all__ = [
-    "ActuationSettings",
-    "DecisionSettings",
-    "LeadSettings",
-    "YieldSettings",
-    "check_fields",
-]
+__all__ = ["ActuationSettings", "DecisionSettings", "LeadSettings", "YieldSettings", "check_fields"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,14 +87,7 @@ class ActuationSettings:
     safe_stop_deceleration: float = 4.0
 
     def __post_init__(self) -> None:
-        check_fields(
-            self,
-            positive=(
-                "grip_fraction",
-                "emergency_grip_fraction",
-                "curve_acceleration",
-            ),
-        )
+        check_fields(self, positive=("grip_fraction", "emergency_grip_fraction", "curve_acceleration"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,13 +172,7 @@ class YieldSettings:
     min_braking: float = 1.0
 
     def __post_init__(self) -> None:
-        check_fields(
-            self,
-            positive=(
-                "horizon",
-                "min_braking",
-            ),
-        )
+        check_fields(self, positive=("horizon", "min_braking"))
 
 
 def check_fields(settings: Any, *, positive: tuple[str, ...] = (), infinite: str = "") -> None:

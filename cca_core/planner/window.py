@@ -14,8 +14,6 @@ from cca_core.geometry import QUINTIC_PEAK
 from cca_core.path import Lane, Road
 from cca_core.planner.settings import EvasionSettings
 
-__all__ = ["HORIZON", "Window", "assumed_interval", "is_following_ego", "plan_window"]
-
 HORIZON = 600.0
 """Longest maneuver [m]."""
 

@@ -16,8 +16,6 @@ from cca_core.planner.lead import make_lead
 from cca_core.planner.tuning import LeadSettings, YieldSettings
 from cca_core.predict import predict_ctra
 
-__all__ = ["find_yield_conflict", "virtual_lead"]
-
 _STATIONS = 100  # of the ego, at which conflicts are searched
 _TIME_STEP = 0.05  # at which predicted bodies are compared [s]
 _BEHIND = -20.0  # a vehicle whose station is farther behind the ego does not cross ahead of it [m]

@@ -37,4 +37,4 @@ __all__ = [
     "plot_tunings",
     "title",
     "to_svg",
-]  # fmt: skip
+]

@@ -10,7 +10,7 @@ from cca_core.errors import InputError
 from cca_core.plot.labels import escape_figure_text, run_heading
 from cca_core.plot.style import COLORS, TEXT, assign_colors, mark_collision, new_figure
 from cca_core.sim import Log
-from cca_core.sim.outcome import STOPPED_SPEED, first_collision
+from cca_core.sim.outcome import MOVING_SPEED, first_collision
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -106,7 +106,7 @@ def _interesting(logs: Sequence[Log]) -> tuple[float, float]:
     for log in logs:
         v = np.column_stack((log.ego[:, 3], log.road_users[:, :, 3]))
         a = np.column_stack((log.ego[:, 7], log.user_motion[:, :, 0]))
-        brakes, moves = (a < -1.0).any(axis=1), (v > STOPPED_SPEED).any(axis=1)
+        brakes, moves = (a < -1.0).any(axis=1), (v > MOVING_SPEED).any(axis=1)
         first.append(log.t[np.argmax(brakes)] if brakes.any() else log.t[0])
         last.append(log.t[np.flatnonzero(moves)[-1]] if moves.any() else log.t[-1])
     return max(min(first) - 1.0, 0.0), max(last) + 1.5

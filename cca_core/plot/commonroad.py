@@ -15,8 +15,6 @@ from cca_core.sim.commonroad.drive import CommonRoadRun
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot_commonroad"]
-
 
 def plot_commonroad(run: CommonRoadRun, *, times: Sequence[float] | None = None) -> "Figure":
     """Draw lanelets, recorded traffic and the ego at several times.

@@ -14,8 +14,6 @@ from cca_core.plot.style import COLORS, METHOD_STYLES, TEXT, new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot_plans", "plot_scaling", "plot_time_quality"]
-
 
 def _styles(names: Sequence[str]) -> dict[str, dict[str, Any]]:
     spare = cycle(

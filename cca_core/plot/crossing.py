@@ -12,7 +12,7 @@ from cca_core.plot.labels import escape_figure_text, run_heading
 from cca_core.plot.road_surface import draw_roads
 from cca_core.plot.style import COLORS, TEXT, assign_colors, mark_collision, new_figure
 from cca_core.sim import Log
-from cca_core.sim.outcome import STOPPED_SPEED, first_collision, row_at
+from cca_core.sim.outcome import MOVING_SPEED, first_collision, row_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -74,7 +74,7 @@ def _interesting(log: Log) -> float:
     if not in_conflict.any():
         return float(log.t[-1])
     last = np.flatnonzero(in_conflict)[-1] * EVERY
-    stationary = np.flatnonzero(log.ego[:, 3] < STOPPED_SPEED)
+    stationary = np.flatnonzero(log.ego[:, 3] < MOVING_SPEED)
     row = max(last, stationary[-1] if len(stationary) else 0)
     return float(min(log.t[min(row, len(log.t) - 1)] + 4.0, log.t[-1]))
 

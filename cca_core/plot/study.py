@@ -15,8 +15,6 @@ from cca_core.sim import EGO_TYPES, StudyTable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["plot_study"]
-
 _AXES = {"latency": "latency [s]", "loss": "fraction of messages lost [-]"}
 
 

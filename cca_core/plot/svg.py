@@ -15,8 +15,6 @@ from cca_core.geometry import boxes
 from cca_core.path import Path, Road
 from cca_core.plot.style import COLORS
 
-__all__ = ["to_svg"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sheet:

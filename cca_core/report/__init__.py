@@ -28,4 +28,4 @@ __all__ = [
     "tuning_figure",
     "vehicles_waited_for",
     "write_report",
-]  # fmt: skip
+]

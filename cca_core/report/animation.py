@@ -19,8 +19,6 @@ from cca_core.sim.outcome import first_collision
 from cca_core.sim.world.radio import sender_id
 from cca_core.v2x import decode_bsm
 
-__all__ = ["animate"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Camera:

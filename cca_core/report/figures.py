@@ -22,8 +22,6 @@ from cca_core.sim import Log
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["ReportFigure", "report_figures", "tuning_figure"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReportFigure:
@@ -85,7 +83,7 @@ def report_figures(group: Sequence[Log]) -> Iterator[ReportFigure]:
             "time. In the strips the ego's path is solid behind it and dotted ahead of it.",
             figure=plot_traffic(log, caption=describe_run(log)),
             detail=scenario.name != "maneuver" or not log.scenario.v2v,
-        )  # fmt: skip
+        )
     for log in pair:
         yield ReportFigure(
             name=f"{slug}_{log.scenario.ego_type}_over_time", figure=plot_time_series(log), detail=True,
@@ -103,14 +101,14 @@ def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator
             figure=plot_braking(runs, outcomes=list(map(summarize_outcome, runs))),
             caption="Each band reaches from the rear to the front bumper of a vehicle. Where two bands meet, "
             "the vehicles collide. Below: speeds and decelerations. Counterpart of Figs 6 and 7.",
-        )  # fmt: skip
+        )
     elif scenario.other_roads and scenario.road_users:
         yield ReportFigure(
             name=_file_name(numbers, slug, "from_above"),
             figure=plot_crossing(pair, outcomes=list(map(summarize_outcome, pair))),
             caption="Bodies each second, numbered by the time in seconds; below, its station over time. "
             "In the red area the ego would collide. Counterpart of Fig 9.",
-        )  # fmt: skip
+        )
     parked = next((user.id for user in scenario.road_users if user.v_x == 0.0 and user.route is None), None)
     if parked is not None:
         yield ReportFigure(
@@ -118,7 +116,7 @@ def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator
             figure=plot_passing(runs, parked, outcomes=list(map(summarize_outcome, runs))),
             caption=f"How the ego passes {parked}: bodies each half second, to scale, then the ego's "
             "paths with the width drawn larger. Counterpart of Figs 11 and 12.",
-        )  # fmt: skip
+        )
 
 
 def _file_name(numbers: Sequence[int], *parts: str) -> str:

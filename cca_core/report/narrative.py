@@ -8,16 +8,7 @@ from cca_core.decide import Action
 from cca_core.plot.labels import begin_sentence, case_name, join_names
 from cca_core.report.selection import baseline_and_v2v, one_run_per_ego
 from cca_core.sim import Log
-from cca_core.sim.outcome import STOPPED_SPEED, final_lead, first_collision, overtaken, row_at
-
-__all__ = [
-    "describe_outcome",
-    "describe_participants",
-    "describe_run",
-    "headline",
-    "summarize_outcome",
-    "vehicles_waited_for",
-]
+from cca_core.sim.outcome import MOVING_SPEED, final_lead, first_collision, overtaken, row_at
 
 
 def headline(groups: Sequence[Sequence[Log]]) -> str:
@@ -80,7 +71,7 @@ def summarize_outcome(log: Log) -> str:
     if collision is not None:
         return f"collides with {collision.id} at {collision.speed:.1f} m/s"
     gaps, names = log.gaps(), [user.id for user in log.scenario.road_users]
-    stationary = log.ego[:, 3] < STOPPED_SPEED
+    stationary = log.ego[:, 3] < MOVING_SPEED
     lead = final_lead(log)
     if stationary[-1]:
         return "stops" if lead is None else f"stops {gaps[-1, lead]:.1f} m behind {names[lead]}"
@@ -112,15 +103,16 @@ def describe_run(log: Log) -> str:
         What the ego did and when, the vehicles it waited for, and how the run ended.
     """
     parts = []
+    reasons = log.reasons or [(reason, "") for _, _, reason in log.decisions]
     ends = [begin for begin, _, _ in log.decisions[1:]] + [float(log.t[-1])]
-    for i, ((begin, name, reason), end) in enumerate(zip(log.decisions, ends, strict=True)):
+    for i, ((begin, name, _), (activity, cause), end) in enumerate(
+        zip(log.decisions, reasons, ends, strict=True)
+    ):
         is_last = i + 1 == len(log.decisions)
-        head, _, detail = reason.partition(": ")  # the action, then its causes
-        head = head.partition(" (")[0]  # the numbers are those of its first cycle
         if Action(name) in (Action.FOLLOW, Action.BRAKE):
-            parts.append(_describe_wait(log, begin, end, head, detail if is_last else None))
+            parts.append(_describe_wait(log, begin, end, activity, cause if is_last else None))
         elif Action(name).is_evading:
-            parts.append(f"{head} ({begin:.1f} s)")
+            parts.append(f"{activity} ({begin:.1f} s)")
         elif is_last and i > 0:
             parts.append(f"back in the ego lane ({begin:.1f} s)")
     if (log.gaps() <= 0.0).any():
@@ -132,13 +124,13 @@ def describe_run(log: Log) -> str:
     return begin_sentence(", ".join(parts)) + "."
 
 
-def _describe_wait(log: Log, begin: float, end: float, head: str, detail: str | None) -> str:
-    """Following or braking between two times; `detail` is given if it lasts to the end."""
-    if detail is not None:
-        return f"{head}, from {begin:.1f} s to the end{f' ({detail})' if detail else ''}"
+def _describe_wait(log: Log, begin: float, end: float, activity: str, cause: str | None) -> str:
+    """Following or braking between two times; `cause` is given if it lasts to the end."""
+    if cause is not None:
+        return f"{activity}, from {begin:.1f} s to the end{f' ({cause})' if cause else ''}"
     names = vehicles_waited_for(log, begin, end)
     until = f" until {join_names(names)} {'has' if len(names) == 1 else 'have'} passed" if names else ""
-    return f"{head} for {end - begin:.1f} s{until} ({begin:.1f} s)"
+    return f"{activity} for {end - begin:.1f} s{until} ({begin:.1f} s)"
 
 
 def describe_participants(log: Log) -> str:

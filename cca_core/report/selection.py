@@ -4,8 +4,6 @@ from collections.abc import Iterable, Sequence
 
 from cca_core.sim import Log
 
-__all__ = ["baseline_and_v2v", "group_by_case", "one_run_per_ego"]
-
 _EGO_ORDER = ("driver", "sensor", "v2v")
 
 

@@ -21,7 +21,8 @@ from cca_core.sim.scenarios.curbside import CURBSIDE_CASES, curbside
 from cca_core.sim.scenarios.demo_road import demo_route, longest_stretch
 from cca_core.sim.scenarios.eebl import EEBL_CASES, LOSSY_CHANNEL, eebl
 from cca_core.sim.scenarios.ima import IMA_CASES, ima
-from cca_core.sim.scenarios.overtaking import OVERTAKING_CASES, overtaking, paper_scenarios
+from cca_core.sim.scenarios.overtaking import OVERTAKING_CASES, overtaking
+from cca_core.sim.scenarios.paper import paper_scenarios
 from cca_core.sim.scenarios.road_user import BrakeAction, LateralShiftAction, ReactToLeadAction, RoadUser
 from cca_core.sim.scenarios.scenario import EGO_TYPES, FixedTimeGap, Scenario
 from cca_core.sim.study.parameters import ParameterRanges
@@ -88,4 +89,4 @@ __all__ = [
     "simulate",
     "track_path",
     "visible_fraction",
-]  # fmt: skip
+]

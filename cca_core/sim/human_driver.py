@@ -8,6 +8,7 @@ import numpy as np
 
 from cca_core._checks import check_real
 from cca_core.decide import Action, CrossingSettings, Decision, find_conflict
+from cca_core.decide.action import explained
 from cca_core.errors import Status
 from cca_core.follow import (
     PreviewController,
@@ -20,8 +21,6 @@ from cca_core.frenet import FrenetVehicle, to_frenet
 from cca_core.path import Road
 from cca_core.planner import Command
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
-
-__all__ = ["CURVE_ACCELERATION", "Driver", "DriverSettings"]
 
 CURVE_ACCELERATION = 2.5
 """Lateral acceleration that limits the speed in curves [m/s^2], as that of the planner."""
@@ -101,7 +100,7 @@ class Driver:
         self._s: float | None = None
         self._last_s: dict[str, float] = {}
         self._t_alarmed = math.inf
-        self._hazard = ""
+        self._hazard: tuple[str, str] | None = None
         self._t_crossing = -math.inf
         self._t, self._a_x = -math.inf, 0.0
 
@@ -144,8 +143,9 @@ class Driver:
         requested = -self.speed.b_max if braking else cruise
         self._a_x = jerk_limited(requested, self._a_x, dt, self.speed, emergency=braking)
         if braking:
-            reason = f"braking for {self._hazard} (seen {self.reaction_time:g} s ago)"
-            decision = Decision(action=Action.BRAKE, reason=reason)
+            vehicle_id, hazard = self._hazard or ("", "")
+            seen = f"{hazard} (seen {self.reaction_time:g} s ago)"
+            decision = explained(Action.BRAKE, f"braking for {vehicle_id}", seen)
         else:
             decision = Decision(action=Action.KEEP, reason="keeping lane: no hazard seen")
         return Command(
@@ -153,8 +153,10 @@ class Driver:
             reference=path, status=Status.OK,
         )  # fmt: skip
 
-    def _find_hazard(self, t: float, s: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> str:
-        """Vehicle and kind of a hazard in words; empty if there is none."""
+    def _find_hazard(
+        self, t: float, s: float, state: VehicleState, remotes: Iterable[RemoteVehicle]
+    ) -> tuple[str, str] | None:
+        """Vehicle and kind of a hazard in words; None if there is none."""
         vehicles, _ = to_frenet(remotes, self.road.path, self._last_s)
         front, half_width = s + self.vehicle.front, 0.5 * self.vehicle.width
         for n in vehicles:
@@ -162,16 +164,16 @@ class Driver:
             if gap < -self.vehicle.length or abs(n.d) >= half_width + n.half_width:
                 continue
             if n.remote.a_x <= -self.settings.brake_light_deceleration and n.v_s >= 0.0:
-                return f"{n.id}: brake lights"
+                return n.id, "brake lights"
             if gap < self.settings.alarm_time * (state.v_x - n.v_s):
-                return f"{n.id}: {max(gap, 0.0):.0f} m ahead"
+                return n.id, f"{max(gap, 0.0):.0f} m ahead"
         if t - self._t_crossing >= 0.1 - 1e-6:  # ten times a second suffices
             self._t_crossing = t
             return self._find_crossing(s, max(state.v_x, 1.0), vehicles)
-        return ""
+        return None
 
-    def _find_crossing(self, s: float, v: float, vehicles: list[FrenetVehicle]) -> str:
-        """Vehicle that crosses at the same time as the ego in words; empty if there is none."""
+    def _find_crossing(self, s: float, v: float, vehicles: list[FrenetVehicle]) -> tuple[str, str] | None:
+        """Vehicle that crosses at the same time as the ego; None if there is none."""
         horizon = self.settings.crossing_horizon
         for n in vehicles:
             conflict = find_conflict(
@@ -179,5 +181,5 @@ class Driver:
                 n.remote, horizon=horizon, settings=self._crossing,
             )  # fmt: skip
             if conflict is not None and not conflict.is_clear:
-                return f"{n.id}: crossing"
-        return ""
+                return n.id, "crossing"
+        return None

@@ -65,6 +65,8 @@ class Log:
         Wall-clock time of the whole run [s].
     missed_deadlines : int
         Number of cycles of a real-time run that ended after their deadline.
+    reasons : tuple of (str, str)
+        Activity and cause of each of `decisions`, as in `Decision`; none in a log of a file without them.
     """
 
     scenario: Scenario
@@ -90,6 +92,7 @@ class Log:
     cycle_us: Array
     wall_s: float
     missed_deadlines: int = 0
+    reasons: tuple[tuple[str, str], ...] = ()
 
     def __repr__(self) -> str:
         scenario = self.scenario

@@ -95,6 +95,7 @@ def load_log(path: str | FilePath) -> Log:
         meta["received"] = tuple(
             (row, blob[begin:end]) for row, begin, end in zip(rows, [0, *ends][:-1], ends, strict=True)
         )
+        meta["reasons"] = tuple(map(tuple, meta.get("reasons", ())))
         meta["scenario"] = from_dict(Scenario, meta["scenario"])
         meta |= {name: tuple(map(tuple, meta[name])) for name in ("decisions", "events")}
         log = Log(**content, **meta)

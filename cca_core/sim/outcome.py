@@ -8,8 +8,8 @@ from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.sim.log import Log
 
-STOPPED_SPEED = 0.1
-"""Speed below which a vehicle counts as stationary in a log [m/s]."""
+MOVING_SPEED = 0.1
+"""Speed from which a vehicle counts as moving in words and figures; slower is creeping [m/s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,21 +13,20 @@ from cca_core.sim.world.radio import Radio
 from cca_core.sim.world.traffic import CYCLE_TIME, Traffic
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
-__all__ = ["EventRecorder", "LogBuilder"]
-
 
 class EventRecorder:
     """Collect each change of action, and the first time of each event of `Log.events`."""
 
-    def __init__(
-        self, scenario: Scenario, *, braking: float = -1.0, standstill_speed: float = 0.05
-    ) -> None:  # braking [m/s^2]: beyond drag and speed control
-        self._braking, self._standstill_speed = braking, standstill_speed
+    def __init__(self, scenario: Scenario, *, braking: float = -1.0, rest_speed: float = 0.05) -> None:
+        # braking [m/s^2]: beyond drag and speed control; rest_speed [m/s]: simulated speeds are exact, so that
+        # nearly none is needed, unlike the planner's `standstill_speed` of reported ones
+        self._braking, self._rest_speed = braking, rest_speed
         self._user_ids = [user.id for user in scenario.road_users]
         self._has_fixed_gap = scenario.fixed_gap is not None
-        self._initially_moving = {u.id for u in scenario.road_users if u.v_x > standstill_speed}
+        self._initially_moving = {u.id for u in scenario.road_users if u.v_x > rest_speed}
         self._first: dict[tuple[str, str], float] = {}
         self.decisions: list[tuple[float, str, str]] = []
+        self.reasons: list[tuple[str, str]] = []
 
     @property
     def events(self) -> list[tuple[float, str, str]]:
@@ -50,6 +49,7 @@ class EventRecorder:
         decision = command.decision
         if not self.decisions or self.decisions[-1][1] != decision.action.value:
             self.decisions.append((t, decision.action.value, decision.reason))
+            self.reasons.append((decision.activity or decision.reason, decision.cause))
         for vehicle_id, is_visible in zip(self._user_ids, visible, strict=True):
             self._note(t, "first_visible", vehicle_id, is_visible)
         for remote in remotes:
@@ -58,13 +58,13 @@ class EventRecorder:
                 self._note(t, "hazard_received", remote.id, "hard_braking" in remote.events)
         for agent in traffic.agents:
             vehicle_id = agent.user.id
-            stopped = agent.v <= self._standstill_speed and vehicle_id in self._initially_moving
+            stopped = agent.v <= self._rest_speed and vehicle_id in self._initially_moving
             self._note(t, "brakes", vehicle_id, agent.a <= self._braking)
             self._note(t, "stopped", vehicle_id, stopped)
             self._note(t, "lateral_shift", vehicle_id, agent.is_shifting)
         self._note(t, "gap_released", "ego", self._has_fixed_gap and not gap_held)
         self._note(t, "brakes", "ego", not gap_held and command.a_x <= self._braking)
-        self._note(t, "stopped", "ego", state.v_x <= self._standstill_speed)
+        self._note(t, "stopped", "ego", state.v_x <= self._rest_speed)
         self._note(t, "lateral_shift", "ego", decision.action.is_evading)
         self._note(t, "collision", collided_with, collided_with != "")
 
@@ -144,7 +144,7 @@ class LogBuilder:
             tracking=ego[:, 14], road_users=users[:, :, :4], user_motion=users[:, :, 4:],
             user_frenet=self._user_frenet[:n], visible=self._visible[:n], tracked=self._tracked[:n],
             gap_held=self._gap_held[:n], decisions=tuple(self._events.decisions),
-            events=tuple(self._events.events), received=tuple(self._received), messages=dict(radio.counts),
+            reasons=tuple(self._events.reasons), events=tuple(self._events.events), received=tuple(self._received), messages=dict(radio.counts),
             degraded=self._degraded[:n], cycle_us=self._cycle_us[:n], wall_s=wall_s,
             missed_deadlines=missed_deadlines,
         )  # fmt: skip

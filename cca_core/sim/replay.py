@@ -8,8 +8,6 @@ from cca_core.sim.loop import EgoController, make_controller
 from cca_core.sim.world.perception import Perception
 from cca_core.vehicle import VehicleState
 
-__all__ = ["replay"]
-
 
 def replay(log: Log, *, planner: EgoController | None = None) -> Array:
     """Run the ego's controller on the recorded messages, visibility and ego motion.

@@ -1,4 +1,4 @@
-"""V2X: message bytes to vehicles with uncertainty bounds, and back; no sockets."""
+"""V2X: message bytes to plausible vehicles with uncertainty bounds, and back; no sockets."""
 
 from cca_core.v2x.bsm import BrakeStatus, Bsm, PositionalAccuracy, decode_bsm, encode_bsm
 from cca_core.v2x.channel import Channel, ChannelSettings, ReceivedMessage

@@ -1,6 +1,6 @@
 """V2V warnings: one rule for each application, and the view of the road they share."""
 
-from cca_core.warnings.alert import Alert, AlertSettings, Application, Level, VehicleInView, WarningView
+from cca_core.warnings.alert import Alert, AlertSettings, Application, Level
 from cca_core.warnings.rules import (
     blind_spot,
     do_not_pass,
@@ -10,7 +10,7 @@ from cca_core.warnings.rules import (
     left_turn,
     stationary_ahead,
 )
-from cca_core.warnings.view import warning_view
+from cca_core.warnings.view import VehicleInView, WarningView, warning_view
 from cca_core.warnings.warn import warn
 
 __all__ = [
@@ -29,4 +29,4 @@ __all__ = [
     "stationary_ahead",
     "warn",
     "warning_view",
-]  # fmt: skip
+]

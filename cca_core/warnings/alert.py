@@ -1,20 +1,12 @@
-"""Alerts of the V2V applications, their thresholds, and the view of the road that the rules share."""
+"""Alerts of the V2V applications, and their thresholds."""
 
 import math
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import Literal
 
 from cca_core._checks import check_real
-from cca_core.decide import Conflict, CrossingSettings
-from cca_core.frenet import FrenetEgo, FrenetVehicle
-from cca_core.path import Path
+from cca_core.decide import CrossingSettings
 from cca_core.vehicle import GRAVITY, STANDSTILL_SPEED
-
-__all__ = ["Alert", "AlertSettings", "Application", "Level", "VehicleInView", "WarningView"]
-
-PARALLEL_ANGLE = 0.25 * math.pi
-"""Largest angle between a heading and the route, or its opposite, that counts as parallel [rad]."""
 
 
 class Application(Enum):
@@ -152,83 +144,6 @@ class AlertSettings:
         check_real("braking", self.braking, gt=0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class VehicleInView:
-    """A remote vehicle relative to the ego.
-
-    Parameters
-    ----------
-    vehicle : FrenetVehicle
-        The vehicle at its nominal position, without uncertainty bound.
-    gap : float
-        Gap from the ego's front to its rear along the route [m]; negative unless it is ahead.
-    lateral_offset : float
-        Lateral distance from the center of the ego to its center [m], left positive.
-    conflict : Conflict, optional
-        Conflict of its path with that of the ego.
-    crosses_ego_turn : bool
-        Whether the ego turns across its lane in this conflict.
-    occluded_by : str
-        Id of a vehicle in the line of sight; empty if there is none.
-    """
-
-    vehicle: FrenetVehicle
-    gap: float
-    lateral_offset: float
-    conflict: Conflict | None = None
-    crosses_ego_turn: bool = False
-    occluded_by: str = ""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class WarningView:
-    """The ego and the vehicles around it along the route.
-
-    Parameters
-    ----------
-    path : Path
-        The route.
-    ego : FrenetEgo
-        The ego; it keeps its speed.
-    lane_width : float
-        Width of its lane [m].
-    intent : {"left", "right"}, optional
-        Side to which the ego intends to turn or to change lanes.
-    vehicles : tuple of VehicleInView
-        The other vehicles.
-    """
-
-    path: Path
-    ego: FrenetEgo
-    lane_width: float = 3.5
-    intent: Literal["left", "right"] | None = None
-    vehicles: tuple[VehicleInView, ...] = ()
-
-
-def make_alert(
-    application: Application, level: Level, other: VehicleInView, time: float, reason: str
-) -> Alert:
-    """Make an alert because of a vehicle."""
-    return Alert(
-        application=application,
-        level=level,
-        vehicle_id=other.vehicle.id,
-        time_to_conflict=time,
-        reason=reason,
-    )
-
-
 def level_for(deceleration: float, settings: AlertSettings) -> Level:
     """Return the level of a conflict that a deceleration [m/s^2] avoids."""
     return Level.ACT if deceleration > settings.act_deceleration else Level.WARN
-
-
-def is_ahead(view: WarningView, other: VehicleInView) -> bool:
-    """Return whether the center of a vehicle is ahead of the ego's."""
-    return other.gap + 0.5 * view.ego.vehicle.length + other.vehicle.half_length > 0.0
-
-
-def blocks_ego(view: WarningView, other: VehicleInView, clearance: float = 0.0) -> bool:
-    """Return whether a vehicle is closer to the ego's path than a lateral clearance [m]."""
-    half_width = 0.5 * view.ego.vehicle.width
-    return abs(other.lateral_offset) < half_width + other.vehicle.half_width + clearance

@@ -2,29 +2,8 @@
 
 import math
 
-from cca_core.warnings.alert import (
-    PARALLEL_ANGLE,
-    Alert,
-    AlertSettings,
-    Application,
-    Level,
-    VehicleInView,
-    WarningView,
-    blocks_ego,
-    is_ahead,
-    level_for,
-    make_alert,
-)
-
-__all__ = [
-    "blind_spot",
-    "do_not_pass",
-    "emergency_brake_light",
-    "forward_collision",
-    "intersection",
-    "left_turn",
-    "stationary_ahead",
-]  # fmt: skip
+from cca_core.warnings.alert import Alert, AlertSettings, Application, Level, level_for
+from cca_core.warnings.view import PARALLEL_ANGLE, VehicleInView, WarningView, blocks_ego, is_ahead
 
 
 def forward_collision(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
@@ -62,7 +41,7 @@ def forward_collision(view: WarningView, other: VehicleInView, settings: AlertSe
         f"collision in {time:.1f} s (limit {threshold:.1f} s)"
     )
     level = level_for(_required_deceleration(view, other, settings), settings)
-    return make_alert(Application.FCW, level, other, time, reason)
+    return _alert(Application.FCW, level, other, time, reason)
 
 
 def emergency_brake_light(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
@@ -94,9 +73,9 @@ def emergency_brake_light(view: WarningView, other: VehicleInView, settings: Ale
     lane = "in the ego lane" if in_lane else "in the adjacent lane"
     reason = f"{other.vehicle.id} brakes hard {max(other.gap, 0.0):.0f} m ahead {lane}"
     if not in_lane:
-        return make_alert(Application.EEBL, Level.INFORM, other, math.inf, reason)
+        return _alert(Application.EEBL, Level.INFORM, other, math.inf, reason)
     level = level_for(_required_deceleration(view, other, settings), settings)
-    return make_alert(Application.EEBL, level, other, _time_to_collision(view, other, settings), reason)
+    return _alert(Application.EEBL, level, other, _time_to_collision(view, other, settings), reason)
 
 
 def stationary_ahead(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
@@ -130,7 +109,7 @@ def stationary_ahead(view: WarningView, other: VehicleInView, settings: AlertSet
         f"reached in {time:.1f} s (limit {settings.curbside_time:.1f} s)"
     )
     level = level_for(_required_deceleration(view, other, settings), settings)
-    return make_alert(Application.CURB_SIDE, level, other, time, reason)
+    return _alert(Application.CURB_SIDE, level, other, time, reason)
 
 
 def blind_spot(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
@@ -162,8 +141,8 @@ def blind_spot(view: WarningView, other: VehicleInView, settings: AlertSettings)
     side = "left" if other.lateral_offset > 0.0 else "right"
     reason = f"{other.vehicle.id} in the {side} blind spot"
     if view.intent == side:
-        return make_alert(Application.LCW, Level.WARN, other, 0.0, f"{reason}, to which the ego moves")
-    return make_alert(Application.BSW, Level.INFORM, other, 0.0, reason)
+        return _alert(Application.LCW, Level.WARN, other, 0.0, f"{reason}, to which the ego moves")
+    return _alert(Application.BSW, Level.INFORM, other, 0.0, reason)
 
 
 def do_not_pass(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
@@ -197,7 +176,7 @@ def do_not_pass(view: WarningView, other: VehicleInView, settings: AlertSettings
         f"{other.vehicle.id} oncoming, {other.gap:.0f} m ahead: "
         f"collision in {time:.1f} s (limit {settings.dnpw_time:.1f} s)"
     )
-    return make_alert(Application.DNPW, Level.WARN, other, time, reason)
+    return _alert(Application.DNPW, Level.WARN, other, time, reason)
 
 
 def intersection(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
@@ -229,7 +208,7 @@ def intersection(view: WarningView, other: VehicleInView, settings: AlertSetting
         f"it enters in {c.t_other_nominal[0]:.1f} s, ego in {c.t_ego[0]:.1f} s"
     )
     time = max(c.t_ego[0], c.t_other_nominal[0])
-    return make_alert(Application.IMA, _stop_level(view, c.distance, settings), other, time, reason)
+    return _alert(Application.IMA, _stop_level(view, c.distance, settings), other, time, reason)
 
 
 def left_turn(view: WarningView, other: VehicleInView, settings: AlertSettings) -> Alert | None:
@@ -264,7 +243,7 @@ def left_turn(view: WarningView, other: VehicleInView, settings: AlertSettings) 
         f"time gap {gap:.1f} s (limit {settings.lta_gap:.1f} s)"
     )
     time = max(c.t_ego[0], c.t_other_nominal[0])
-    return make_alert(Application.LTA, _stop_level(view, c.distance, settings), other, time, reason)
+    return _alert(Application.LTA, _stop_level(view, c.distance, settings), other, time, reason)
 
 
 def _time_to_collision(view: WarningView, other: VehicleInView, settings: AlertSettings) -> float:
@@ -291,3 +270,14 @@ def _required_deceleration(view: WarningView, other: VehicleInView, settings: Al
 def _stop_level(view: WarningView, distance: float, settings: AlertSettings) -> Level:
     """Level of a conflict area at a distance; inside it braking is not the answer."""
     return level_for(0.5 * view.ego.v_x * view.ego.v_x / distance, settings) if distance > 0.0 else Level.WARN
+
+
+def _alert(application: Application, level: Level, other: VehicleInView, time: float, reason: str) -> Alert:
+    """Make an alert because of a vehicle."""
+    return Alert(
+        application=application,
+        level=level,
+        vehicle_id=other.vehicle.id,
+        time_to_conflict=time,
+        reason=reason,
+    )

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -11,17 +11,71 @@ from cca_core._checks import check_real
 from cca_core.decide.crossing import Conflict, find_conflict_for_sweep
 from cca_core.decide.sweep import Sweep
 from cca_core.errors import InputError
-from cca_core.frenet import FrenetEgo, to_frenet
+from cca_core.frenet import FrenetEgo, FrenetVehicle, to_frenet
 from cca_core.frenet.convert import valid_vehicles
 from cca_core.geometry import wrap_angle
 from cca_core.path import Path, Road
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
-from cca_core.warnings.alert import PARALLEL_ANGLE, AlertSettings, VehicleInView, WarningView
+from cca_core.warnings.alert import AlertSettings
 
-__all__ = ["warning_view"]
+PARALLEL_ANGLE = 0.25 * math.pi
+"""Largest angle between a heading and the route, or its opposite, that counts as parallel [rad]."""
 
 _GRID = 10.0  # spacing of the stations at which the search for foot points begins [m]
 _MAX_RANGE = 1000.0  # beyond which no vehicle is considered [m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleInView:
+    """A remote vehicle relative to the ego.
+
+    Parameters
+    ----------
+    vehicle : FrenetVehicle
+        The vehicle at its nominal position, without uncertainty bound.
+    gap : float
+        Gap from the ego's front to its rear along the route [m]; negative unless it is ahead.
+    lateral_offset : float
+        Lateral distance from the center of the ego to its center [m], left positive.
+    conflict : Conflict, optional
+        Conflict of its path with that of the ego.
+    crosses_ego_turn : bool
+        Whether the ego turns across its lane in this conflict.
+    occluded_by : str
+        Id of a vehicle in the line of sight; empty if there is none.
+    """
+
+    vehicle: FrenetVehicle
+    gap: float
+    lateral_offset: float
+    conflict: Conflict | None = None
+    crosses_ego_turn: bool = False
+    occluded_by: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WarningView:
+    """The ego and the vehicles around it along the route.
+
+    Parameters
+    ----------
+    path : Path
+        The route.
+    ego : FrenetEgo
+        The ego; it keeps its speed.
+    lane_width : float
+        Width of its lane [m].
+    intent : {"left", "right"}, optional
+        Side to which the ego intends to turn or to change lanes.
+    vehicles : tuple of VehicleInView
+        The other vehicles.
+    """
+
+    path: Path
+    ego: FrenetEgo
+    lane_width: float = 3.5
+    intent: Literal["left", "right"] | None = None
+    vehicles: tuple[VehicleInView, ...] = ()
 
 
 def warning_view(
@@ -151,3 +205,14 @@ def _occluding_vehicle(other: VehicleInView, vehicles: Iterable[VehicleInView]) 
         if abs(v.lateral_offset - other.lateral_offset * v.gap / other.gap) < v.vehicle.half_width:
             return v.vehicle.id
     return ""
+
+
+def is_ahead(view: WarningView, other: VehicleInView) -> bool:
+    """Return whether the center of a vehicle is ahead of the ego's."""
+    return other.gap + 0.5 * view.ego.vehicle.length + other.vehicle.half_length > 0.0
+
+
+def blocks_ego(view: WarningView, other: VehicleInView, clearance: float = 0.0) -> bool:
+    """Return whether a vehicle is closer to the ego's path than a lateral clearance [m]."""
+    half_width = 0.5 * view.ego.vehicle.width
+    return abs(other.lateral_offset) < half_width + other.vehicle.half_width + clearance

@@ -90,6 +90,7 @@ def test_batch_fields_have_batch_shape() -> None:
         "status",
         "message",
         "active_constraint",
+        "active_obstacle",
         "n_solves",
     ):
         assert getattr(many, name).shape == (COUNT,)
@@ -100,6 +101,8 @@ def test_batch_fields_have_batch_shape() -> None:
     np.testing.assert_array_equal(many.ok, [status is Status.OK for status in many.status])
     assert repr(many) == f"Band(({COUNT},) bands, {many.ok.sum()} OK)"
     assert len(set(many.active_constraint)) > 3
+    for name, obstacle in zip(many.active_constraint, many.active_obstacle, strict=True):
+        assert (name == f"obstacle {obstacle}") == (obstacle is not None)
     for array in (many.nodes, many.displacement, many.lower, many.upper, many.passes_left):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = array[1]

@@ -14,7 +14,8 @@ CROSSWISE = boxes(75.0, 0.0, 0.0, 4.5, 1.8)
 
 def test_active_constraint_is_nearest_obstacle() -> None:
     obstacles = [boxes(40.0, 9.0, 0.0, 4.5, 1.8), CROSSWISE, boxes(110.0, -9.0, 0.0, 4.5, 1.8)]
-    assert relax(scene(straight(), obstacles)).active_constraint == "obstacle 1"
+    band = relax(scene(straight(), obstacles))
+    assert (band.active_constraint, band.active_obstacle) == ("obstacle 1", 1)
     assert relax(scene(straight(), obstacles[::-1][:2])).active_constraint == "obstacle 1"
     assert relax(scene(straight(), [CROSSWISE, *obstacles[::2]])).active_constraint == "obstacle 0"
 
@@ -29,7 +30,7 @@ def test_active_constraint_is_nearer_edge() -> None:
     narrowed = np.where(np.abs(straight()[:, 0] - 75.0) < 5.0, 0.5, -20.0)
     band = relax(scene(straight(), [boxes(75.0, 9.0, 0.0, 4.5, 1.8)], corridor=(narrowed, 20.0)))
     assert band.ok, band.message
-    assert band.active_constraint == "right edge"
+    assert (band.active_constraint, band.active_obstacle) == ("right edge", None)
 
 
 def test_empty_interval_message_names_both_obstacles() -> None:

@@ -39,10 +39,7 @@ def is_usable(command: Command) -> bool:
 @METHODS
 @pytest.mark.parametrize(
     ("s", "v"),
-    [
-        pytest.param(100.0, 0.0, id="stationary", marks=pytest.mark.slow),
-        pytest.param(60.0, 10.0, id="slow"),
-    ],
+    [pytest.param(100.0, 0.0, id="stationary", marks=pytest.mark.slow), pytest.param(60.0, 10.0, id="slow")],
 )
 def test_planner_passes_one_car_without_collision(method: str, s: float, v: float) -> None:
     log = drive(method, RoadUser(id="a", s=20.0 + s, d=0.0, v_x=v), duration=14.0)

@@ -70,12 +70,7 @@ def test_steering_angle_is_limited(law: Any) -> None:
 def test_pure_pursuit_is_circle_to_goal_point() -> None:
     """On a circle with the rear axle on it and along it: delta = atan(L / R) for every look-ahead."""
     psi, (x, y) = float(LEFT.heading(100.0)), LEFT.position(100.0).tolist()
-    state = VehicleState(
-        x=x + CAR.l_r * math.cos(psi),
-        y=y + CAR.l_r * math.sin(psi),
-        psi=psi,
-        v_x=1.0,
-    )
+    state = VehicleState(x=x + CAR.l_r * math.cos(psi), y=y + CAR.l_r * math.sin(psi), psi=psi, v_x=1.0)
     for look_ahead in (4.0, 10.0, 40.0):
         law = PurePursuit(CAR, min_look_ahead=look_ahead)
         assert law.steer(state, LEFT) == pytest.approx(math.atan(CAR.wheelbase / 200.0), rel=1e-4)

@@ -18,13 +18,7 @@ from scipy.optimize import differential_evolution
 
 from cca_core import LocalFrame, Path, PreviewController, VehicleParams, VehicleState
 from cca_core.baselines import LqrSteering, PurePursuit, Stanley
-from cca_core.follow import (
-    SpeedSettings,
-    StabilityRegion,
-    design_gains,
-    squared_speed_limit,
-    steady_turn,
-)
+from cca_core.follow import SpeedSettings, StabilityRegion, design_gains, squared_speed_limit, steady_turn
 from cca_core.path import clean_route, fit_path, interpolate_path, read_waypoints
 from cca_core.sim import MultiBodyPlant, SingleTrackPlant, TrackingRun, lane_change_path, track_path
 

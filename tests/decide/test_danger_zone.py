@@ -219,7 +219,7 @@ def test_batch_equals_scalar() -> None:
     travel = 18.0 * times + 0.4 * times**2
     together = danger_zone(
         rear, rear + length, v, times=times, ego_travel=travel, margin=margin, braking=0.7, acceleration=0.7
-    )  # fmt: skip
+    )
     assert together.shape == (4, 3, 2)
     for i in np.ndindex(4, 3):
         alone = danger_zone(

@@ -314,9 +314,7 @@ def test_interpolation_equals_scipy(ends: str) -> None:
     end = (1, last / np.hypot(*last)) if ends in ("clamped", "end") else natural
     reference = CubicSpline(s, nodes, bc_type=(start, end))
     path = interpolate_path(
-        nodes,
-        start_tangent=first if start[0] == 1 else None,
-        end_tangent=last if end[0] == 1 else None,
+        nodes, start_tangent=first if start[0] == 1 else None, end_tangent=last if end[0] == 1 else None
     )
     at = np.linspace(0.0, s[-1], 700)
     for found, order in zip(path.derivatives(at), (0, 1, 2), strict=True):

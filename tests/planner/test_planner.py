@@ -5,12 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from cca_core import (
-    Planner,
-    Road,
-    Status,
-    VehicleState,
-)
+from cca_core import Planner, Road, Status, VehicleState
 from cca_core.follow import steady_sideslip
 from cca_core.path import fit_path
 from cca_core.planner import EvasionSettings

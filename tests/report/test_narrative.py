@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+from cca_core.plot.labels import begin_sentence
 from cca_core.report import (
     describe_outcome,
     describe_participants,
@@ -49,6 +50,20 @@ def test_narrative_names_awaited_vehicles(run: Run) -> None:
     assert describe_outcome(waiting) == "ends ahead of R1 and R2"
     assert describe_outcome(stuck) == "ends behind R1 and R2"
     assert "to the end" in describe_run(stuck)
+
+
+def test_narrative_ends_with_cause_of_last_decision(run: Run) -> None:
+    log = run("maneuver", "2", "sensor")
+    for (_, _, reason), (activity, cause) in zip(log.decisions, log.reasons, strict=True):
+        assert reason.startswith(activity)
+        assert reason.endswith(cause)
+    activity, cause = log.reasons[-1]
+    assert cause != ""
+    begin, _, reason = log.decisions[-1]
+    assert begin_sentence(f"{activity}, from {begin:.1f} s to the end ({cause}), ends") in describe_run(log)
+    assert begin_sentence(f"{reason}, from {begin:.1f} s to the end, ends") in describe_run(
+        replace(log, reasons=())
+    )
 
 
 def test_outcome_names_the_collided_vehicle(run: Run) -> None:

@@ -57,11 +57,7 @@ def solvable(case: Case) -> tuple[bool, list[Side], Array]:
 def _violations(case: Case, u: Array) -> tuple[float, float, float]:
     """Excess of curvature [-], shortfall at edges [m] and of clearance [m]."""
     nodes = displaced(case.nodes, u)
-    return (
-        curvature_excess(nodes, case),
-        edge_excess(nodes, case),
-        case.clearance - remeasure(nodes, case),
-    )
+    return (curvature_excess(nodes, case), edge_excess(nodes, case), case.clearance - remeasure(nodes, case))
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,6 @@ from cca_core.baselines.problems.sampling import plan_at_stations
 from cca_core.errors import Status
 from cca_core.path import Path, interpolate_path
 
-__all__ = ["OneShotBand", "RelaxedBand", "SmoothedBand"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OneShotBand:

@@ -19,8 +19,6 @@ from cca_core.baselines.methods.primitive_library import Lattice, Library, curva
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.errors import InputError, Status
 
-__all__ = ["MotionPrimitives"]
-
 _PARTS = 4  # of a step between stations, at whose ends the table of free poses is used
 _FINE = 8  # parts of a step, at whose ends the plan is checked and sampled
 _MAX_STEPS = 63  # stations are the bits of a word

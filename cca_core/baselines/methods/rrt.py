@@ -18,8 +18,6 @@ from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.errors import InputError, Status
 from cca_core.geometry import arc_length
 
-__all__ = ["Rrt", "Variant"]
-
 Variant = Literal["rrt", "rrt_star"]
 """The tree as it grows (LaValle), or rewired to shorter paths (Karaman and Frazzoli)."""
 

@@ -15,8 +15,6 @@ from cca_core.baselines.problems.worker import PlanningMethod, Worker
 from cca_core.errors import Status
 from cca_core.sim.study.store import Store
 
-__all__ = ["ComparisonRow", "compare"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ComparisonRow:

@@ -15,8 +15,6 @@ from cca_core.sim.loop import CYCLE_TIME
 from cca_core.sim.plants.single_track import SingleTrackPlant
 from cca_core.vehicle import VehicleParams, VehicleState
 
-__all__ = ["DriveResult", "drive_plan"]
-
 _RUN_OUT = 60.0  # of the route behind the plan, so that the preview does not end [m]
 
 

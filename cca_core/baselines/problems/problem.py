@@ -13,8 +13,6 @@ from cca_core.path import Road
 from cca_core.predict import predict_along
 from cca_core.vehicle import RemoteVehicle, VehicleParams
 
-__all__ = ["Method", "Plan", "Problem"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Problem:

@@ -13,8 +13,6 @@ from cca_core.geometry import QUINTIC_PEAK, quintic_step
 from cca_core.path import Lane, Path, Road, interpolate_path
 from cca_core.vehicle import RemoteVehicle, VehicleParams
 
-__all__ = ["KINDS", "Kind", "SampledProblem", "SamplingSettings", "parked", "sample_problem"]
-
 Kind = Literal["one car", "slalom", "curve", "moving", "narrow gap", "blocked"]
 """Kind of the obstacles."""
 

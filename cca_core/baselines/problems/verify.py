@@ -8,8 +8,6 @@ from cca_core._checks import Array
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.geometry import Boxes, arc_length, box_gap
 
-__all__ = ["Tolerances", "Verification", "verify_plan"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tolerances:

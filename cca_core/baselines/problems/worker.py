@@ -12,8 +12,6 @@ from typing import Any, NamedTuple, Protocol, Self
 
 from cca_core.baselines.problems.problem import Plan, Problem
 
-__all__ = ["PlanningMethod", "TimedPlan", "Worker"]
-
 
 class PlanningMethod(Protocol):
     """Object with a planning method."""

@@ -82,7 +82,7 @@ def measure(store: Store) -> tuple[list[Any], ...]:
         [s for s in paper_scenarios() if s.name == "maneuver" and s.v2v and s.case != "1-smooth"],
         store=store,
         progress=lambda d: report(f"{d.planner}: maneuver {d.case}: {d.cycle_us:.0f} us per cycle"),
-    )  # fmt: skip
+    )
     return rows, scaling, drives
 
 

@@ -14,8 +14,6 @@ from cca_core.sim.loop import simulate
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.study.store import Store
 
-__all__ = ["ClosedLoop", "drive_closed"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClosedLoop:

@@ -7,8 +7,6 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-__all__ = ["read_rows", "write_rows"]
-
 Row = TypeVar("Row")
 
 

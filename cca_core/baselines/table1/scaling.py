@@ -12,8 +12,6 @@ from cca_core.baselines.problems.problem import Problem
 from cca_core.baselines.problems.worker import PlanningMethod, Worker
 from cca_core.sim.study.store import Store
 
-__all__ = ["ScalingPoint", "ScalingResult", "measure_scaling"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ScalingPoint:

@@ -14,9 +14,9 @@ from cca_core.path import Road
 from cca_core.planner.planner import Planner
 from cca_core.sim.commonroad.goal_route import GoalSettings, cruise_speed, goal_road
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, PlanningProblem, RecordedObstacle
-from cca_core.sim.plants.build import PLANTS
+from cca_core.sim.plants.build import PLANTS, make_plant
 from cca_core.sim.plants.multi_body import MultiBodyPlant
-from cca_core.sim.plants.single_track import SingleTrackPlant
+from cca_core.sim.plants.plant import Plant
 from cca_core.sim.world.traffic import CYCLE_TIME
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
@@ -179,9 +179,9 @@ def drive_commonroad(
     cruise = cruise_speed(road.path, task, goal, s_goal, speed, settings)
     start = _at_center_of_gravity(task.state, vehicle)
     # the multi-body car alone does not move off from rest: here it may stay there
-    car = SingleTrackPlant(vehicle, start) if plant == "single_track" else MultiBodyPlant(start)
+    car = MultiBodyPlant(start) if plant == "multi_body" else make_plant(plant, vehicle, start)
     planner = Planner(vehicle, road, cruise_speed=cruise, speed=speed)
-    return _drive(scenario, task, planner, car)
+    return _drive(scenario, task, planner, plant, car)
 
 
 def _reason(scenario: CommonRoadScenario) -> str:
@@ -223,7 +223,8 @@ def _drive(
     scenario: CommonRoadScenario,
     problem: PlanningProblem,
     planner: Planner,
-    car: SingleTrackPlant | MultiBodyPlant,
+    plant: str,
+    car: Plant,
 ) -> CommonRoadRun:
     vehicle, road = planner.vehicle, planner.road
     step = scenario.dt / math.ceil(scenario.dt / CYCLE_TIME - 1e-9)  # a time step is a number of cycles
@@ -256,7 +257,7 @@ def _drive(
         car.step(command.delta, command.a_x, step)
     rows = rows[:n]
     return CommonRoadRun(
-        scenario=scenario, problem=problem, vehicle=vehicle, plant=car.name, road=road,
+        scenario=scenario, problem=problem, vehicle=vehicle, plant=plant, road=road,
         cruise_speed=planner.cruise_speed, t=rows[:, 0], ego=rows[:, 1:9], a_y=rows[:, 9],
         ego_frenet=rows[:, 10:12], gaps=gaps[:n], decisions=tuple(decisions),
         dropped=tuple(sorted(dropped)), t_goal=t_goal,

@@ -16,8 +16,6 @@ from cca_core.sim.plants.plant import Plant
 from cca_core.sim.plants.single_track import SingleTrackPlant
 from cca_core.vehicle import VehicleState
 
-__all__ = ["GateRun", "drive_through"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GateRun:

@@ -12,8 +12,6 @@ from cca_core.errors import InputError
 from cca_core.geometry import Boxes, boxes
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["DoubleLaneChange", "Offset", "iso3888_1", "iso3888_2", "plan_gate_path"]
-
 Offset = Literal["center to center", "edge to center", "edge to edge"]
 """Reference of the lane offset of 3.5 m in part 1."""
 

@@ -14,8 +14,6 @@ from cca_core.sim.plants.plant import Plant
 from cca_core.sim.world.traffic import CYCLE_TIME
 from cca_core.vehicle import VehicleState
 
-__all__ = ["TrackingRun", "lane_change_path", "track_path"]
-
 Steering = Callable[[VehicleState, Path], float]
 """A steering law: road-wheel angle [rad] from the motion of the car and the path to follow."""
 

@@ -8,8 +8,6 @@ from cca_core.sim.plants.plant import Plant
 from cca_core.sim.plants.single_track import SingleTrackPlant
 from cca_core.vehicle import VehicleParams, VehicleState
 
-__all__ = ["PLANTS", "RestartableMultiBodyPlant", "make_plant"]
-
 
 class RestartableMultiBodyPlant:
     """Multi-body car that moves off as a single track, since the model itself cannot."""

@@ -11,8 +11,6 @@ from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.vehicle import VehicleState
 
-__all__ = ["MIN_MULTI_BODY_SPEED", "MultiBodyPlant"]
-
 MIN_MULTI_BODY_SPEED = 2.0
 """Speed of the model below which the car rolls to rest along its heading [m/s]."""
 
@@ -56,8 +54,6 @@ class MultiBodyPlant:
     .. [1] M. Althoff, G. Wuersching, *CommonRoad: Vehicle Models*, package
        commonroad-vehicle-models 3.0.2 (BSD-3).
     """
-
-    name = "multi_body"
 
     def __init__(
         self,

@@ -4,8 +4,6 @@ from typing import Protocol
 
 from cca_core.vehicle import VehicleState
 
-__all__ = ["Plant"]
-
 
 class Plant(Protocol):
     """The ego as the closed loop drives it."""

@@ -33,21 +33,10 @@ class SingleTrackPlant:
     circle first. Integrated by the classical Runge-Kutta scheme.
     """
 
-    name = "single_track"
-
     def __init__(self, vehicle: VehicleParams, state: VehicleState, *, drive_lag: float = 0.1) -> None:
         self.vehicle = vehicle
         self.drive_lag = check_real("drive_lag", drive_lag, ge=0.0)
-        self._x = [
-            state.x,
-            state.y,
-            state.psi,
-            state.v_x,
-            state.v_y,
-            state.r,
-            state.delta,
-            state.a_x,
-        ]
+        self._x = [state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x]
         self.a_y = 0.0
         grip = vehicle.mu * GRAVITY
         # the front axle's share of load and drive, loads of both axles, grip and hardest drive, the body

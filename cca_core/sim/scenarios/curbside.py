@@ -13,8 +13,6 @@ from cca_core.sim.scenarios.road_user import LateralShiftAction, RoadUser
 from cca_core.sim.scenarios.scenario import LANE_WIDTH, Scenario
 from cca_core.v2x import ChannelSettings
 
-__all__ = ["CURBSIDE_CASES", "curbside"]
-
 CURBSIDE_CASES = ("fast", "slow")
 """25 m/s, at which the ego evades, and 13.9 m/s, at which it brakes."""
 

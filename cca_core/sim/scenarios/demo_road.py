@@ -7,8 +7,6 @@ import numpy as np
 from cca_core._checks import check_real
 from cca_core.path import Path, Waypoints
 
-__all__ = ["demo_route", "longest_stretch"]
-
 # Centerline of Interstate 80 eastbound in Wyoming: latitude, longitude [deg]
 # fmt: off
 _INTERSTATE_80 = (

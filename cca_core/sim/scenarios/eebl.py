@@ -14,8 +14,6 @@ from cca_core.sim.scenarios.scenario import FixedTimeGap, Scenario
 from cca_core.v2x import ChannelSettings
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["CAR", "EEBL_CASES", "JERK", "LOSSY_CHANNEL", "eebl"]
-
 EEBL_CASES = ("A", "B", "C", "C-gentle", "D", "sensor")
 """Connected: none, ego, ego and yellow, the same (gentle braking), yellow, none (sensor)."""
 

@@ -14,8 +14,6 @@ from cca_core.sim.scenarios.road_user import RoadUser
 from cca_core.sim.scenarios.scenario import LANE_WIDTH, Scenario
 from cca_core.v2x import ChannelSettings
 
-__all__ = ["IMA_CASES", "ima"]
-
 IMA_CASES = ("left-turn", "crossing")
 """Left turn in front of an occluded oncoming car, or straight on with one from the right."""
 

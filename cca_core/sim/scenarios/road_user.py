@@ -8,8 +8,6 @@ from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.path import Path
 
-__all__ = ["BrakeAction", "LateralShiftAction", "ReactToLeadAction", "RoadUser", "RoadUserAction"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BrakeAction:

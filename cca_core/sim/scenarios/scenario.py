@@ -14,8 +14,6 @@ from cca_core.sim.scenarios.road_user import ReactToLeadAction, RoadUser
 from cca_core.v2x import ChannelSettings, SenderSettings
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["EGO_TYPES", "LANE_WIDTH", "FixedTimeGap", "Scenario"]
-
 EGO_TYPES = ("v2v", "driver", "sensor")
 """Controllers of the ego: planner with messages, human driver, planner with sensor alone."""
 

@@ -20,8 +20,6 @@ from cca_core.sim.world.traffic import CYCLE_TIME
 from cca_core.v2x import decode_bsm
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
-__all__ = ["avoiding_action", "first_hazard_cycle"]
-
 _HAZARD_IDS = {"ima": "red", "curbside": "red", "maneuver": "R1"}  # in eebl: any vehicle that brakes hard
 
 

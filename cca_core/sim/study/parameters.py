@@ -13,8 +13,6 @@ from cca_core.sim.study.sampling import SAMPLERS, STUDY_SCENARIOS
 from cca_core.v2x import ChannelSettings, SenderSettings
 from cca_core.vehicle import GRAVITY, VehicleParams
 
-__all__ = ["ParameterRanges", "nominal_scenario", "sample_scenario", "without_v2v"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParameterRanges:

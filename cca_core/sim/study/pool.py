@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 
-__all__ = ["local_processes"]
-
 
 @contextmanager
 def local_processes(max_workers: int | None = None) -> Iterator[ProcessPoolExecutor]:

@@ -8,8 +8,6 @@ from cca_core.sim.scenarios.scenario import EGO_TYPES, Scenario
 from cca_core.sim.study.counterfactual import avoiding_action, first_hazard_cycle
 from cca_core.sim.study.parameters import ParameterRanges, nominal_scenario, sample_scenario, without_v2v
 
-__all__ = ["simulate_run"]
-
 
 def simulate_run(
     parameters: ParameterRanges, seed: int, index: int, plant: str = "single_track"

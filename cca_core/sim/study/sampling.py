@@ -16,8 +16,6 @@ from cca_core.sim.scenarios.road_user import BrakeAction, RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.v2x import ChannelSettings
 
-__all__ = ["SAMPLERS", "STUDY_SCENARIOS"]
-
 Uniform = Callable[[str, float, float], float]
 """Samples the parameter of a name uniformly between two bounds."""
 

@@ -12,8 +12,6 @@ from cca_core._checks import Mask, check_real
 from cca_core.errors import InputError
 from cca_core.sim.scenarios.scenario import EGO_TYPES
 
-__all__ = ["Rate", "StudyTable", "estimate_rate"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rate:

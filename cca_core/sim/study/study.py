@@ -18,8 +18,6 @@ from cca_core.sim.study.run import simulate_run
 from cca_core.sim.study.statistics import StudyTable
 from cca_core.sim.study.store import Store
 
-__all__ = ["Study", "run_study"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Study:

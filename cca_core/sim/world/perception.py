@@ -9,8 +9,6 @@ from cca_core.sim.world.radio import Receiver
 from cca_core.sim.world.sensor import Sensor
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
-__all__ = ["Perception"]
-
 _MAX_PRECISE_SIGMA = 0.1  # reported standard deviation up to which a position is not corrected [m]
 _BIAS_TIME = 30.0  # correlation time of the error of a GNSS receiver [s]
 

@@ -14,8 +14,6 @@ from cca_core.sim.world.traffic import Traffic
 from cca_core.v2x import Channel, ChannelSettings, Sender, Tracker, TrackerSettings, decode_bsm
 from cca_core.vehicle import GRAVITY, RemoteVehicle, VehicleParams, VehicleState
 
-__all__ = ["Radio", "Receiver"]
-
 _MIN_INTERVAL = 0.075  # no other message can be due for this time after one [s]: their interval, less a cycle
 
 

@@ -11,8 +11,6 @@ from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.v2x import Fix, dead_reckon
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
-__all__ = ["Sensor", "visible_fraction"]
-
 _Body = tuple[float, float, float, float, float]
 _CORNERS = (complex(0.5, 0.5), complex(-0.5, 0.5), complex(-0.5, -0.5), complex(0.5, -0.5))
 

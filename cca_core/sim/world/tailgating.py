@@ -9,8 +9,6 @@ from cca_core.sim.scenarios.scenario import FixedTimeGap, Scenario
 from cca_core.sim.world.traffic import CYCLE_TIME, TrafficAgent
 from cca_core.vehicle import RemoteVehicle
 
-__all__ = ["Tailgating"]
-
 _HAZARD_ACCELERATION = -1.0  # of another vehicle, from which on it is a hazard [m/s^2]
 
 

@@ -8,8 +8,6 @@ from cca_core.sim.scenarios.road_user import BrakeAction, LateralShiftAction, Re
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.vehicle import VehicleParams, VehicleState
 
-__all__ = ["CYCLE_TIME", "Traffic", "TrafficAgent"]
-
 CYCLE_TIME = 0.02
 """Step of the closed loop [s]."""
 

@@ -14,8 +14,6 @@ from cca_core.path import Road
 from cca_core.predict import predict_distance
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["SAMPLES", "FrenetState", "Horizon", "MpcSettings"]
-
 SAMPLES = 5
 """Samples of a trajectory per interval of the horizon."""
 

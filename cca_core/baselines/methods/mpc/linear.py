@@ -13,8 +13,6 @@ from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.errors import Status
 from cca_core.follow import steady_steering
 
-__all__ = ["LinearMpc"]
-
 
 class LinearMpc:
     """Linear time-varying controller of the lateral motion along a speed profile.

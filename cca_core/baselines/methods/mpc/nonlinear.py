@@ -13,8 +13,6 @@ from cca_core.baselines.methods.mpc.trajectory import Trajectory, violated_limit
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.errors import Status
 
-__all__ = ["NonlinearMpc"]
-
 _SLOTS = (0, 1, 2, 3, 4, 6, 8)  # numbers of vehicles for which a program is built
 # half axes of a rounded box over those of the box that it surrounds: 1.22^-8 + 1.03^-8 = 1
 _ROUND_LENGTH, _ROUND_WIDTH = 1.22, 1.03

@@ -14,6 +14,7 @@ from cca_core.baselines.methods.mpc.planner_settings import MpcPlannerSettings
 from cca_core.baselines.methods.mpc.speed_profile import SpeedProfile
 from cca_core.baselines.methods.mpc.trajectory import Trajectory
 from cca_core.decide import Action, Decision
+from cca_core.decide.action import explained
 from cca_core.errors import InputError, Status
 from cca_core.follow import SpeedSettings, jerk_limited
 from cca_core.frenet import FrenetVehicle, to_frenet
@@ -21,8 +22,6 @@ from cca_core.path import Path, Road
 from cca_core.planner.command import Command
 from cca_core.planner.inputs import invalid_input_reason
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
-
-__all__ = ["MpcPlanner"]
 
 
 class MpcPlanner:
@@ -259,12 +258,11 @@ class MpcPlanner:
         if self._status is not Status.OK:
             self._decision = Decision(action=Action.BRAKE, reason=trajectory.message)
         elif not passes:
-            self._decision = Decision(action=Action.FOLLOW, reason=f"passing rejected: {rejection}")
+            self._decision = explained(Action.FOLLOW, "passing rejected", rejection)
         elif self._passing:
             left = trajectory.d[np.argmax(np.abs(trajectory.d))] > 0.0
             action = Action.EVADE_LEFT if left else Action.EVADE_RIGHT
-            reason = "passing: the trajectory is clear and ends in the ego lane"
-            self._decision = Decision(action=action, reason=reason)
+            self._decision = explained(action, "passing", "the trajectory is clear and ends in the ego lane")
         else:
             self._decision = Decision(action=Action.KEEP, reason="keeping lane: no blocking vehicle")
 

@@ -4,8 +4,6 @@ from dataclasses import dataclass, fields
 
 from cca_core._checks import check_real
 
-__all__ = ["MpcPlannerSettings"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MpcPlannerSettings:

@@ -8,8 +8,6 @@ import numpy as np
 from cca_core._checks import Array, Mask
 from cca_core.baselines.methods.mpc.horizon import Horizon
 
-__all__ = ["SideChoice", "side_choices"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SideChoice:

@@ -11,8 +11,6 @@ from cca_core.frenet import FrenetVehicle
 from cca_core.path import Path
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["SpeedProfile"]
-
 
 class SpeedProfile:
     """Speeds up to `v_max` and to a lateral acceleration on curves."""

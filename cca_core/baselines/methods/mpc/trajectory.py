@@ -13,8 +13,6 @@ from cca_core.geometry import Boxes, box_gap
 from cca_core.path import Path, interpolate_path
 from cca_core.vehicle import VehicleParams
 
-__all__ = ["Trajectory", "violated_limit"]
-
 _TOLERANCE = 0.01  # of a distance [m], and of the lateral acceleration [-]
 
 
