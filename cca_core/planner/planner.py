@@ -174,8 +174,7 @@ class Planner:
         remotes : iterable of RemoteVehicle
             The other vehicles, dead-reckoned to `t`.
         awareness_range : float
-            Awareness range in this cycle [m]; overrides the setting if smaller. Pass 0 while
-            `Tracker.is_saturated`.
+            Awareness range in this cycle [m]; overrides the setting if smaller.
         radio : TrackerHealth, optional
             `Tracker.health(t)`, or any object with `trusted` and `reason`. While it is not to be trusted, the
             awareness range is 0 and the command says why.

@@ -14,6 +14,7 @@ from cca_core import (
     Action,
     Command,
     InputError,
+    LocalFrame,
     Planner,
     RemoteVehicle,
     Road,
@@ -23,6 +24,7 @@ from cca_core import (
 )
 from cca_core.geometry import box_gap, boxes
 from cca_core.sim import SingleTrackPlant
+from cca_core.v2x import Tracker
 from tests.support.planner_drives import CAR, CYCLE, START, assert_valid, car, ego_state, make_planner
 
 
@@ -164,6 +166,14 @@ class TestAwareness:
         command = self.behind_van(radio=Health(False))
         assert not command.decision.action.is_evading
         assert "no message accepted" in command.input_faults[0]
+
+    def test_tracker_that_accepts_nothing_counts_as_zero(self) -> None:
+        tracker = Tracker(LocalFrame(45.0, 14.0))
+        assert self.behind_van(radio=tracker.health(7.0)).decision.action.is_evading
+        tracker.update(b"noise", 7.0)
+        command = self.behind_van(radio=tracker.health(7.0))
+        assert not command.decision.action.is_evading
+        assert "none of 1 messages" in command.input_faults[0]
 
     def test_radio_that_fails_counts_as_zero(self) -> None:
         assert "radio cannot be used" in self.behind_van(radio=object()).input_faults[0]

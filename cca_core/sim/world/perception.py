@@ -53,8 +53,8 @@ class Perception:
         return self._sensor_only
 
     def awareness_range(self, t: float) -> float:
-        """Return the awareness range at a time [m]: 0 while the tracker is saturated, else infinity."""
-        return 0.0 if self._has_v2v and self._receiver.tracker.is_saturated(t) else math.inf
+        """Return the awareness range at a time [m]: 0 while the radio cannot be trusted, else infinity."""
+        return self._receiver.tracker.health(t).awareness_range if self._has_v2v else math.inf
 
     def visible(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
         """Return which road users are visible."""
