@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cca_core import LocalFrame
+from cca_core import LocalFrame, VehicleState
 from cca_core.errors import InputError
 from cca_core.v2x import Bsm, Tracker, decode_bsm, encode_bsm, unwrap_message
 from cca_core.v2x.wrappers import split_records
@@ -255,7 +255,21 @@ def garbage(seed: int, count: int) -> Iterator[bytes]:
     """Wrapped messages with flipped bits, cuts, insertions, and other content; and wrapped garbage."""
     rng = np.random.default_rng(seed)
     frames = [FRAME, LONG, frame_of(31, 200), encode_bsm(replace(PLAIN, events=frozenset({"jackknife"})))]
-    whole = [nesting(frame) for nesting in NESTINGS.values() for frame in frames]
+    frames += [
+        encode_bsm(
+            replace(
+                PLAIN,
+                id=f"{i:08x}",
+                latitude_deg=45.0 + 1e-4 * i,
+                speed=float(i),
+                psi=0.1 * i,
+                a_x=1.0 - i,
+                sec_mark=7.0 if i % 2 else None,
+            )
+        )
+        for i in range(16)
+    ]
+    whole = [nesting(frames[i]) for nesting in NESTINGS.values() for i in rng.integers(20, size=4)]
     nestings = list(NESTINGS.values())
     for i in range(count):
         data, other = whole[rng.integers(len(whole))], whole[rng.integers(len(whole))]
@@ -297,9 +311,14 @@ def survived(tracker: Tracker, data: bytes, t: float) -> bool:
 @pytest.mark.parametrize("count", [6_000, pytest.param(1_000_000, marks=pytest.mark.slow)])
 def test_wrapped_garbage_raises_input_error_only(count: int) -> None:
     tracker = Tracker(LocalFrame(45.0, 14.0))
-    usable = sum(survived(tracker, data, 0.01 * i) for i, data in enumerate(garbage(3, count)))
+    usable, most = 0, 0
+    for i, data in enumerate(garbage(3, count)):
+        usable += survived(tracker, data, 0.002 * i)
+        if i % 50 == 0:
+            most = max(most, len(tracker.vehicles(0.002 * i, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0))))
+            assert 0 <= tracker.health(0.002 * i).received <= 600
     assert 0.15 * count < usable < 0.7 * count  # neither all garbage nor all whole
-    assert len(tracker) <= tracker.settings.max_tracks
+    assert 16 <= most <= tracker.settings.max_tracks
     assert sum(tracker.counts.values()) == count
 
 
