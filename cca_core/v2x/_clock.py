@@ -10,7 +10,7 @@ __all__ = ["SenderClocks"]
 
 _INTERVAL = 0.5  # between two estimates [s]
 _MEMORY = 10.0  # time for which the marks of a sender count [s]
-_MAX_SENDERS = 256
+_MAX_SENDERS = 64  # enough for a median
 _RECENT, _MIN_MARKS, _MIN_SPAN = 8, 4, 0.3  # marks that show a step of the clock, and their least span [s]
 _SET_BACK = 0.5  # step of the reception time that is a clock set back [s]
 _MAX_LATENCY = 0.6  # a larger delay is an offset of the clock [s]

@@ -9,7 +9,12 @@ from cca_core.geometry import wrap_angle
 from cca_core.path.local_frame import LocalFrame
 from cca_core.v2x._clock import SenderClocks
 from cca_core.v2x._projection import projector
-from cca_core.v2x._reported_motion import PositionHistory, ReportedMotion, reported_motion
+from cca_core.v2x._reported_motion import (
+    MAX_UNREPORTED_REVERSING,
+    PositionHistory,
+    ReportedMotion,
+    reported_motion,
+)
 from cca_core.v2x._tracks import Track, Tracks
 from cca_core.v2x.bsm import Bsm
 from cca_core.v2x.motion import Fix, predicted_displacement
@@ -118,9 +123,13 @@ class Intake:
         self, bsm: Bsm, t: float, position: tuple[float, float], track: Track | None, order: str
     ) -> ReportedMotion | None:
         """Return the motion of a message, from two positions what it does not report."""
+        speed, psi, gear = bsm.speed, bsm.psi, bsm.transmission
+        if speed is not None and psi is not None:
+            gear_known = gear == "forward" or gear == "reverse"
+            if gear_known or speed > MAX_UNREPORTED_REVERSING:
+                return ReportedMotion(psi, -speed if gear == "reverse" else speed, 0.0, gear_known)
         displacement = 0.0, 0.0, 0.0
-        complete = bsm.speed is not None and bsm.psi is not None
-        if not order and not (complete and bsm.transmission in ("forward", "reverse")):
+        if not order:
             positions = self._positions.get(bsm.id)
             if positions is None:
                 if len(self._positions) >= 2 * self.settings.max_tracks:

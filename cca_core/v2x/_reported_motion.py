@@ -7,7 +7,10 @@ from typing import NamedTuple
 from cca_core.v2x.bsm import Bsm
 from cca_core.vehicle import STANDSTILL_SPEED
 
-__all__ = ["PositionHistory", "ReportedMotion", "reported_motion"]
+__all__ = ["MAX_UNREPORTED_REVERSING", "PositionHistory", "ReportedMotion", "reported_motion"]
+
+MAX_UNREPORTED_REVERSING = 12.0
+"""Speed up to which a sender without gear may be reversing [m/s]."""
 
 _MAX_SPAN, _MIN_SPAN = 1.05, 0.05  # between two positions [s]
 _MIN_DISTANCE = 0.5  # between two positions that show a heading [m]
@@ -52,23 +55,20 @@ class PositionHistory:
 def reported_motion(
     bsm: Bsm, last: tuple[float | None, float] | None, displacement: tuple[float, float, float]
 ) -> ReportedMotion | None:
-    """Return the motion of a message; None if neither it nor two positions show it.
-
-    `last` is heading (None if unknown) and speed of the track.
-    """
+    """Return the motion of a message; None if neither it nor two positions show it."""
+    # last: heading (None if unknown) and speed of the track; displacement: time [s], x and y [m]
     speed, psi, gear = bsm.speed, bsm.psi, bsm.transmission
     dt, dx, dy = displacement
     moved = math.hypot(dx, dy)
-    gear_known = gear in ("forward", "reverse")
     if speed is not None and psi is not None:
         backwards = gear == "reverse"
-        if not gear_known:
+        if not backwards and gear != "forward":
             along = dx * math.cos(psi) + dy * math.sin(psi)
             clear = max(_MIN_REVERSED, 0.3 * speed * dt)
             if moved > 2.0 * speed * dt + 3.0:  # [m], the positions are not of one body
                 along = 0.0
             backwards = along < -clear or (along < clear and last is not None and last[1] < 0.0)
-        return ReportedMotion(psi, -speed if backwards else speed, 0.0, gear_known)
+        return ReportedMotion(psi, -speed if backwards else speed, 0.0, gear in ("forward", "reverse"))
     sigma = 0.3 * _POSITION_NOISE / dt if dt else 0.0
     sign = -1.0 if gear == "reverse" else 1.0
     if psi is None:
