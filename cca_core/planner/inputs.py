@@ -174,6 +174,9 @@ def vehicles_on_level(
     faults: list[str] = []
     for n in vehicles:
         difference = _height_above(n, road)
+        if abs(difference) <= settings.level_gap:
+            kept.append(n)
+            continue
         limit = settings.level_gap + 2.0 * math.hypot(n.remote.sigma_z, road.sigma_elevation)
         limit += settings.max_grade * abs(n.d)
         text = f"{abs(difference):.1f} m {'above' if difference > 0.0 else 'below'} the route"
