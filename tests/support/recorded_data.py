@@ -60,6 +60,7 @@ from cca_core.v2x import (
     BrakeStatus,
     Bsm,
     ChannelSettings,
+    MessageFrame,
     PlausibilitySettings,
     PositionalAccuracy,
     PositionErrorModel,
@@ -146,7 +147,7 @@ def examples() -> dict[str, Any]:
         ego, frenet_vehicle,
         PositionalAccuracy(), PositionErrorModel(), BrakeStatus(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
         ChannelSettings(), UpdateResult(accepted=True, kind="new", id="a", t=3.0), PlausibilitySettings(),
-        SenderSettings(), TrackerSettings(), TrackerHealth(t=3.0, received=20.0, accepted=19.0, rejected=(("frozen", 1.0),)),
+        SenderSettings(), MessageFrame(data=b"\x00\x14\x00", message_id=20, name="BSM"), TrackerSettings(), TrackerHealth(t=3.0, received=20.0, accepted=19.0, rejected=(("frozen", 1.0),)),
     ]  # fmt: skip
     return {type(value).__name__: value for value in values}
 
