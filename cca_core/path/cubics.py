@@ -13,6 +13,7 @@ _MAX_ITERATIONS = 12  # Newton converges in 2 to 4; points far off a tight curve
 _STEP_TOLERANCE = 1e-9  # [m]
 _CHUNK = 8192  # positions whose intermediate results stay in the cache
 _SPACING = 2.0  # of the samples for a search without initial guess [m]
+_SAMPLE_TURN = 0.15  # largest turn between such samples [rad]
 
 
 class Cubics:
@@ -144,11 +145,31 @@ class Cubics:
             minimum[:, 0] = True  # even if rounding decides between two
             row, column = np.nonzero(minimum)
             owner = left[complete][row]
-            u, offset = self.foot_points(xy[owner], at[index[row, column]])
+            u, offset = self._descend(xy[owner], index[row, column])
             best = np.lexsort((np.abs(offset), owner))
             best = best[np.unique(owner[best], return_index=True)[1]]
             s[owner[best]], d[owner[best]] = u[best], offset[best]
             left, k = left[~complete], min(4 * k, len(at))
+
+    def _descend(self, xy: Array, sample: Any) -> tuple[Array, Array]:
+        """Foot points next to samples; where Newton leaves the interval of a sample, by bisection in it."""
+        at, _, _ = self._samples
+        u, offset = self.foot_points(xy, at[sample])
+        low, high = at[np.maximum(sample - 1, 0)], at[np.minimum(sample + 1, len(at) - 1)]
+        beyond = (sample == 0) & (u < low) | (sample == len(at) - 1) & (u > high)
+        lost = np.flatnonzero(((u < low) | (u > high)) & ~beyond)
+        if len(lost):
+            low, high, to = low[lost], high[lost], xy[lost]
+            for _ in range(50):
+                middle = 0.5 * (low + high)
+                position, first, _ = self.derivatives(middle)
+                ahead = ((position - to) * first).sum(-1) < 0.0
+                low, high = np.where(ahead, middle, low), np.where(ahead, high, middle)
+            position, first, _ = self.derivatives(low)
+            out = to - position
+            left_of = first[:, 0] * out[:, 1] - first[:, 1] * out[:, 0] >= 0.0
+            u[lost], offset[lost] = low, np.where(left_of, 1.0, -1.0) * np.hypot(out[:, 0], out[:, 1])
+        return u, offset
 
     @cached_property
     def _lists(self) -> tuple[list[float], list[list[float]]]:
@@ -163,7 +184,18 @@ class Cubics:
     def _samples(self) -> tuple[Array, Any, Array]:
         from scipy.spatial import cKDTree  # slow to import
 
-        length = self._breaks[-1] - self._breaks[0]
-        s = np.linspace(self._breaks[0], self._breaks[-1], max(2, math.ceil(length / _SPACING) + 1))
+        whole = self._breaks[-1] - self._breaks[0]
+        s = np.linspace(self._breaks[0], self._breaks[-1], max(2, math.ceil(whole / _SPACING) + 1))
+        length = np.diff(self._breaks)
+        at = self._breaks[:-1, None] + length[:, None] * np.linspace(0.0, 1.0, 9)
+        _, first, second = self.derivatives(at)
+        speed = np.maximum(np.hypot(first[..., 0], first[..., 1]), 1e-9)
+        cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+        rate = (np.abs(cross) / speed**2).max(axis=1)  # of the heading along each segment [rad/m]
+        tight = np.flatnonzero(rate * _SPACING > 2.5 * _SAMPLE_TURN)  # radius below 5.3 m
+        parts = np.ceil(np.minimum(rate * length / _SAMPLE_TURN, 1000.0)).astype(int)
+        more = [np.linspace(self._breaks[i], self._breaks[i + 1], parts[i], endpoint=False) for i in tight]
+        if more:
+            s = np.unique(np.concatenate([s, *more]))
         points = self.derivatives(s)[0]
         return s, cKDTree(points), points

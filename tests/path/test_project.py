@@ -133,3 +133,17 @@ def test_one_position_gives_scalars() -> None:
     s, d = path.project((5.0, 1.0))
     assert (isinstance(s, float), isinstance(d, float)) == (True, True)
     assert RemoteVehicle(id="A", x=s, y=d, psi=0.0, v_x=1.0).invalid_reason is None
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_nearest_point_of_tight_path_is_exact(seed: int) -> None:
+    """Paths with radii of centimeters that pass themselves, against dense samples."""
+    rng = np.random.default_rng(seed)
+    nodes = rng.uniform(-6.0, 6.0, (int(rng.integers(4, 25)), 2))
+    path = interpolate_path(nodes)
+    xy = np.vstack((nodes, rng.uniform(-12.0, 12.0, (60, 2))))
+    s, d = path.project(xy)
+    on = path.position(np.linspace(path.start, path.end, 60_001))
+    nearest = np.array([np.hypot(*(on - point).T).min() for point in xy])
+    assert (np.abs(d) <= nearest + 1e-6).all()
+    np.testing.assert_allclose(np.hypot(*(path.position(s) - xy).T), np.abs(d), rtol=0.0, atol=1e-6)
