@@ -8,11 +8,10 @@ from cca_core.sim import demo_route
 route = demo_route()
 frame = LocalFrame(route.lat[0], route.lon[0])
 xy = frame.to_local(route.lat, route.lon)
-path = fit_path(xy, tolerance=0.3)
+path = fit_path(xy)  # the tolerance follows from the noise of the waypoints
 
-s, d = path.project(xy)
 print(f"{len(xy)} waypoints became {path}")
-print(f"largest distance of a waypoint from the path: {np.abs(d).max():.2f} m")
+print(path.fit_report)
 
 for s in np.linspace(0.0, path.length, 6):
     x, y = path.position(s)

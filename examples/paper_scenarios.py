@@ -53,7 +53,7 @@ def fit_road(waypoints: Waypoints, km: float) -> Path:
     xy = LocalFrame(waypoints.lat[0], waypoints.lon[0]).to_local(waypoints.lat, waypoints.lon)
     distance = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))))
     xy = xy[distance <= 1000.0 * km]
-    path = fit_path(xy)
+    path = fit_path(xy, tolerance=0.3)
     start, end = longest_stretch(path, radius=MIN_RADIUS)
     print(
         f"{waypoints.duplicates} duplicates dropped, {len(xy)} points on {path.length / 1000.0:.1f} km used"

@@ -2,6 +2,7 @@
 
 from cca_core.path.clean import CleanedRoute, CleaningReport, clean_route
 from cca_core.path.fit import fit_path
+from cca_core.path.fit_report import FitReport
 from cca_core.path.interpolate import interpolate_path, splice_path
 from cca_core.path.local_frame import LocalFrame
 from cca_core.path.path import Path
@@ -11,6 +12,7 @@ from cca_core.path.waypoints import Waypoints, read_waypoints
 __all__ = [
     "CleanedRoute",
     "CleaningReport",
+    "FitReport",
     "Lane",
     "LocalFrame",
     "Path",

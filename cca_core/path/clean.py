@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, Index, check_points, check_real
+from cca_core._checks import Array, Index, Mask, check_array, check_points, check_real
 from cca_core.errors import InputError
+from cca_core.path.stationary import slow_rows, thinned
+
+_CHANGES = ("duplicates", "dropped", "reordered", "gaps", "isolated", "reversals", "stationary")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,6 +33,8 @@ class CleaningReport:
         Rows dropped because they are alone between two gaps.
     reversals : ndarray of int, shape (n_reversals,)
         Rows preserved although the route turns back there: no single point causes it.
+    stationary : ndarray of int, shape (n_stationary,)
+        Rows dropped because the receiver was stationary or creeping; one row of each place stays.
     closed : bool
         Whether the route is one part that returns to its start.
     """
@@ -40,11 +45,11 @@ class CleaningReport:
     gaps: Index
     isolated: Index
     reversals: Index
+    stationary: Index
     closed: bool
 
     def __repr__(self) -> str:
-        names = ("duplicates", "dropped", "reordered", "gaps", "isolated", "reversals")
-        found = [f"{name} {_rows(getattr(self, name))}" for name in names if len(getattr(self, name))]
+        found = [f"{name} {_rows(getattr(self, name))}" for name in _CHANGES if len(getattr(self, name))]
         return f"CleaningReport({'; '.join(found) or 'nothing changed'}{'; closed' if self.closed else ''})"
 
 
@@ -73,7 +78,12 @@ class CleanedRoute:
 
 
 def clean_route(
-    xy: ArrayLike, *, max_gap: float = 500.0, min_spacing: float = 0.05, max_turn: float = math.radians(100.0)
+    xy: ArrayLike,
+    *,
+    t: ArrayLike | None = None,
+    max_gap: float = 500.0,
+    min_spacing: float = 0.05,
+    max_turn: float = math.radians(100.0),
 ) -> CleanedRoute:
     """Merge, swap, drop and split the points of a recorded route.
 
@@ -81,6 +91,8 @@ def clean_route(
     ----------
     xy : array_like, shape (n, 2)
         Positions [m], roughly in driving order.
+    t : array_like, shape (n,), optional
+        Times of the positions [s]. Rows slower than 0.5 m/s are those of a stationary receiver.
     max_gap : float
         A longer distance between neighbors starts a new part [m].
     min_spacing : float
@@ -103,7 +115,11 @@ def clean_route(
     If the route turns by more than `max_turn`, the function makes the smallest change that leaves fewer such
     turns: it swaps two neighbors, or drops one or two points. If no change helps, for example because the car
     reversed, the point stays and is reported as a reversal. Smaller turns are left to the smoothing of
-    `fit_path`. Cleaning a part again changes nothing. The cost is linear in n.
+    `fit_path`.
+
+    A receiver is also stationary or creeping where five points in a row cover twice the distance between the
+    first and the last, with sharp turns to both sides. Of such points one stays for each three median steps of
+    distance. Cleaning a part again changes nothing. The cost is linear in n.
 
     Examples
     --------
@@ -115,7 +131,10 @@ def clean_route(
     max_gap = check_real("max_gap", max_gap, gt=0.0)
     min_spacing = check_real("min_spacing", min_spacing, ge=0.0, le=max_gap)
     max_turn = check_real("max_turn", max_turn, gt=0.5 * math.pi, le=math.pi)
-    cleaner = _Cleaner(points, max_gap, min_spacing, max_turn)
+    slow = np.zeros(len(points), dtype=bool)
+    if t is not None:
+        slow = slow_rows(points, check_array("t", t, (len(points),)))
+    cleaner = _Cleaner(points, slow, max_gap, min_spacing, max_turn)
     rows = cleaner.clean(list(range(len(points))))
     if not rows:
         raise InputError("xy must have two different points within max_gap of each other")
@@ -128,17 +147,19 @@ def clean_route(
 class _Cleaner:
     """Implementation of `clean_route` on lists of rows."""
 
-    def __init__(self, points: Array, max_gap: float, min_spacing: float, max_turn: float) -> None:
+    def __init__(
+        self, points: Array, slow: Mask, max_gap: float, min_spacing: float, max_turn: float
+    ) -> None:
+        self._points, self._slow = points, slow
         self._x, self._y = points.T.tolist()
         self._max_gap, self._min_spacing, self._max_turn = max_gap, min_spacing, max_turn
-        names = ("duplicates", "dropped", "reordered", "gaps", "isolated", "reversals")
-        self.log: dict[str, list[int]] = {name: [] for name in names}
+        self.log: dict[str, list[int]] = {name: [] for name in _CHANGES}
 
     def clean(self, rows: list[int]) -> list[list[int]]:
         """Clean one part until nothing changes, and split it at its gaps."""
         before: list[int] = []
         while rows != before:
-            before, rows = rows, self._straighten(self._merge(rows))
+            before, rows = rows, self._straighten(self._thin(self._merge(rows)))
         ends = [i for i in range(1, len(rows)) if self._chord(rows[i - 1], rows[i]) > self._max_gap]
         if not ends:
             if len(rows) < 2:
@@ -159,6 +180,13 @@ class _Cleaner:
             else:
                 kept.append(row)
         return kept
+
+    def _thin(self, rows: list[int]) -> list[int]:
+        """Leave one row of each place where the receiver was stationary."""
+        index = np.array(rows)
+        kept = thinned(self._points[index], self._slow[index])
+        self.log["stationary"] += index[~kept].tolist()
+        return [int(row) for row in index[kept]]
 
     def _straighten(self, rows: list[int]) -> list[int]:
         """Repair sharp turns in driving order if a small change helps."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_array, check_points, check_real
-from cca_core.errors import InputError
+from cca_core.errors import InfeasibleError, InputError
 from cca_core.path.path import Path
 
 
@@ -138,6 +138,11 @@ def over_arc_length(curve: Path, closed: bool) -> Path:
         half = 0.5 * np.diff(breaks)[:, None]
         first = curve.derivatives(breaks[:-1, None] + half * (1.0 + x))[1]
         lengths = (half * np.hypot(first[..., 0], first[..., 1])) @ w
+        if not (lengths > 1e-9).all():  # a curve that turns back on the spot
+            breaks = breaks[np.append(True, lengths > 1e-9)]
+            if len(breaks) < 2:
+                raise InfeasibleError("no curve is left between the waypoints")
+            continue
         s = np.concatenate(([0.0], np.cumsum(lengths)))
         nodes = curve.position(breaks)
         ends = curve.derivatives(breaks[[0, -1]])[1]

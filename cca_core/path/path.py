@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from cca_core._checks import Array, check_any, check_array, check_real
 from cca_core.errors import InputError
 from cca_core.path.cubics import Cubics
+from cca_core.path.fit_report import FitReport
 
 
 class Path:
@@ -48,30 +49,40 @@ class Path:
         self._set(s, c)
 
     @classmethod
-    def _trusted(cls, breaks: Array, coefficients: Array) -> Self:
+    def _trusted(cls, breaks: Array, coefficients: Array, report: FitReport | None = None) -> Self:
         """Make a path without checks and copies; the arrays become read-only."""
         path = cls.__new__(cls)
         path._set(breaks, coefficients)
+        path._fit_report = report
         return path
 
     def _set(self, breaks: Array, coefficients: Array) -> None:
         breaks.setflags(write=False)
         coefficients.setflags(write=False)
         self._breaks, self._coefficients = breaks, coefficients
+        self._fit_report: FitReport | None = None
 
     @cached_property
     def _cubics(self) -> Cubics:
         return Cubics(self._breaks, self._coefficients)
 
     def __repr__(self) -> str:
-        return f"Path({len(self._coefficients)} segments, {self.length:.1f} m)"
+        parts = [f"{len(self._coefficients)} segments", f"{self.length:.1f} m"]
+        radius = self.min_radius
+        parts.append(
+            "straight" if radius > 1e5 else f"min radius {radius:.3g} m at s={self.s_min_radius:.1f}"
+        )
+        if self._fit_report is not None:
+            report = self._fit_report
+            parts.append(f"max deviation {report.max_deviation:.2g} m at s={report.s_max_deviation:.1f}")
+        return f"Path({', '.join(parts)})"
 
     def _repr_svg_(self) -> str:
         svg: str = import_module("cca_core.plot.svg").to_svg(self)
         return svg
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Path._trusted, (self._breaks, self._coefficients)
+        return Path._trusted, (self._breaks, self._coefficients, self._fit_report)
 
     @property
     def breaks(self) -> Array:
@@ -97,6 +108,29 @@ class Path:
     def length(self) -> float:
         """Arc length from the first to the last point [m]."""
         return float(self._breaks[-1] - self._breaks[0])
+
+    @property
+    def min_radius(self) -> float:
+        """Least radius of curvature [m]; infinite on a straight path."""
+        return self._sharpest[0]
+
+    @property
+    def s_min_radius(self) -> float:
+        """Station of the least radius [m]."""
+        return self._sharpest[1]
+
+    @property
+    def fit_report(self) -> FitReport | None:
+        """Distance from the waypoints of `fit_path`; None for other paths."""
+        return self._fit_report
+
+    @cached_property
+    def _sharpest(self) -> tuple[float, float]:
+        fraction = np.linspace(0.0, 1.0, 9)
+        s = self._breaks[:-1, None] + fraction * np.diff(self._breaks)[:, None]
+        kappa = np.abs(self.curvature(s)).ravel()
+        i = int(np.argmax(kappa))
+        return (1.0 / float(kappa[i]) if kappa[i] > 1e-12 else math.inf), float(s.ravel()[i])
 
     def derivatives(self, s: ArrayLike) -> tuple[Array, Array, Array]:
         """Position with first and second derivative by arc length.

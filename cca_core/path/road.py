@@ -176,7 +176,8 @@ class Road:
         points = read_waypoints(file, skip_invalid=skip_invalid)
         xy = points.to_local(origin)
         rows = _rows_of(points, xy, part, check_real("max_gap", max_gap, gt=0.0), FilePath(file).name)
-        route = clean_route(xy[rows])
+        times = points.t[rows]
+        route = clean_route(xy[rows], t=times if np.isfinite(times).all() else None)
         if len(route.parts) > 1:
             raise InputError(
                 f"file {FilePath(file).name!r} must have no gap within a part, had {len(route.report.gaps)}, after "

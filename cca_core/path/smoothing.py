@@ -8,6 +8,14 @@ from cca_core._checks import Array, Index
 from cca_core.path.path import Path
 
 
+def largest_but(values: Array, ignored: int) -> float:
+    """Largest value but for some that are larger."""
+    if not ignored:
+        return float(values.max())
+    k = max(len(values) - 1 - ignored, 0)
+    return float(np.partition(values, k)[k])
+
+
 class SmoothingSpline:
     """Cubic B-spline at parameters s, with a penalty on the change of curvature."""
 
@@ -64,9 +72,13 @@ class SmoothingSpline:
         self._second_weight = np.gradient(breaks)[:borders]
         self._span = float(np.median(length))
         self._rest = np.zeros((self._count, 2))
+        self._ignored = 0
 
-    def smooth_within(self, tolerance: float, length_guess: float | None = None) -> tuple[float, float]:
+    def smooth_within(
+        self, tolerance: float, length_guess: float | None = None, ignored: int = 0
+    ) -> tuple[float, float]:
         """Find the smoothest fit within `tolerance`; return the largest residual and the smoothing length."""
+        self._ignored = ignored
         low, high = np.log(1e-2 * self._span), np.log(10.0 * self._span)
         steps = 16
         if length_guess is not None:
@@ -152,7 +164,7 @@ class SmoothingSpline:
             self._rest = self._factor(self._matrix)(self._right)
         except np.linalg.LinAlgError:
             return np.inf
-        return float((self.residuals() * self._weights).max())
+        return largest_but(self.residuals() * self._weights, self._ignored)
 
     def _factor(self, matrix: Any) -> Any:
         if self._closed:

@@ -1,6 +1,7 @@
 """Inputs of a planner and of a cycle: which of them can be used."""
 
 import math
+import warnings
 from collections.abc import Iterable, Sequence
 from types import NoneType
 from typing import Protocol
@@ -32,6 +33,7 @@ __all__ = [
     "invalid_state_reason",
     "usable_range",
     "vehicles_on_level",
+    "warn_of_tight_bend",
 ]
 
 _MAX_TIME = 1e12  # [s]; larger numbers have no resolution left for a cycle
@@ -110,6 +112,17 @@ def check_arguments(
     ):
         if not isinstance(value, kinds):
             raise InputError(f"{name} must be {kinds[0].__name__}, was {type(value).__name__}")
+
+
+def warn_of_tight_bend(path: Path, vehicle: VehicleParams) -> None:
+    """Warn of a bend that the vehicle cannot drive at any speed."""
+    radius = vehicle.wheelbase / math.tan(min(vehicle.delta_max, 1.5))
+    if path.min_radius < radius:
+        warnings.warn(
+            f"the path has a bend of radius {path.min_radius:.2g} m at s={path.s_min_radius:.1f} m, the vehicle turns "
+            f"with {radius:.2g} m at least; fit_path with curvature_limit widens it",
+            stacklevel=3,
+        )  # fmt: skip
 
 
 def _as_time(t: object) -> float:

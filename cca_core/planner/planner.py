@@ -34,6 +34,7 @@ from cca_core.planner.inputs import (
     invalid_state_reason,
     usable_range,
     vehicles_on_level,
+    warn_of_tight_bend,
 )
 from cca_core.planner.lead import find_lead, oncoming_assumed_in_lane
 from cca_core.planner.maneuver import Maneuver
@@ -84,6 +85,7 @@ class Planner:
         check_arguments(vehicle, road, evasion, speed, controller)
         self.vehicle = vehicle
         self.road = road if isinstance(road, Road) else Road(road)
+        warn_of_tight_bend(self.road.path, vehicle)
         self._cruise_speed = check_real("cruise_speed", cruise_speed, gt=0.0)
         self.evasion = evasion or EvasionSettings()
         self.speed = speed or SpeedSettings()

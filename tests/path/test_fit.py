@@ -267,7 +267,7 @@ def test_invalid_waypoints_raise(xy: object, words: str, closed: bool) -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("tolerance", -0.1), ("tolerance", math.nan), ("tolerance", None), ("points_per_segment", 0),
+    [("tolerance", -0.1), ("tolerance", math.nan), ("tolerance", "a"), ("points_per_segment", 0),
      ("points_per_segment", -3), ("points_per_segment", math.nan), ("points_per_segment", 2.5)],
 )  # fmt: skip
 def test_invalid_settings_raise(name: str, value: object) -> None:

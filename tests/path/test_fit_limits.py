@@ -167,9 +167,17 @@ def test_path_stays_near_chords_of_waypoints(
     assert len(path.coefficients) <= 20 * len(xy)
 
 
-def test_infeasible_tolerance_returns_nearest_path() -> None:
+def test_larger_tolerance_works_where_smaller_does() -> None:
+    """Points that turn back: 0.3 m once failed, although 0.05 m worked."""
     xy = [[-0.5, 0.7], [0.2, -0.1], [6.8, -1.0], [5.4, -0.8], [11.4, -1.5], [12.1, -1.7], [12.9, -1.9],
           [12.4, -1.6], [18.5, -2.3]]  # fmt: skip
-    with pytest.raises(InfeasibleError, match=r"^no smooth path within 0\.3 m of every waypoint") as error:
-        fit_path(xy, tolerance=0.3)
+    radii = [fit_path(xy, tolerance=tolerance).min_radius for tolerance in (0.05, 0.3, 1.0, 2.5, 10.0)]
+    assert radii == sorted(radii)
+    assert radii[-1] > 5.0
+
+
+def test_infeasible_limit_returns_nearest_path() -> None:
+    xy = [[0.0, 0.0], [40.0, 0.0], [40.0, 3.0], [0.0, 3.0]]
+    with pytest.raises(InfeasibleError, match=r"^no path with a radius of at least 50 m") as error:
+        fit_path(xy, tolerance=0.3, curvature_limit=0.02, max_deviation=1.0)
     assert isinstance(error.value.result, Path)

@@ -18,6 +18,7 @@ from cca_core import (
     Status,
     VehicleState,
 )
+from cca_core.path import interpolate_path
 from cca_core.planner import AbortSettings, ActuationSettings, EvasionSettings
 from tests.support.planner_drives import (
     CAR,
@@ -232,3 +233,14 @@ def test_steering_rate_follows_time_between_steps(dt: float) -> None:
     assert planner.step(
         dt, ego_state(START + 10.0 * dt, v_x=10.0, y=-1.5), []
     ).delta - before == pytest.approx(CAR.delta_rate_max * dt)
+
+
+def test_bend_beyond_turning_circle_is_warned_of_once() -> None:
+    phi = np.arange(0.0, 3.0, 0.2)
+    sharp, wide = (
+        interpolate_path(radius * np.column_stack((np.sin(phi), 1.0 - np.cos(phi)))) for radius in (2.0, 8.0)
+    )
+    with pytest.warns(UserWarning, match=r"radius 1\.6 m at s=.* turns with 3\.8 m at least") as caught:
+        Planner(CAR, sharp, cruise_speed=10.0)
+    assert len(caught) == 1
+    Planner(CAR, wide, cruise_speed=10.0)  # warnings are errors here

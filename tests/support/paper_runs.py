@@ -23,7 +23,7 @@ def simulated(name: str, case: str, ego: str, seed: int = 1, plant: str = "singl
         return simulate(eebl(case), seed=seed, plant=plant)
     if name == "maneuver":
         x = np.arange(0.0, 1500.0, 15.0)
-        road = fit_path(np.column_stack((x, x**2 / 2000.0)))
+        road = fit_path(np.column_stack((x, x**2 / 2000.0)), tolerance=0.3)
         return simulate(overtaking(case, road, start=210.0, v2v=ego == "v2v"), seed=seed, plant=plant)
     return simulate({"ima": ima, "curbside": curbside}[name](case, ego_type=ego), seed=seed, plant=plant)
 

@@ -30,7 +30,7 @@ def paper_scenarios(path: Path | None = None, *, start: float | None = None) -> 
     if path is None:
         waypoints = demo_route()
         frame = LocalFrame(waypoints.lat[0], waypoints.lon[0])
-        route = fit_path(frame.to_local(waypoints.lat, waypoints.lon))
+        route = fit_path(frame.to_local(waypoints.lat, waypoints.lon), tolerance=0.3)
         path = route.cut(*longest_stretch(route))
     begin = path.start + 220.0 if start is None else start
     return [

@@ -1,0 +1,204 @@
+"""Choice of tolerance and of the path within it, and its distance from every waypoint."""
+
+import math
+
+import numpy as np
+
+from cca_core._checks import Array, Mask
+from cca_core.errors import InfeasibleError
+from cca_core.path.fit_report import FitReport
+from cca_core.path.noise import estimate_noise, find_outliers, isolated
+from cca_core.path.path import Path
+from cca_core.path.rounding import round_bends
+from cca_core.path.smooth_fit import SmoothFit, max_curvature
+
+__all__ = ["RouteFit"]
+
+_RUNGS = (
+    *(0.0, 0.001, 0.003, 0.01, 0.02, 0.03, 0.05, 0.07),
+    *(
+        round(digit * 10.0**k, 3)
+        for k in range(-1, 5)
+        for digit in (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+    ),
+)  # tolerances that are tried [m]
+_GENTLE = 1.0 / 200.0  # curvature up to which paths of smaller tolerances are not compared [1/m]
+_CAR_RADIUS = 6.0  # of the sharpest bend of a path with chosen tolerance: a turning circle of 12 m [m]
+_MIN_TOLERANCE = 0.3  # that is chosen [m]
+_MAX_DEVIATION = 10.0  # of a waypoint that contradicts the curvature limit [m]
+
+
+class RouteFit:
+    """The waypoints and settings of one call of `fit_path`."""
+
+    def __init__(
+        self, points: Array, closed: bool, per_segment: int | None, max_deviation: float | None
+    ) -> None:
+        self._points, self._closed, self._per_segment = points, closed, per_segment
+        self._max_deviation = max_deviation
+        self._fitted = points  # the waypoints without outliers
+        self._outliers: Mask = np.zeros(len(points), dtype=bool)
+
+    def within(self, tolerance: float) -> Path:
+        """Fit within a tolerance; what a smaller tolerance allows, a larger one does too."""
+        found: list[Path] = []
+        errors: list[InfeasibleError] = []
+        for rung in _rungs(tolerance):
+            try:
+                path = self._smooth(rung).free(self._per_segment)
+            except InfeasibleError as error:
+                errors.append(error)
+                continue
+            if not found and not errors and max_curvature(path) <= _GENTLE:
+                return self._reported(path, tolerance)
+            found.append(path)
+        if not found:
+            nearest = errors[0].result
+            result = self._reported(nearest, tolerance) if isinstance(nearest, Path) else None
+            raise InfeasibleError(str(errors[0]), result)
+        # rungs are the same for every tolerance: no path is sharper by more than 2 % than one of a smaller one
+        curvatures = [max_curvature(path) for path in found]
+        best = next(i for i, kappa in enumerate(curvatures) if kappa <= 1.02 * min(curvatures))
+        return self._reported(found[best], tolerance)
+
+    def within_limit(self, tolerance: float, limit: float) -> Path:
+        """Fit within a curvature limit, and within the tolerance where the limit allows that."""
+        errors: list[InfeasibleError] = []
+        for rung in _rungs(tolerance):
+            try:
+                return self._limited(rung, tolerance, limit)
+            except InfeasibleError as error:
+                errors.append(error)
+                nearest = error.result.fit_report if isinstance(error.result, Path) else None
+                if nearest and nearest.max_deviation > 2.0 * self._bound(tolerance, limit):
+                    break  # no tolerance makes up for that
+        raise errors[0]
+
+    def from_noise(self, limit: float) -> Path:
+        """Fit within a tolerance chosen from the noise of the waypoints, with bends that a car can drive."""
+        noise = estimate_noise(self._points)
+        tolerance = min(max(_MIN_TOLERANCE, 3.3 * noise), _MAX_DEVIATION)
+        limit = min(limit, 1.0 / _CAR_RADIUS)
+        if not self._closed:
+            self._outliers = find_outliers(self._points, noise, tolerance)
+            self._fitted = self._points[~self._outliers]
+        for factor in (1.0, 1.5, 2.0):
+            try:
+                path, self._fitted = self._robust(factor * tolerance, self._outliers)
+            except InfeasibleError:
+                continue
+            if max_curvature(path) <= limit:
+                found = self._reported(path, factor * tolerance, noise)
+                if self._is_near(found, factor * tolerance, limit):
+                    return found
+        return self._limited(tolerance, tolerance, limit, noise)
+
+    def _robust(self, tolerance: float, outliers: Mask) -> tuple[Path, Array]:
+        """Fit without outliers; return the path, and the waypoints with others that exceed moved onto it."""
+        points = self._points[~outliers]
+        plain: Path | None = None
+        try:
+            plain = SmoothFit(points, tolerance, self._closed).free(self._per_segment)
+        except InfeasibleError:
+            if len(points) < 8 or self._closed:
+                raise
+        if plain and (max_curvature(plain) <= _GENTLE or len(points) < 8 or self._closed):
+            return plain, points
+        path = SmoothFit(points, tolerance, False, 1 + len(points) // 50).free(self._per_segment)
+        if plain and max_curvature(plain) <= 1.5 * max_curvature(path):
+            return plain, points
+        s, d = path.project(points)
+        exceeding = isolated(np.abs(d) > tolerance)
+        if not exceeding.any():
+            return path, points
+        points = points.copy()
+        points[exceeding] = path.position(s[exceeding])
+        return SmoothFit(points, tolerance, False).free(self._per_segment), points
+
+    def _smooth(self, tolerance: float) -> SmoothFit:
+        return SmoothFit(self._fitted, tolerance, self._closed)
+
+    def _limited(self, rung: float, tolerance: float, limit: float, noise: float | None = None) -> Path:
+        """Find the nearest path within a curvature limit that contradicts the tolerance."""
+        found: list[tuple[float, Path]] = []
+        errors: list[InfeasibleError] = []
+        for fit in (self._flattened, self._rounded):
+            try:
+                path = self._reported(fit(rung, limit), tolerance, noise)
+            except InfeasibleError as error:
+                errors.append(error)
+                continue
+            deviation = path.fit_report.max_deviation if path.fit_report else math.inf
+            found.append((deviation, path))
+            if deviation <= min(tolerance + 0.6 / limit, self._bound(tolerance, limit)):
+                break
+        if not found:
+            raise errors[0]
+        path = min(found, key=lambda pair: pair[0])[1]
+        if not self._is_near(path, tolerance, limit):
+            raise InfeasibleError(self._refusal(path, tolerance, limit), path)
+        return path
+
+    def _flattened(self, tolerance: float, limit: float) -> Path:
+        """Fit with the second derivative reduced to the limit, which cuts bends."""
+        return self._smooth(tolerance).limited(limit, self._per_segment)
+
+    def _rounded(self, tolerance: float, limit: float) -> Path:
+        """Fit to the free path with arcs for its sharp bends."""
+        if self._closed:
+            raise InfeasibleError(f"no closed path with a curvature of at most {limit:g} 1/m was found")
+        path = self._smooth(tolerance).nearest(self._per_segment)
+        positions = round_bends(path, 0.95 * limit, 1.25 / limit)
+        return SmoothFit(positions, 0.03 / limit, False).limited(limit, 4)
+
+    def _bound(self, tolerance: float, limit: float) -> float:
+        """Largest accepted distance of a waypoint [m]."""
+        if self._max_deviation is not None:
+            return max(self._max_deviation, tolerance + 0.01)
+        return max(_MAX_DEVIATION, 3.0 * tolerance, min(0.6 / limit + tolerance, 3.0 * _MAX_DEVIATION))
+
+    def _is_near(self, path: Path, tolerance: float, limit: float) -> bool:
+        return path.fit_report is not None and path.fit_report.max_deviation <= self._bound(tolerance, limit)
+
+    def _refusal(self, path: Path, tolerance: float, limit: float) -> str:
+        """Name the waypoints that a path misses by too much."""
+        bound, off = self._bound(tolerance, limit), _nearest(path, self._points, tolerance)[1]
+        far = np.flatnonzero(off > bound)
+        rows = ", ".join(f"{row} by {off[row]:.1f} m" for row in far[:6].tolist())
+        return (
+            f"no path with a radius of at least {1.0 / limit:.3g} m within {bound:.3g} m of every waypoint was found; "
+            f"missed are {len(far)}: row {rows}; split the route there or raise max_deviation"
+        )  # fmt: skip
+
+    def _reported(self, path: Path, tolerance: float, noise: float | None = None) -> Path:
+        """Add to a path its distance from every waypoint."""
+        s, off = _nearest(path, self._points, tolerance)
+        i = int(np.argmax(off))
+        missed = np.flatnonzero(off > max(tolerance, 1e-6) + 0.01)
+        report = FitReport(
+            tolerance=tolerance, noise=noise, max_deviation=float(off[i]), s_max_deviation=float(s[i]),
+            missed=missed, missed_by=off[missed],
+            outliers=np.flatnonzero(self._outliers & (off > tolerance)),
+        )  # fmt: skip
+        return Path._trusted(path.breaks, path.coefficients, report)
+
+
+def _nearest(path: Path, points: Array, tolerance: float) -> tuple[Array, Array]:
+    """Return station and distance of the nearest point between the ends; exact beyond the tolerance."""
+    from scipy.spatial import cKDTree  # slow to import
+
+    at = np.linspace(path.start, path.end, 4 * len(points))
+    guess = at[cKDTree(path.position(at)).query(points)[1]]
+    s = path.project(points, guess)[0].clip(path.start, path.end)
+    off = np.hypot(*(path.position(s) - points).T)
+    far = np.flatnonzero(off > tolerance)
+    if len(far):
+        exact, d = path.project(points[far])
+        inside = (exact >= path.start) & (exact <= path.end) & (np.abs(d) < off[far])
+        s[far[inside]], off[far[inside]] = exact[inside], np.abs(d[inside])
+    return s, off
+
+
+def _rungs(tolerance: float) -> list[float]:
+    """Return the tolerances to try, the largest first."""
+    return [rung for rung in reversed(_RUNGS) if rung <= tolerance]
