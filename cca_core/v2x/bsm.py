@@ -1,14 +1,13 @@
 """Basic Safety Messages of SAE J2735: bytes to SI units and ISO 8855 axes, and back."""
 
 import math
-import operator
 import re
 from collections.abc import Mapping, Set
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from cca_core._checks import shown
 from cca_core.errors import InputError
+from cca_core.v2x._plain import read_count, read_number
 from cca_core.v2x.events import decode_events, encode_events
 from cca_core.v2x.message import BrakeStatus, Bsm, PositionalAccuracy
 from cca_core.v2x.uper import BitFields, close_frame, open_frame
@@ -53,18 +52,6 @@ _CORE = BitFields(
     (7, 32, 16, 31, 32, 16, 8, 8, 16, 3, 13, 15, 8, 12, 12, 8, 16, 5, 2, 2, 2, 2, 2, 10, 12)
 )  # fmt: skip
 _CORE_BYTES = 37  # three leading flags and 290 bits
-_TRACKED = (
-    "sec_mark",
-    "latitude_deg",
-    "longitude_deg",
-    "elevation",
-    "speed",
-    "psi",
-    "a_x",
-    "r",
-    "width",
-    "length",
-)
 
 
 def _heading_from_code(code: int) -> float:
@@ -181,7 +168,7 @@ def encode_bsm(bsm: Bsm) -> bytes:
     ellipse, brakes = bsm.accuracy, bsm.brakes
     east = _number("longitude_deg", bsm.longitude_deg, 1e7, -1_800_000_000, 1_800_000_000, 1_800_000_001)
     codes = (
-        _count(bsm.msg_count),
+        read_count(bsm.msg_count),
         int(bsm.id, 16),
         _number("sec_mark", bsm.sec_mark, 1000.0, 0, 60999, 65535),
         _number("latitude_deg", bsm.latitude_deg, 1e7, -900_000_000, 900_000_000, 900_000_001) + 900_000_000,
@@ -222,30 +209,6 @@ def encode_bsm(bsm: Bsm) -> bytes:
     return close_frame(bits, n_bits, _MESSAGE_ID)
 
 
-def plain_bsm(bsm: Bsm) -> Bsm:
-    """Return a message whose values for tracking are of Python's own types; they may be NaN or infinite."""
-    changed: dict[str, Any] = {}
-    for name in _TRACKED:
-        value = getattr(bsm, name)
-        if value is not None and type(value) is not float:
-            changed[name] = _real(name, value)
-    if type(bsm.msg_count) is not int:
-        changed["msg_count"] = _count(bsm.msg_count)
-    id: Any = bsm.id
-    events: Any = bsm.events
-    if not isinstance(id, str):
-        raise InputError(f"id must be text, was {shown(id)}")
-    if not isinstance(events, Set) or not all(isinstance(name, str) for name in events):
-        raise InputError(f"events must be a set of names, was {shown(events)}")
-    if type(id) is not str or type(events) is not frozenset:
-        changed |= {"id": str(id), "events": frozenset(map(str, events))}
-    _choice("transmission", bsm.transmission)
-    major = getattr(bsm.accuracy, "semi_major", None)
-    if major is not None and type(major) is not float:
-        changed["accuracy"] = PositionalAccuracy(semi_major=_real("semi_major", major))
-    return replace(bsm, **changed) if changed else bsm
-
-
 def _check_kinds(bsm: Any) -> None:
     """Check the types of a message."""
     if not isinstance(bsm, Bsm):
@@ -263,21 +226,11 @@ def _check_kinds(bsm: Any) -> None:
         raise InputError(f"events must be a set of names, was {shown(events)}")
 
 
-def _real(name: str, value: Any) -> float:
-    """Return any real number as float."""
-    try:
-        if isinstance(value, (str, bytes, bytearray)):  # float() would read them
-            raise TypeError
-        return float(value)
-    except Exception:  # a value may be of any class
-        raise InputError(f"{name} must be a finite number or None, was {shown(value)}") from None
-
-
 def _number(name: str, value: float | None, scale: float, lowest: int, highest: int, unavailable: int) -> int:
     """Return the code of a number, `scale` steps a unit."""
     if value is None:
         return unavailable
-    scaled = _real(name, value) * scale
+    scaled = read_number(name, value) * scale
     if not math.isfinite(scaled):
         raise InputError(f"{name} must be a finite number or None, was {shown(value)}")
     code = round(scaled)
@@ -290,7 +243,7 @@ def _direction(name: str, value: float | None, steps: int) -> int:
     """Return the code clockwise from north, `steps` a turn, of a direction counter-clockwise from east."""
     if value is None:
         return steps
-    angle = _real(name, value)
+    angle = read_number(name, value)
     if not math.isfinite(angle):
         raise InputError(f"{name} must be a finite angle or None, was {shown(value)}")
     return round((0.25 - angle / math.tau) % 1.0 * steps) % steps
@@ -304,14 +257,3 @@ def _choice(name: str, value: Any, table: str = "") -> int:
     except Exception:  # a value may be of any class
         allowed = ", ".join(map(repr, codes)) if len(codes) < 9 else "four bools or None"
         raise InputError(f"{name} must be one of {allowed}; was {shown(value)}") from None
-
-
-def _count(value: int) -> int:
-    """Return a checked message count."""
-    try:
-        count = operator.index(value)
-    except Exception:  # a value may be of any class
-        count = -1
-    if not 0 <= count <= 127:
-        raise InputError(f"msg_count must be an integer from 0 to 127, was {shown(value)}")
-    return count

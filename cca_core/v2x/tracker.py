@@ -7,8 +7,9 @@ from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.path.local_frame import LocalFrame
 from cca_core.v2x._intake import Intake
+from cca_core.v2x._plain import plain_bsm
 from cca_core.v2x._tracks import is_expired
-from cca_core.v2x.bsm import Bsm, decode_frame, plain_bsm
+from cca_core.v2x.bsm import Bsm, decode_frame
 from cca_core.v2x.health import MessageRates, TrackerHealth, health_of
 from cca_core.v2x.tracker_settings import TrackerSettings
 from cca_core.v2x.update_result import ACCEPTED_KINDS, UNCOUNTED_KINDS, UpdateResult
