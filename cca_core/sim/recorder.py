@@ -19,7 +19,7 @@ class EventRecorder:
 
     def __init__(self, scenario: Scenario, *, braking: float = -1.0, rest_speed: float = 0.05) -> None:
         # braking [m/s^2]: beyond drag and speed control; rest_speed [m/s]: simulated speeds are exact, so that
-        # nearly none is needed, unlike the planner's `standstill_speed` of reported ones
+        # rest needs hardly a tolerance, unlike the planner's `creep_speed` of reported ones
         self._braking, self._rest_speed = braking, rest_speed
         self._user_ids = [user.id for user in scenario.road_users]
         self._has_fixed_gap = scenario.fixed_gap is not None

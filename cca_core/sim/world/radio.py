@@ -32,12 +32,11 @@ class Receiver:
 
 
 class Radio:
-    """Every vehicle sends its state as bytes ten times per second, the ego too.
+    """Every vehicle sends its state as bytes ten times per second, the ego too."""
 
-    Each road user is a sender of its own, or, with one modem, all are one: a burst of loss then affects the
-    messages of all in the order of sending. A road user that reacts to messages has a channel of its own from
-    its lead. The ego's messages go through one channel to all others.
-    """
+    # Each road user is a sender of its own, or, with one modem, all are one: a burst of loss then affects the
+    # messages of all in the order of sending. A road user that reacts to messages has a channel of its own
+    # from its lead. The ego's messages go through one channel to all others.
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
         frame, settings = LocalFrame(*scenario.origin), scenario.sender
