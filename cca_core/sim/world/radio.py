@@ -48,19 +48,16 @@ class Radio:
         ]
         self._channel = Channel(channel, rng)
         back, *others = rng.spawn(1 + len(scenario.road_users))
-        self._ego_sender, self._ego_channel = (
-            Sender("ffffffff", frame, settings, back),
-            Channel(channel, back),
-        )
+        self._ego_sender = Sender("ffffffff", frame, settings, back)
+        self._ego_channel = Channel(channel, back)
         self._listeners = [
             (user.id, act.lead_id, Channel(channel, own))
             for user, own in zip(scenario.road_users, others, strict=True)
             for act in user.actions
             if isinstance(act, ReactToLeadAction) and math.isfinite(act.warning_delay)
         ]
-        self._next_due = [-math.inf] * (
-            1 + len(scenario.road_users)
-        )  # earliest next message of each, the ego last
+        # earliest next message of each, the ego last
+        self._next_due = [-math.inf] * (1 + len(scenario.road_users))
         # "sent" and "delivered" to the ego, "ego_sent" and "ego_delivered"
         self.counts: Counter[str] = Counter(sent=0, delivered=0, ego_sent=0, ego_delivered=0)
 
