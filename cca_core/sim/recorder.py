@@ -18,8 +18,8 @@ class EventRecorder:
     """Collect each change of action, and the first time of each event of `Log.events`."""
 
     def __init__(self, scenario: Scenario, *, braking: float = -1.0, rest_speed: float = 0.05) -> None:
-        # braking: beyond drag and speed control [m/s^2]; rest_speed: simulated speeds are exact, so [m/s]
-        # rest needs hardly a tolerance, unlike the planner's `creep_speed` of reported ones
+        # braking [m/s^2]: beyond drag and speed control
+        # rest_speed [m/s]: simulated speeds are exact, unlike the reported ones of the planner's `creep_speed`
         self._braking, self._rest_speed = braking, rest_speed
         self._user_ids = [user.id for user in scenario.road_users]
         self._has_fixed_gap = scenario.fixed_gap is not None
