@@ -151,13 +151,8 @@ class _System:
         from scipy.linalg import lapack  # slow to import, and importing the library is to be quick
 
         self._lapack = lapack
-        self.stencil, self.contact, self.low, self.high, self.curvature = (
-            stencil,
-            contact,
-            low,
-            high,
-            curvature,
-        )
+        self.stencil, self.contact, self.curvature = stencil, contact, curvature
+        self.low, self.high = low, high
         rounded = stencil.astype(np.float64)
         self._stiff = rounded[:, :1] > 1e5 * contact  # where digits are lost
         self._diagonal = rounded[:, :1]

@@ -99,8 +99,8 @@ class Decision:
     reason : str
         Why, with numbers and limits.
     activity, cause : str
-        The reason in two parts, without the numbers of the activity, such as "following R2" and "no left lane";
-        empty if the reason has only one.
+        The reason in two parts, without the numbers of the activity, such as "following R2" and "no left
+        lane"; empty if the reason has only one.
     lead_id : str, optional
         Id of the lead vehicle.
     danger_zone : tuple of float, optional

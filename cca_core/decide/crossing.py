@@ -208,10 +208,8 @@ def find_conflict_for_sweep(
     if overlap is None:
         return None
     first, last, first_other, last_other = overlap
-    s_enter, s_exit = (
-        float(body.station[first]) - 0.5 * body.step,
-        float(body.station[last]) + 0.5 * body.step,
-    )
+    s_enter = float(body.station[first]) - 0.5 * body.step
+    s_exit = float(body.station[last]) + 0.5 * body.step
     u_in = max(float(other.station[first_other]) - 0.5 * other.step, 0.0)
     u_out = float(other.station[last_other]) + 0.5 * other.step
     open_end = last == len(body.station) - 1

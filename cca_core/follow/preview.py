@@ -131,10 +131,8 @@ class PreviewController:
         # direction of motion of the front wheels; with more than 80 % of the grip a car on a slippery road spins
         motion = math.atan2(state.v_y + p.l_f * state.r, v)
         slip = self._inverse.front_slip(min(self.a_y_max / (p.mu * GRAVITY), 0.8))
-        low, high = (
-            max(min(-steady, motion - slip), -p.delta_max),
-            min(max(steady, motion + slip), p.delta_max),
-        )
+        low = max(min(-steady, motion - slip), -p.delta_max)
+        high = min(max(steady, motion + slip), p.delta_max)
         delta = min(max(delta, low), high)
         if self._delta is not None:
             step = p.delta_rate_max * dt

@@ -25,7 +25,7 @@ def find_lead(
         # the vehicles in between stop behind a downstream one too: their lengths and gaps are subtracted
         downstream = offset > 0.0
         braking = n.remote.a_x < -settings.downstream_braking or "hard_braking" in n.remote.events
-        if not downstream or braking or n.v_s < settings.standstill_speed:
+        if not downstream or braking or n.v_s < settings.creep_speed:
             lead = _demand(n, n.rear - ego.front - offset, downstream, blocking, ego, settings)
             follow = min(follow, lead.follow_acceleration)
             if lead.v_x == 0.0 and (downstream or n.id in stopping_for):
@@ -53,7 +53,7 @@ def make_lead(
 ) -> LeadVehicle:
     """Return a lead vehicle at a gap with what it demands of the ego."""
     need = required_deceleration(ego.v_x, gap + 0.5 * ego.speed.standstill_gap, v, ego.speed, a_x)
-    if ego.v_x < settings.standstill_speed:  # following stops a creeping ego, however small an uncertain gap
+    if ego.v_x < settings.creep_speed:  # following stops a creeping ego, however small an uncertain gap
         need = min(need, ego.v_x / settings.creep_stop_time)
     follow = follow_acceleration(ego.v_x, gap, v, ego.speed, a_x)
     return LeadVehicle(
@@ -67,10 +67,9 @@ def oncoming_assumed_in_lane(
     was_on_route: dict[str, bool],
     settings: LeadSettings,
 ) -> set[str]:
-    """Return the stale oncoming vehicles last known outside the route, which are assumed to keep their lane.
-
-    `was_on_route` keeps by id whether a vehicle was on the route or headed for it at its last fresh message.
-    """
+    """Return the stale oncoming vehicles last known outside the route, which are assumed to keep their lane."""
+    # `was_on_route` keeps by id whether a vehicle was on the route or headed for it at its last fresh
+    # message.
     known, assumed = dict(was_on_route), set()
     was_on_route.clear()
     for n in vehicles:
@@ -79,7 +78,7 @@ def oncoming_assumed_in_lane(
         on_route = min(n.d, later) < reach and max(n.d, later) > -reach
         was_on_route[n.id] = known.get(n.id, on_route) if n.is_stale else on_route
         # a small error of the yaw rate moves a stale vehicle over; braking would endanger following vehicles
-        if n.is_stale and not was_on_route[n.id] and n.v_s < -settings.standstill_speed:
+        if n.is_stale and not was_on_route[n.id] and n.v_s < -settings.creep_speed:
             assumed.add(n.id)
     return assumed
 
@@ -93,7 +92,7 @@ def _demand(
     settings: LeadSettings,
 ) -> LeadVehicle:
     """Return the vehicle as lead vehicle at a gap."""
-    v = 0.0 if abs(n.v_lower) < settings.standstill_speed else n.v_lower
+    v = 0.0 if abs(n.v_lower) < settings.creep_speed else n.v_lower
     lead = make_lead(n.id, gap, v, n.remote.a_x, ego, settings, "downstream" if downstream else "direct")
     if abs(n.d) - n.body_half_width > 0.5 * ego.vehicle.width + settings.blocking_gap:
         lead = _soften_for_uncertain_lead(lead, ego, settings)

@@ -103,9 +103,8 @@ def plan_maneuver(
     problem = _band_problem(ego, road, side, lane, stretch, settings)
     obstacles = _occupancies(ego, road.path, stretch, [*blocking, *relevant], settings)
     half_step = 0.5 * float(stretch.stations[1] - stretch.stations[0])
-    lead_distances = [
-        max(lead - half_step, 0.0) for lead in window.lead_distances
-    ]  # bounds begin a node before
+    # bounds begin a node before
+    lead_distances = [max(lead - half_step, 0.0) for lead in window.lead_distances]
     band = problem(obstacles, lead_distance=[*lead_distances, *(0.0 for _ in relevant)])
     outside = (stretch.s - ego.s_cg >= window.first) & (stretch.s - ego.s_cg <= window.last)
     if band.status is Status.OK:

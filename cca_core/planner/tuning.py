@@ -98,8 +98,8 @@ class LeadSettings:
     ----------
     blocking_gap : float
         Lateral gap to the route below which a vehicle blocks it [m].
-    standstill_speed : float
-        Speed below which a vehicle is stationary [m/s]; reported speeds err by 0.2 m/s.
+    creep_speed : float
+        Speed below which a vehicle creeps and is taken as stationary [m/s]; reported speeds err by 0.2 m/s.
     creep_stop_time : float
         Time in which a creeping ego stops [s].
     lane_entry_horizon : float
@@ -124,7 +124,7 @@ class LeadSettings:
     """
 
     blocking_gap: float = 0.3
-    standstill_speed: float = 1.0
+    creep_speed: float = 1.0
     creep_stop_time: float = 0.5
     lane_entry_horizon: float = 2.0
     downstream_braking: float = 2.0

@@ -152,10 +152,8 @@ def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) ->
     for box in problem.boxes_at(t):
         s, d = path.project(np.column_stack((box.x, box.y)))
         k = int(np.abs(s - problem.start - problem.v_x * t).argmin())
-        x, y = (
-            s[k] + 0.5 * float(box.length) * np.array([-1, 1, 1, -1]),
-            d[k] + 0.5 * float(box.width) * np.array([-1, -1, 1, 1]),
-        )
+        x = s[k] + 0.5 * float(box.length) * np.array([-1, 1, 1, -1])
+        y = d[k] + 0.5 * float(box.width) * np.array([-1, -1, 1, 1])
         axis.fill(x, y, color=COLORS.parked)
     styles = _styles(list(plans))
     for name, plan in plans.items():

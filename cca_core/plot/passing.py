@@ -132,13 +132,5 @@ def _draw_path(paths: Any, lateral: Any, log: Log, i: int) -> None:
 def _draw_swept(axis: Any, log: Log, i: int) -> None:
     s, d = (log.ego_frenet - (log.user_frenet[-1, i, 0], 0.0)).T
     half = 0.5 * log.scenario.vehicle.width
-    axis.fill_between(
-        s,
-        d - half,
-        d + half,
-        color=COLORS.ego,
-        alpha=0.18,
-        linewidth=0.0,
-        zorder=1,
-        label="swept by the body",
-    )
+    style = {"color": COLORS.ego, "alpha": 0.18, "linewidth": 0.0, "zorder": 1}
+    axis.fill_between(s, d - half, d + half, label="swept by the body", **style)

@@ -18,8 +18,8 @@ class EventRecorder:
     """Collect each change of action, and the first time of each event of `Log.events`."""
 
     def __init__(self, scenario: Scenario, *, braking: float = -1.0, rest_speed: float = 0.05) -> None:
-        # braking [m/s^2]: beyond drag and speed control; rest_speed [m/s]: simulated speeds are exact, so that
-        # nearly none is needed, unlike the planner's `standstill_speed` of reported ones
+        # braking [m/s^2]: beyond drag and speed control
+        # rest_speed [m/s]: simulated speeds are exact; the planner's `creep_speed` is of reported ones
         self._braking, self._rest_speed = braking, rest_speed
         self._user_ids = [user.id for user in scenario.road_users]
         self._has_fixed_gap = scenario.fixed_gap is not None
@@ -144,7 +144,8 @@ class LogBuilder:
             tracking=ego[:, 14], road_users=users[:, :, :4], user_motion=users[:, :, 4:],
             user_frenet=self._user_frenet[:n], visible=self._visible[:n], tracked=self._tracked[:n],
             gap_held=self._gap_held[:n], decisions=tuple(self._events.decisions),
-            reasons=tuple(self._events.reasons), events=tuple(self._events.events), received=tuple(self._received), messages=dict(radio.counts),
+            reasons=tuple(self._events.reasons), events=tuple(self._events.events),
+            received=tuple(self._received), messages=dict(radio.counts),
             degraded=self._degraded[:n], cycle_us=self._cycle_us[:n], wall_s=wall_s,
             missed_deadlines=missed_deadlines,
         )  # fmt: skip

@@ -191,8 +191,7 @@ def test_return_deceleration_respects_path_curvature() -> None:
     path = curve_after(60.0, 20.0)
     assert return_deceleration(path, 20.0, 20.0, SETTINGS) == pytest.approx(4.0, rel=0.06)
     assert return_deceleration(path, 0.0, 20.0, SETTINGS) < 0.0  # 5 m/s^2 are in time from 32 m before on
-    assert return_deceleration(path, 58.0, 8.5, SETTINGS) == pytest.approx(
-        -0.4, abs=0.2
-    )  # (8.5^2 - 80) / (2 * 9 m)
+    needed = -0.4  # (8.5^2 - 80) / (2 * 9 m)
+    assert return_deceleration(path, 58.0, 8.5, SETTINGS) == pytest.approx(needed, abs=0.2)
     assert return_deceleration(straight(), 100.0, 40.0, SETTINGS) < -100.0
     assert return_deceleration(path, 20.0, 0.0, SETTINGS) < -100.0

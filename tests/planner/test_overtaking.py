@@ -38,10 +38,8 @@ class Pass:
         seconds: float = 40.0,
     ) -> None:  # fmt: skip
         self.planner = Planner(CAR, ROAD, cruise_speed=20.0, evasion=ALL_KNOWN)
-        self.began, self.gap_at_start = (
-            False,
-            0.0,
-        )  # gap_at_start: between the others when the pass begins [m]
+        self.began = False
+        self.gap_at_start = 0.0  # between the others when the pass begins [m]
         self.slow = ScriptedVehicle("R", ahead, 0.0, SLOW, a=lambda t: passed * self.has_begun())
         self.other = ScriptedVehicle("O", gap, 3.5, v, psi=np.pi, a=lambda t: oncoming * self.has_begun())
         self.run = ClosedLoop(self.planner, [self.slow, self.other], seconds, done=self.is_expired)

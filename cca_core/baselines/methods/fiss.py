@@ -14,12 +14,12 @@ _RUN_UP = 20.0  # of the reference line before the start [m]
 
 
 class Fiss:
-    """FISS in receding horizon: plans of 1 to 3 s, joined from `replan_period` of each.
+    """FISS in receding horizon: plans of 1 to 3 s, joined from `replan_period` of each."""
 
-    Its limits are those of the problem: the safety rules beyond a clearance are off, and the speed may change
-    by 5 %. Another lane costs extra and the distance from the center of a lane ten times the default: FISS
-    does not return to the route otherwise. It knows no goal and may return up to `delay_limit` after it.
-    """
+    # Its limits are those of the problem: the safety rules beyond a clearance are off, and the speed may
+    # change by 5 %. Another lane costs extra and the distance from the center of a lane ten times the
+    # default: FISS does not return to the route otherwise. It knows no goal and may return up to
+    # `delay_limit` after it.
 
     def __init__(self, *, replan_period: float = 0.3, delay_limit: float = 3.0) -> None:
         self._fiss: Any = import_module("fiss_planner")

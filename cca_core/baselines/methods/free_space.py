@@ -65,7 +65,7 @@ def subsample(at: RouteSamples, k: int) -> RouteSamples:
 def free_cells(
     problem: Problem, at: RouteSamples, headings: Array, offsets: Array, *, station_margin: float = 0.0
 ) -> FreeCells:
-    """Table for equidistant headings [rad] and offsets [m]; poses are up to a margin from their station [m]."""
+    """Table for equidistant headings [rad] and offsets [m], for poses up to a margin off a station [m]."""
     car = problem.vehicle
     turned = 0.5 * math.hypot(_reach(problem), 0.5 * car.width) * float(headings[1] - headings[0])
     shifted = 0.5 * float(offsets[1] - offsets[0])
@@ -120,8 +120,8 @@ def _blocked_offsets(
     station_margin: float, shifted: float,
 ) -> tuple[Array, Array]:  # fmt: skip
     """Open interval of offsets that a vehicle blocks, for each heading; lower is above upper if none is."""
-    # a slice of the Minkowski sum of both boxes and a disc of the gap, bounded by lines along the sides of the
-    # boxes and at fixed slopes, which lie on or a few millimeters outside it
+    # a slice of the Minkowski sum of both boxes and a disc of the gap, bounded by lines along the sides of
+    # the boxes and at fixed slopes, which lie on or a few millimeters outside it
     car, cos, sin = problem.vehicle, np.cos(headings), np.sin(headings)
     relative = (at.other_center[other, i] - at.position[i]) * at.tangent[i].conj()
     x, y = relative.real[:, None] - car.box_offset * cos, relative.imag[:, None] - car.box_offset * sin

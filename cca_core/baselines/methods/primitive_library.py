@@ -110,11 +110,9 @@ def _between(lattice: Lattice, offsets: Array, change: int) -> list[tuple[int, i
 def shifted(
     tau: ArrayLike, begin: ArrayLike, change: ArrayLike, length: ArrayLike
 ) -> tuple[Array, Array, Array]:
-    """Offset along a shift [m] and its first [-] and second [1/m] derivative by station.
-
-    `tau` is the fraction of its length [m]; `change` is added to the offset at its begin [m]. At equal length
-    the largest curvature is 5/5.77 and the largest change of curvature 50/60 of those of a quintic.
-    """
+    """Offset along a shift [m] and its first [-] and second [1/m] derivative by station."""
+    # `tau` is the fraction of its length [m]; `change` is added to the offset at its begin [m]. At equal
+    # length the largest curvature is 5/5.77 and the largest change of curvature 50/60 of those of a quintic.
     tau, begin, change, length = (np.asarray(a, dtype=np.float64) for a in (tau, begin, change, length))
     blend, slope, second = (np.zeros(tau.shape) for _ in range(3))
     for knot, jerk in zip(_KNOTS, _JERK_STEPS, strict=True):
@@ -126,10 +124,8 @@ def shifted(
 
 
 def curvature_used(kappa: Array | float, d: Array, slope: Array, second: Array) -> Array:
-    """Curvature, times the squared speed ratio where the ego is faster than its station [1/m].
-
-    The limits a_y_max / v_x^2 and that of the steering apply to it. The change of `kappa` is neglected.
-    """
+    """Curvature, times the squared speed ratio where the ego is faster than its station [1/m]."""
+    # The limits a_y_max / v_x^2 and that of the steering apply to it. The change of `kappa` is neglected.
     scale = 1.0 - kappa * d
     square = scale * scale + slope * slope
     curvature = (second * scale + 2.0 * kappa * slope * slope + kappa * scale * scale) / square**1.5

@@ -161,10 +161,8 @@ class MotionPrimitives:
 
 
 def _costs(library: Library, free: FreeCells, kappa: Array) -> Array:
-    """Cost (steps + 1, m) of each primitive that ends at a station, infinite where it is not free.
-
-    The stations at which a cell is free are the bits of a word: one shift moves a primitive along the road.
-    """
+    """Cost (steps + 1, m) of each primitive that ends at a station, infinite where it is not free."""
+    # The stations at which a cell is free are the bits of a word: one shift moves a primitive along the road.
     steps = (len(kappa) - 1) // _PARTS
     words = np.where(free.between_edges.ravel(), np.uint64(2 ** (steps + 1) - 1), np.uint64(0))
     words = np.repeat(words[None], _PARTS, axis=0)

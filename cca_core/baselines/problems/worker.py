@@ -30,11 +30,10 @@ class TimedPlan(NamedTuple):
 
 
 class Worker:
-    """One method in another process, pinned to a processor core if one is given.
+    """One method in another process, pinned to a processor core if one is given."""
 
-    A process pool cannot do this: it neither stops one call that hangs nor starts its process again. Garbage
-    collection is off during a plan.
-    """
+    # A process pool cannot do this: it neither stops one call that hangs nor starts its process again.
+    # Garbage collection is off during a plan.
 
     # `make` must be importable by name: a class, or a `functools.partial` of one
     def __init__(

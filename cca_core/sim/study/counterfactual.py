@@ -35,13 +35,11 @@ def first_hazard_cycle(log: Log) -> int | None:
 
 
 def avoiding_action(log: Log, *, deceleration: float = 7.0, clearance: float = 0.2) -> str:
-    """Return "brake" or "evade", the first that avoids any collision, or "" if none does.
-
-    The ego repeats the log's commands until the first hazard message. Then it brakes fully along its route,
-    or evades at constant speed along a quintic that passes the hazard with the clearance [m]. Both drive in
-    the same closed loop: the same plant, messages and road users. No collision may happen until the end of
-    the run, and the ego must stay on the road.
-    """
+    """Return "brake" or "evade", the first that avoids any collision, or "" if none does."""
+    # The ego repeats the log's commands until the first hazard message. Then it brakes fully along its route,
+    # or evades at constant speed along a quintic that passes the hazard with the clearance [m]. Both drive in
+    # the same closed loop: the same plant, messages and road users. No collision may happen until the end of
+    # the run, and the ego must stay on the road.
     if not log.scenario.v2v:
         raise InputError(f"log must be of a run with messages, was of ego {log.scenario.ego_type!r}")
     cycle = first_hazard_cycle(log)

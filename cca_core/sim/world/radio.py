@@ -32,12 +32,11 @@ class Receiver:
 
 
 class Radio:
-    """Every vehicle sends its state as bytes ten times per second, the ego too.
+    """Every vehicle sends its state as bytes ten times per second, the ego too."""
 
-    Each road user is a sender of its own, or, with one modem, all are one: a burst of loss then affects the
-    messages of all in the order of sending. A road user that reacts to messages has a channel of its own from
-    its lead. The ego's messages go through one channel to all others.
-    """
+    # Each road user is a sender of its own, or, with one modem, all are one: a burst of loss then affects the
+    # messages of all in the order of sending. A road user that reacts to messages has a channel of its own
+    # from its lead. The ego's messages go through one channel to all others.
 
     def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
         frame, settings = LocalFrame(*scenario.origin), scenario.sender
@@ -49,19 +48,16 @@ class Radio:
         ]
         self._channel = Channel(channel, rng)
         back, *others = rng.spawn(1 + len(scenario.road_users))
-        self._ego_sender, self._ego_channel = (
-            Sender("ffffffff", frame, settings, back),
-            Channel(channel, back),
-        )
+        self._ego_sender = Sender("ffffffff", frame, settings, back)
+        self._ego_channel = Channel(channel, back)
         self._listeners = [
             (user.id, act.lead_id, Channel(channel, own))
             for user, own in zip(scenario.road_users, others, strict=True)
             for act in user.actions
             if isinstance(act, ReactToLeadAction) and math.isfinite(act.warning_delay)
         ]
-        self._next_due = [-math.inf] * (
-            1 + len(scenario.road_users)
-        )  # earliest next message of each, the ego last
+        # earliest next message of each, the ego last
+        self._next_due = [-math.inf] * (1 + len(scenario.road_users))
         # "sent" and "delivered" to the ego, "ego_sent" and "ego_delivered"
         self.counts: Counter[str] = Counter(sent=0, delivered=0, ego_sent=0, ego_delivered=0)
 

@@ -78,11 +78,10 @@ class NonlinearProgram:
 
 
 class _Model:
-    """Variables, parameters, cost and constraints with their bounds.
+    """Variables, parameters, cost and constraints with their bounds."""
 
-    A bound is NaN where it is the lateral acceleration. The violation of all limits to vehicles is one
-    number, or for a staged solver a state that stays the same.
-    """
+    # A bound is NaN where it is the lateral acceleration. The violation of all limits to vehicles is one
+    # number, or for a staged solver a state that stays the same.
 
     def __init__(self, casadi: ModuleType, n: int, slots: int, staged: bool, penalty: float) -> None:
         self._casadi = casadi

@@ -29,11 +29,9 @@ class _Passage:
 
 
 def side_choices(horizon: Horizon, s: Array, v: Array, d: float, max_vehicles: int = 5) -> list[SideChoice]:
-    """Corridors without contradiction, least effort first; if none exists, the least contradictory one.
-
-    The ego is at stations `s` (n + 1,) with speeds `v`, and its lateral offset is `d` now. Beyond
-    `max_vehicles`, vehicles are passed on the side of the route.
-    """
+    """Corridors without contradiction, least effort first; if none exists, the least contradictory one."""
+    # The ego is at stations `s` (n + 1,) with speeds `v`, and its lateral offset is `d` now. Beyond
+    # `max_vehicles`, vehicles are passed on the side of the route.
     n = len(horizon.t)
     lower, upper = np.full((2, n), horizon.edges[0]), np.full((2, n), horizon.edges[1])
     lower[:, -1] = np.maximum(lower[:, -1], horizon.final_d[0])
