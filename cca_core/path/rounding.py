@@ -60,18 +60,29 @@ def _nearest_arcs(
         start = max(first - margin * radius, low)
         end = min(last + margin * radius, 0.5 * (last + high) if high < path.end else path.end)
         replaced = path.position(np.linspace(start, end, max(2, math.ceil((end - start) / spacing))))
-        for arcs in dubins_paths(_pose(path, start), _pose(path, end), radius, spacing):
-            off = max(_farthest(arcs, replaced), _farthest(replaced, arcs))
-            if off < best[0] - 0.05 * radius:
-                best = off, start, end, arcs
+        for at_ends in (_pose, _chord_pose) if end - start < 4.0 * radius else (_pose,):
+            # at an end of the path the heading may be noise
+            poses = [
+                (at_ends if s in (path.start, path.end) else _pose)(path, s, start, end) for s in (start, end)
+            ]
+            for arcs in dubins_paths(poses[0], poses[1], radius, spacing):
+                off = max(_farthest(arcs, replaced), _farthest(replaced, arcs))
+                if off < best[0] - 0.05 * radius:
+                    best = off, start, end, arcs
         if best[0] < 0.1 * radius:
             break
     return best[1:]
 
 
-def _pose(path: Path, s: float) -> Pose:
+def _pose(path: Path, s: float, start: float, end: float) -> Pose:
     x, y = path.position(s).tolist()
     return x, y, float(path.heading(s))
+
+
+def _chord_pose(path: Path, s: float, start: float, end: float) -> Pose:
+    x, y = path.position(s).tolist()
+    chord = path.position(end) - path.position(start)
+    return x, y, math.atan2(chord[1], chord[0])
 
 
 def _farthest(points: Array, others: Array) -> float:
