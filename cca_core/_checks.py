@@ -102,6 +102,14 @@ def check_any(name: str, value: ArrayLike, ends_with: tuple[int, ...] = ()) -> A
     return array
 
 
+def as_array(name: str, value: ArrayLike) -> Array:
+    """Return `value` as float64 array of any shape and any numbers."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError, RecursionError):
+        raise InputError(f"{name} must be an array of real numbers, was {shown(value)}") from None
+
+
 def check_points(name: str, value: ArrayLike, min_points: int) -> Array:
     """Return a float64 copy of `value` if it is a finite (n, 2) array with n >= `min_points`."""
     points = check_array(name, value, (None, 2))

@@ -7,7 +7,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, Complex
+from cca_core._checks import Array, Complex, as_array
 
 __all__ = ["Boxes", "box_gap", "boxes", "wrap_angle"]
 
@@ -114,8 +114,14 @@ def boxes(x: ArrayLike, y: ArrayLike, psi: ArrayLike, length: ArrayLike, width: 
     -------
     boxes : Boxes
         The same values as float64 arrays.
+
+    Raises
+    ------
+    InputError
+        If a value is no array of real numbers.
     """
-    return Boxes(*(np.asarray(value, dtype=np.float64) for value in (x, y, psi, length, width)))
+    named = {"x": x, "y": y, "psi": psi, "length": length, "width": width}
+    return Boxes(*(as_array(name, value) for name, value in named.items()))
 
 
 def box_gap(a: Boxes, b: Boxes) -> Array:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array
+from cca_core._checks import Array, as_array
 from cca_core.geometry import Boxes
 from cca_core.path.path import Path
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED, RemoteVehicle
@@ -36,7 +36,7 @@ def predict_distance(v_x: float, a_x: float, t: ArrayLike) -> Array:
     >>> predict_distance(20.0, -5.0, [1.0, 4.0, 9.0])
     array([17.5, 40. , 40. ])
     """
-    t = np.asarray(t, dtype=np.float64)
+    t = as_array("t", t)
     if a_x >= -1.0 or v_x <= 0.0:
         return v_x * t
     braking = np.clip(t, 0.0, v_x / -a_x)
@@ -89,7 +89,9 @@ def reachable_interval(
     >>> low, high
     (array([16., 25.]), array([ 21.5, 104. ]))
     """
-    v, t, age, rate = (np.asarray(a, dtype=np.float64) for a in (v, t, age, a_reported))
+    v, t, age, rate = (
+        as_array(name, a) for name, a in (("v", v), ("t", t), ("age", age), ("a_reported", a_reported))
+    )
     speed = np.abs(v)
     ahead = t >= 0.0
     since = np.maximum(t, 0.0) + age * ahead
@@ -132,7 +134,7 @@ def occupancy_boxes(
         Part of the interval within 15 m of each station, or its nearest end. The boxes are wider by the
         deviation of the road from a straight line.
     """
-    s, rear, front, d, half_width = (np.asarray(a, dtype=np.float64) for a in (s, rear, front, d, half_width))
+    s, rear, front, d, half_width = (as_array("interval", a) for a in (s, rear, front, d, half_width))
     window = 15.0  # [m]: bodies farther away do not matter, with both half lengths
     first = np.minimum(np.maximum(rear, s - window), front)
     last = np.maximum(np.minimum(front, s + window), rear)
@@ -165,7 +167,7 @@ def predict_ctra(remote: RemoteVehicle, t: ArrayLike) -> tuple[Array, Array, Arr
     x, y, psi : ndarray, shape (...)
         Center of its body [m] and heading [rad]; a braking vehicle stops and no longer turns.
     """
-    t = np.asarray(t, dtype=np.float64)
+    t = as_array("t", t)
     braking = remote.a_x * remote.v_x < 0.0
     moves = np.minimum(t, -remote.v_x / remote.a_x) if braking else t
     if remote.v_x == 0.0 and remote.a_x < 0.0:  # it has braked to standstill

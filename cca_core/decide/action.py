@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from cca_core._checks import check_real
 from cca_core.decide.rejection import Rejection
 
 _BRAKE_RELEASE_FRACTION = 0.7  # of the brake threshold: below it braking ends, so that it does not chatter
@@ -146,6 +147,11 @@ def choose_action(
     decision : Decision
         The action with its reason.
 
+    Raises
+    ------
+    InputError
+        If the brake threshold is not a number.
+
     Notes
     -----
     With a feasible candidate the ego evades
@@ -165,7 +171,9 @@ def choose_action(
     """
     if lead is None:
         return Decision(action=Action.KEEP, reason="keeping lane: no blocking vehicle")
-    limit = brake_threshold * (_BRAKE_RELEASE_FRACTION if previous is Action.BRAKE else 1.0)
+    limit = check_real("brake_threshold", brake_threshold, allow_inf=True) * (
+        _BRAKE_RELEASE_FRACTION if previous is Action.BRAKE else 1.0
+    )
     hard, waited = lead.required_deceleration > limit, previous in (Action.FOLLOW, Action.BRAKE)
     feasible = sorted((c for c in candidates if c.rejection is None), key=lambda c: c.cost)
     stops = lead.comfort_stop_deceleration <= comfort_deceleration

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, check_real
+from cca_core._checks import Array, as_array, check_real
 from cca_core.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
 
@@ -137,7 +137,7 @@ def kinematic_rates(
     >>> float(kinematic_rates(0.0, 10.0, 0.0, VehicleParams.bmw_320i())[0])
     10.0
     """
-    psi, v = np.asarray(psi, dtype=np.float64), np.asarray(v_x, dtype=np.float64)
+    psi, v = as_array("psi", psi), as_array("v_x", v_x)
     r = v * np.tan(delta) / vehicle.wheelbase
     v_y = vehicle.l_r * r
     return v * np.cos(psi) - v_y * np.sin(psi), v * np.sin(psi) + v_y * np.cos(psi), r
@@ -202,8 +202,8 @@ def steady_yaw_rate(delta: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     r : ndarray, shape (...)
         v delta / (L + K v^2) [rad/s], left turn positive.
     """
-    v = np.asarray(v_x, dtype=np.float64)
-    rate: Array = v * np.asarray(delta) / (vehicle.wheelbase + vehicle.understeer_gradient * v**2)
+    v = as_array("v_x", v_x)
+    rate: Array = v * as_array("delta", delta) / (vehicle.wheelbase + vehicle.understeer_gradient * v**2)
     return rate
 
 

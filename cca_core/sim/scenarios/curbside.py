@@ -74,6 +74,8 @@ def curbside(
     v_x = case_speed if v_x is None else check_real("v_x", v_x, gt=5.0, le=36.0)
     lane_intrusion = check_real("lane_intrusion", lane_intrusion, ge=0.0, le=LANE_WIDTH)
     radius = check_real("radius", radius, ge=200.0)
+    lead_time_gap, lead_ttc = check_real("lead_time_gap", lead_time_gap), check_real("lead_ttc", lead_ttc)
+    start = check_real("start", start)
     t_red = 9.0  # from the start to the parked car at constant speed [s]
     s_red = start + t_red * v_x
     gap = lead_time_gap * v_x

@@ -83,6 +83,8 @@ def eebl(
         raise InputError(f"case must be one of {', '.join(EEBL_CASES)}, was {case!r}")
     v_x = check_real("v_x", v_x, gt=5.0, le=36.0)
     time_gap = check_real("time_gap", time_gap, gt=0.0)
+    second_time_gap = check_real("second_time_gap", second_time_gap)
+    start = check_real("start", start)
     gap = time_gap * v_x
     yellow = start + CAR.box_offset + gap + CAR.length
     red = yellow + CAR.length + second_time_gap * v_x

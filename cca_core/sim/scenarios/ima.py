@@ -82,6 +82,7 @@ def ima(
     v_x = (20.0 if turns else 40.0) / 3.6 if v_x is None else check_real("v_x", v_x, gt=0.0)
     v_red = check_real("v_red", v_red, gt=0.0)
     offset = check_real("offset", offset, ge=-5.0, le=5.0)
+    x_stop_line = check_real("x_stop_line", x_stop_line)
     speed = SpeedSettings()
     path, red_path, conflict = _left_turn() if turns else _crossing()
     arrival = _arrival_time(path, start, float(path.project(conflict)[0]), v_x, speed)

@@ -3,6 +3,7 @@
 import math
 from typing import NamedTuple
 
+from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.path import Lane, Path, Road
 from cca_core.planner.settings import EvasionSettings
@@ -70,7 +71,7 @@ def overtaking(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) 
     """
     if case not in _CASES:
         raise InputError(f"case must be one of {', '.join(_CASES)}, was {case!r}")
-    made = _CASES[case]
+    made, start = _CASES[case], check_real("start", start)
     end = start + made.cruise_speed * made.duration + 100.0
     if path.end < end:
         raise InputError(f"path must reach {end:.0f} m for case {case}, ended at {path.end:.0f} m")
