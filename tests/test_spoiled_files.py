@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from cca_core.errors import InputError
-from tests.support.spoiled_files import readers, spoil, spoil_archive
+from tests.support.spoiled_files import readers, spoil, spoil_archive, spoil_elements
 
 NAMES = [
     "gpx", "kml", "geojson", "csv", "nmea", "commonroad", "messages", "messages-json", "messages-jsonl", "messages-csv",
@@ -38,6 +38,8 @@ def refused(file: Path, read: Callable[[Path], Any], data: bytes) -> bool:
 
 def spoiled(name: str, data: bytes, seed: int) -> bytes:
     rng = random.Random(f"{name} {seed}")
+    if name in ("gpx", "kml", "commonroad") and rng.random() < 0.5:
+        return spoil_elements(data, rng)
     return spoil_archive(data, rng) if name == "log" and rng.random() < 0.7 else spoil(data, rng)
 
 

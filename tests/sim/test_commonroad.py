@@ -165,6 +165,7 @@ def test_error_names_attribute(tmp_path: Path, old: str, new: str, words: str) -
         ("trajectory>", "occupancySet>", "dynamicObstacle 31 must hold one trajectory"),
         ("<time><exact>6</exact>", "<time><exact>9</exact>", "31: states in order of time, 1 repeated"),
         ("<time><exact>6</exact>", "<time><exact>6.5</exact>", "time of state of dynamicObstacle 31"),
+        ("<time><exact>6</exact></time>", "", "state of dynamicObstacle 31 must hold one time"),
         ("<time><exact>6</exact>", "<time><exact>-6</exact>", "time of state of dynamicObstacle 31"),
         ("goalState", "hope", "planningProblem 900 must hold a goalState"),
         ("<intervalEnd>100<", "<intervalEnd>10<", "intervalEnd of time of goalState"),

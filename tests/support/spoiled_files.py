@@ -7,6 +7,7 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -38,7 +39,7 @@ def _kml() -> bytes:
         f"<when>2024-05-01T10:00:0{i}Z</when><gx:coord>11 {49 + i} 5</gx:coord>" for i in range(5)
     )
     return (
-        f"<kml><Placemark><LineString><coordinates>{line}</coordinates></LineString></Placemark>"
+        f"<kml xmlns:gx='a:b'><Placemark><LineString><coordinates>{line}</coordinates></LineString></Placemark>"
         f"<gx:Track>{track}</gx:Track></kml>"
     ).encode()
 
@@ -115,6 +116,31 @@ TOKENS = [
     b"[" * 100_000, b"null", b"true", b'{"a":', b",", b";", b"\n", b"\r", b"\t", b"$", b"*", b"PK\x03\x04", b"\x93NUMPY",
     b"(" * 300, b"9" * 40, b"2024-13-45T99:99:99Z", b"\\", b"\\u", b"\xed\xa0\x80", b"id=\"1\"", b"0.1", b" " * 5000,
 ]  # fmt: skip
+
+
+def spoil_elements(data: bytes, rng: random.Random) -> bytes:
+    """Return an XML file with one to three elements deleted, repeated, renamed or with other text."""
+    root = ElementTree.fromstring(data)
+    for _ in range(rng.randint(1, 3)):
+        parent = rng.choice([element for element in root.iter() if len(element)] or [root])
+        if not len(parent):
+            break
+        child = rng.choice(list(parent))
+        kind = rng.randrange(5)
+        if kind == 0:
+            parent.remove(child)
+        elif kind == 1:
+            parent.append(child)
+        elif kind == 2:
+            child.text = rng.choice(("", "nan", "-inf", "1e400", "-1", "1_0", "\u0663", "x", "1" * 400))
+        elif kind == 3:
+            child.tag = rng.choice([element.tag for element in root.iter()])
+        else:
+            child.set(
+                rng.choice(("id", "ref", "drivingDir", "lat", "lon")),
+                rng.choice(("", "-1", "900", "1e3", "9" * 50)),
+            )
+    return ElementTree.tostring(root)
 
 
 def spoil(data: bytes, rng: random.Random) -> bytes:

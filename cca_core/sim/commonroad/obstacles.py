@@ -30,8 +30,8 @@ class BodyState(NamedTuple):
 
 def read_state(element: Element, name: str) -> BodyState:
     """Return a state; of a region or an interval its middle."""
-    step = math.floor(middle(element, "time", name, MAX_TIME_STEP))
     low, high = interval(element, "time", name, 0.0, MAX_TIME_STEP)
+    step = math.floor(0.5 * (low + high))
     if low == high != step:
         raise InputError(f"time of {name} must be a whole number, was {low:g}")
     x, y, is_region = position(element, name)
