@@ -31,6 +31,11 @@ def predict_distance(v_x: float, a_x: float, t: ArrayLike) -> Array:
     distance : ndarray, shape (...)
         Distance [m], in the direction of `v_x`.
 
+    Raises
+    ------
+    InputError
+        If a value is no array of real numbers.
+
     Examples
     --------
     >>> predict_distance(20.0, -5.0, [1.0, 4.0, 9.0])
@@ -73,6 +78,11 @@ def reachable_interval(
     -------
     low, high : ndarray, shape (...)
         Least and largest displacement along the road from the position now [m].
+
+    Raises
+    ------
+    InputError
+        If a value is no array of real numbers.
 
     Notes
     -----
@@ -133,6 +143,11 @@ def occupancy_boxes(
     boxes : Boxes
         Part of the interval within 15 m of each station, or its nearest end. The boxes are wider by the
         deviation of the road from a straight line.
+
+    Raises
+    ------
+    InputError
+        If a value is no array of real numbers.
     """
     s, rear, front, d, half_width = (as_array("interval", a) for a in (s, rear, front, d, half_width))
     window = 15.0  # [m]: bodies farther away do not matter, with both half lengths
@@ -166,6 +181,11 @@ def predict_ctra(remote: RemoteVehicle, t: ArrayLike) -> tuple[Array, Array, Arr
     -------
     x, y, psi : ndarray, shape (...)
         Center of its body [m] and heading [rad]; a braking vehicle stops and no longer turns.
+
+    Raises
+    ------
+    InputError
+        If a value is no array of real numbers.
     """
     t = as_array("t", t)
     braking = remote.a_x * remote.v_x < 0.0

@@ -132,6 +132,11 @@ def kinematic_rates(
     r : ndarray, shape (...)
         Yaw rate v tan(delta) / L [rad/s], left positive.
 
+    Raises
+    ------
+    InputError
+        If a value is no array of real numbers.
+
     Examples
     --------
     >>> float(kinematic_rates(0.0, 10.0, 0.0, VehicleParams.bmw_320i())[0])
@@ -201,6 +206,11 @@ def steady_yaw_rate(delta: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     -------
     r : ndarray, shape (...)
         v delta / (L + K v^2) [rad/s], left turn positive.
+
+    Raises
+    ------
+    InputError
+        If a value is no array of real numbers.
     """
     v = as_array("v_x", v_x)
     rate: Array = v * as_array("delta", delta) / (vehicle.wheelbase + vehicle.understeer_gradient * v**2)
