@@ -1,6 +1,7 @@
 """Errors for misuse, and the status of a result.
 
-Misuse raises. A result that is infeasible or has not converged has a `Status`, so control loops catch nothing.
+Misuse raises. A result that is infeasible or has not converged has a `Status`, so control loops catch
+nothing.
 """
 
 from enum import Enum

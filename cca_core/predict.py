@@ -71,8 +71,8 @@ def reachable_interval(
     age : array_like, shape (...)
         Time since the speed was measured [s]. The vehicle may have braked or accelerated since then.
     a_reported : array_like, shape (...)
-        Rate of change of |v| with which position and speed were dead-reckoned by `age` [m/s^2], for at most
-        1 s. The vehicle may have driven otherwise.
+        Rate of change of ``|v|`` with which position and speed were dead-reckoned by `age` [m/s^2], for at
+        most 1 s. The vehicle may have driven otherwise.
 
     Returns
     -------
@@ -88,10 +88,10 @@ def reachable_interval(
     -----
     Below 0.5 m/s the vehicle may start in both directions, because the sign of a small speed is noise.
 
-    The measured speed is v_0 = |v| - a tau with the reported acceleration a and tau = min(age, 1 s). From the
-    position at the measurement the vehicle has driven between v_0 (age + t) - b (age + t)^2 / 2 and
-    v_0 (age + t) + c (age + t)^2 / 2; dead reckoning has already counted |v| age - a tau^2 / 2 of it. A
-    reported braking therefore adds |a| age t to the larger displacement.
+    The measured speed is ``v_0 = |v| - a tau`` with the reported acceleration a and tau = min(age, 1 s).
+    From the position at the measurement the vehicle has driven between v_0 (age + t) - b (age + t)^2 / 2
+    and v_0 (age + t) + c (age + t)^2 / 2; dead reckoning has already counted ``|v| age - a tau^2 / 2`` of
+    it. A reported braking therefore adds ``|a| age t`` to the larger displacement.
 
     Examples
     --------

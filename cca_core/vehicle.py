@@ -194,8 +194,8 @@ class VehicleState:
     a_x : float
         Forward acceleration [m/s^2].
     t : float, optional
-        Time of the measurement, on the clock of `Planner.step` [s]. The planner makes a safe stop if it is too
-        old. By default it is that of the step.
+        Time of the measurement, on the clock of `Planner.step` [s]. The planner makes a safe stop if it is
+        too old. By default it is that of the step.
 
     Raises
     ------

@@ -1,7 +1,8 @@
 """Simulate the paper's four scenarios, with and without V2V, and report the results.
 
-The first three scenarios have roads of their own. The road of the fourth, maneuvering in traffic, is the longest
-part without tight curves of a route in GPS coordinates. Writes summary.json, the figures and report.html.
+The first three scenarios have roads of their own. The road of the fourth, maneuvering in traffic, is the
+longest part without tight curves of a route in GPS coordinates. Writes summary.json, the figures and
+report.html.
 """
 
 import argparse

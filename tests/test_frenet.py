@@ -108,7 +108,8 @@ def test_nominal_has_no_uncertainty_and_reported_speed() -> None:
 TURN = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 40)
 OUT = [(x, 0.0) for x in np.arange(0.0, 600.0, 10.0)]
 OUT_AND_BACK = fit_path(
-    [*OUT, *np.column_stack((600.0 + 20.0 * np.cos(TURN), 20.0 + 20.0 * np.sin(TURN))), *[(x, 40.0) for x, _ in OUT[::-1]]],
+    [*OUT, *np.column_stack((600.0 + 20.0 * np.cos(TURN), 20.0 + 20.0 * np.sin(TURN))),
+     *[(x, 40.0) for x, _ in OUT[::-1]]],
     tolerance=0.05,
 )  # fmt: skip
 NARROW = fit_path(

@@ -14,8 +14,8 @@ from cca_core.errors import InputError
 from tests.support.spoiled_files import readers, spoil, spoil_archive, spoil_elements
 
 NAMES = [
-    "gpx", "kml", "geojson", "csv", "nmea", "commonroad", "messages", "messages-json", "messages-jsonl", "messages-csv",
-    "log", "store",
+    "gpx", "kml", "geojson", "csv", "nmea", "commonroad", "messages", "messages-json", "messages-jsonl",
+    "messages-csv", "log", "store",
 ]  # fmt: skip
 
 

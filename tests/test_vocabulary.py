@@ -16,10 +16,10 @@ TESTS = [path for path in SOURCES if path.name.startswith("test_")]
 GENERATED = {"docs/changelog.md", "docs/performance.md", "docs/table1.md", "docs/validation.md"}
 
 REFUSED = frozenset(
-    """who whom told tells says said beside likely unheard forgiven settled helpless pinned witness judge verdict
-    ours draws drawn rerun swerve swerves detour retreat shortcut renew place places way ways neighbour
-    neighbours leader leaders least most colour colours centre centres room rooms nobody somebody sight heard
-    abeam""".split()
+    """who whom told tells says said beside likely unheard forgiven settled helpless pinned witness judge
+    verdict ours draws drawn rerun swerve swerves detour retreat shortcut renew place places way ways
+    neighbour neighbours leader leaders least most colour colours centre centres room rooms nobody somebody
+    sight heard abeam""".split()
 )
 FOREIGN = {"least_squares", "most_common", "hasMost", "getLeader"}  # names of other libraries
 PROSE = re.compile(

@@ -234,9 +234,9 @@ def test_lines(suite: Suite) -> list[str]:
 def study_lines(studies: dict[str, tuple[int, StudyTable | None]]) -> list[str]:
     """Table of collision rates."""
     lines = [
-        f"Each study samples runs of a scenario until {AVOIDABLE_RUNS} are avoidable; see [Studies](study.md).",
-        "Collisions among the avoidable runs: number, rate and its 95 % confidence interval, for V2V also the",
-        "one-sided upper bound.",
+        f"Each study samples a scenario until {AVOIDABLE_RUNS} runs are avoidable; see [Studies](study.md).",
+        "Collisions among the avoidable runs: number, rate and its 95 % confidence interval, for V2V also",
+        "the one-sided upper bound.",
         "",
         "| scenario | runs | avoidable | with V2V | upper bound | driver | sensor |",
         "|---|---|---|---|---|---|---|",

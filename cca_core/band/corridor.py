@@ -139,7 +139,7 @@ def _stacked(obstacles: Sequence[Boxes], shape: tuple[int, ...]) -> Array:
 def _span(
     center: Complex, turn: Complex, length: Array, width: Array, reach: float, lead: Array
 ) -> tuple[Array, Array, Array]:
-    """Return by how much boxes overlap the x axis from -reach to reach + lead [m], and their y range there."""
+    """Return how far boxes overlap the x axis from -reach to reach + lead [m], and their y range there."""
     # Centers and turns are relative to that stretch, extents are half ones. The range is that of the upper
     # and lower roof of the box over the stretch: a roof has its ridge at a corner and falls to both sides.
     c, s = np.abs(turn.real), np.abs(turn.imag)

@@ -144,8 +144,8 @@ def find_conflict(
     Returns
     -------
     conflict : Conflict or None
-        None if the bodies cannot overlap within the horizon, if the vehicle is stationary or invalid, or if it
-        drives along the ego's path in either direction.
+        None if the bodies cannot overlap within the horizon, if the vehicle is stationary or invalid, or if
+        it drives along the ego's path in either direction.
 
     Raises
     ------

@@ -85,7 +85,8 @@ def danger_zone(
     age : array_like, shape (...)
         Age of the report [s], in which the vehicle may have braked or accelerated already.
     a_reported : array_like, shape (...)
-        Reported rate of change of |v_adj| [m/s^2], with which position and speed were dead-reckoned by `age`.
+        Reported rate of change of ``|v_adj|`` [m/s^2], with which position and speed were dead-reckoned by
+        `age`.
 
     Returns
     -------

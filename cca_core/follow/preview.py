@@ -128,7 +128,7 @@ class PreviewController:
         p, v = self.vehicle, max(state.v_x, 1.0)
         turn = p.wheelbase + max(p.understeer_gradient, 0.0) * v * v
         steady = math.atan(turn * self.a_y_max / (v * v))
-        # direction of motion of the front wheels; with more than 80 % of the grip a car on a slippery road spins
+        # direction of motion of the front wheels; beyond 80 % of the grip a car on a slippery road spins
         motion = math.atan2(state.v_y + p.l_f * state.r, v)
         slip = self._inverse.front_slip(min(self.a_y_max / (p.mu * GRAVITY), 0.8))
         low = max(min(-steady, motion - slip), -p.delta_max)

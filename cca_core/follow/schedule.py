@@ -86,8 +86,8 @@ def shipped_gains(vehicle: VehicleParams) -> PreviewGains:
     Returns
     -------
     gains : PreviewGains
-        Result of `design_gains` for the presets of `VehicleParams`. Any other vehicle gets the schedule of the
-        BMW 320i; use `design_gains` for it.
+        Result of `design_gains` for the presets of `VehicleParams`. Any other vehicle gets the schedule of
+        the BMW 320i; use `design_gains` for it.
     """
     dynamics = _dynamics(vehicle)
     preset = next((preset for preset in _SHIPPED if _dynamics(preset()) == dynamics), VehicleParams.bmw_320i)

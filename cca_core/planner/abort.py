@@ -79,7 +79,7 @@ def plan_early_return(
 def delay_return(
     ego: FrenetEgo, road: Road, maneuver: Maneuver, others: Sequence[FrenetVehicle], settings: AbortSettings
 ) -> Maneuver:
-    """Delay the return of an aborted maneuver while a vehicle is alongside or close behind, or return ahead."""
+    """Delay the return of an aborted maneuver while a vehicle is alongside or close behind, or go ahead."""
     near = _near_in_lane(ego, road, others, settings)
     if not any(n.front > ego.rear - _following_gap(n.v_s, ego.v_x, settings) for n in near):
         return maneuver

@@ -16,7 +16,7 @@ from cca_core.planner.window import HORIZON
 
 
 class _Body(NamedTuple):
-    """A body in the lane: ends relative to the ego [m], speed [m/s], its rate [m/s^2], age [s], id if known."""
+    """A body in the lane: ends relative to the ego [m], speed [m/s], its rate [m/s^2], age [s], known id."""
 
     rear: float
     front: float

@@ -119,8 +119,8 @@ def warn_of_tight_bend(path: Path, vehicle: VehicleParams) -> None:
     radius = vehicle.wheelbase / math.tan(min(vehicle.delta_max, 1.5))
     if path.min_radius < radius:
         warnings.warn(
-            f"the path has a bend of radius {path.min_radius:.2g} m at s={path.s_min_radius:.1f} m, the vehicle turns "
-            f"with {radius:.2g} m at least; fit_path with curvature_limit widens it",
+            f"the path has a bend of radius {path.min_radius:.2g} m at s={path.s_min_radius:.1f} m, "
+            f"the vehicle turns with {radius:.2g} m at least; fit_path with curvature_limit widens it",
             stacklevel=3,
         )  # fmt: skip
 
@@ -163,7 +163,7 @@ def invalid_state_reason(t: float, state: object, max_age: float) -> str:
 
 
 def first_station(path: Path, state: VehicleState) -> float:
-    """Station at which the ego begins [m]: of those equally near the first at which it heads along the route."""
+    """Station at which the ego begins [m]: of equally near ones the first where it heads along the route."""
     nearest = float(path.project((state.x, state.y))[0])
     stations = np.linspace(path.start, path.end, max(2, math.ceil(path.length / _SPACING) + 1))
     xy, first, _ = path.derivatives(stations)

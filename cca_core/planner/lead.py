@@ -67,7 +67,7 @@ def oncoming_assumed_in_lane(
     was_on_route: dict[str, bool],
     settings: LeadSettings,
 ) -> set[str]:
-    """Return the stale oncoming vehicles last known outside the route, which are assumed to keep their lane."""
+    """Return the stale oncoming vehicles last known outside the route, assumed to keep their lane."""
     # `was_on_route` keeps by id whether a vehicle was on the route or headed for it at its last fresh
     # message.
     known, assumed = dict(was_on_route), set()

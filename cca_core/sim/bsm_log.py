@@ -34,7 +34,8 @@ def read_bsm_log(
         ``Payload=`` of immediate forward messages, lines of JSON objects, a JSON list of them (or one under
         ``"samples"``), or a CSV table with a header. Objects and tables have the bytes under ``hex``,
         ``uper_hex`` or ``data`` and may have a time [s] under ``t``, ``time`` or ``t_received``. Or a binary
-        ODE log, such as ``rxMsg``. Each may be compressed by gzip. Messages may be in the wrappers that `cca_core.v2x.unwrap_message` removes.
+        ODE log, such as ``rxMsg``. Each may be compressed by gzip. Messages may be in the wrappers that
+        `cca_core.v2x.unwrap_message` removes.
     start : float
         Simulation time of the first message's measurement [s], not negative.
     latency : float

@@ -104,8 +104,8 @@ def load_log(path: str | FilePath) -> Log:
     except InputError:
         raise
     except (
-        OSError, ValueError, KeyError, IndexError, TypeError, AttributeError, EOFError, BadZipFile, SyntaxError,
-        OverflowError, RuntimeError, MemoryError, zlib.error, struct.error, tokenize.TokenError,
+        OSError, ValueError, KeyError, IndexError, TypeError, AttributeError, EOFError, BadZipFile,
+        SyntaxError, OverflowError, RuntimeError, MemoryError, zlib.error, struct.error, tokenize.TokenError,
     ) as error:  # fmt: skip
         raise InputError(f"path must be a file written by save_log, {shown(path)} was not: {error}") from None
 

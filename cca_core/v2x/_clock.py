@@ -42,8 +42,9 @@ class _Marks:
 class SenderClocks:
     """Difference between reception and second marks: the median over senders of a low quantile."""
 
-    # A difference between 0 and 0.6 s can be latency: the messages are that old, and nothing is corrected. Any
-    # other is an offset, of which a correction leaves `latency`, the age assumed of the youngest messages.
+    # A difference between 0 and 0.6 s can be latency: the messages are that old, and nothing is
+    # corrected. Any other is an offset, of which a correction leaves `latency`, the age assumed of the
+    # youngest messages.
 
     def __init__(self, checks: PlausibilitySettings, latency: float) -> None:
         self.correction = 0.0  # receiver's clock minus the time base of the tracks [s]

@@ -86,8 +86,8 @@ class TrackerSettings:
             if not isinstance(getattr(self, name), kind):
                 raise InputError(f"{name} must be {kind.__name__}, was {getattr(self, name)!r}")
         from_zero = (
-            "sigma_position", "max_reported_accuracy", "sigma_height", "reaction_time", "min_stopping_distance",
-            "approach_horizon", "speed_decay", "untimed_age", "readmit_distance",
+            "sigma_position", "max_reported_accuracy", "sigma_height", "reaction_time",
+            "min_stopping_distance", "approach_horizon", "speed_decay", "untimed_age", "readmit_distance",
         )  # fmt: skip
         for limit in fields(self)[2:]:
             value = getattr(self, limit.name)

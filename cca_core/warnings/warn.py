@@ -18,7 +18,8 @@ from cca_core.warnings.rules import (
 from cca_core.warnings.view import warning_view
 
 _APPLICATIONS = (
-    emergency_brake_light, forward_collision, intersection, left_turn, stationary_ahead, blind_spot, do_not_pass,
+    emergency_brake_light, forward_collision, intersection, left_turn, stationary_ahead, blind_spot,
+    do_not_pass,
 )  # fmt: skip
 
 

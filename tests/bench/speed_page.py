@@ -39,8 +39,8 @@ HEAD = """# Performance
 asserts a budget for most of them. The last column compares the measured value with its budget; "-" means that
 there is none. Budgets hold for a machine that solves a banded system of 100 rows in 16.6 µs
 (`scipy.linalg.solve_banded`, two right-hand sides). On a slower machine they grow in proportion to this
-reference. It is timed once, before all tests. A missed budget fails the command. Ratios are comparable between
-machines, times are not.
+reference. It is timed once, before all tests. A missed budget fails the command. Ratios are comparable
+between machines, times are not.
 
 More on these pages: [Table 1's methods](table1.md), [steering laws](steering.md).
 """

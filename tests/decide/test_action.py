@@ -142,7 +142,8 @@ def test_following_does_not_chatter_around_threshold() -> None:
     st.lists(
         st.builds(
             Candidate, side=st.sampled_from(["left", "right"]), rejection=st.sampled_from([None, NO_LANE]),
-            available_distance=st.floats(0.0, 200.0), required_distance=st.floats(0.0, 100.0), cost=st.floats(0.0, 5.0),
+            available_distance=st.floats(0.0, 200.0), required_distance=st.floats(0.0, 100.0),
+            cost=st.floats(0.0, 5.0),
         ),
         max_size=3,
     ),

@@ -248,7 +248,7 @@ def test_invalid_settings_raise(name: str, value: object) -> None:
 
 @given(st.floats(0.0, 25.0), st.floats(26.0, 40.0))
 def test_idm_equilibrium(v: float, target: float) -> None:
-    """At equal speeds the gap (s_0 + v T) / sqrt(1 - (v/v_0)^4) is constant; more accelerates, less brakes."""
+    """At equal speeds the gap (s_0 + v T) / sqrt(1 - (v/v_0)^4) stays; more accelerates, less brakes."""
     gap = (S.standstill_gap + v * S.time_gap) / math.sqrt(1.0 - (v / target) ** 4)
     assert idm_acceleration(v, gap, v, target, S) == pytest.approx(0.0, abs=1e-9)
     assert idm_acceleration(v, 1.01 * gap, v, target, S) > 0.0

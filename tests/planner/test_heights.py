@@ -29,8 +29,8 @@ def is_blocking(other: RemoteVehicle, **road: Any) -> bool:
 class TestLevelRoad:
     @pytest.mark.parametrize(
         ("z", "expected"),
-        [(None, True), (math.nan, True), (math.inf, True), ("high", True), (0.0, True), (3.9, True), (-3.9, True),
-         (4.1, False), (8.0, False), (-6.0, False), (45.0, True), (-200.0, True)],
+        [(None, True), (math.nan, True), (math.inf, True), ("high", True), (0.0, True), (3.9, True),
+         (-3.9, True), (4.1, False), (8.0, False), (-6.0, False), (45.0, True), (-200.0, True)],
     )  # fmt: skip
     def test_body_blocks_by_height(self, z: Any, expected: bool) -> None:
         assert is_blocking(car(60.0, v_x=0.0, z=z)) is expected

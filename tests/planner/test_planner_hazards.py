@@ -105,7 +105,8 @@ class TestHazards:
     def test_stale_vehicle_blocks_its_lane(self) -> None:
         """A vehicle older than a second blocks its lane (theory.md, section 3)."""
         run = ClosedLoop(
-            make_planner(), [ScriptedVehicle("R", 70.0, 0.0, 12.0), ScriptedVehicle("L", -30.0, 3.5, 12.0)], 12.0,
+            make_planner(),
+            [ScriptedVehicle("R", 70.0, 0.0, 12.0), ScriptedVehicle("L", -30.0, 3.5, 12.0)], 12.0,
             receive=lambda t, remotes: [replace(r, age=r.age + 3.0) if r.id == "L" else r for r in remotes],
         )  # fmt: skip
         assert run.collided_with is None

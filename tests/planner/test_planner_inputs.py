@@ -151,8 +151,8 @@ class TestNeverRaises:
             [replace(car(60.0), x="near")], [car(60.0, length=None)], [car(1e300)], [car(60.0, y=-1e200)],
         ],
         ids=[
-            "none", "number", "list_of_none", "object", "text", "text_in_list", "unhashable_id", "events_none",
-            "huge_x", "text_x", "length_none", "far_x", "far_y",
+            "none", "number", "list_of_none", "object", "text", "text_in_list", "unhashable_id",
+            "events_none", "huge_x", "text_x", "length_none", "far_x", "far_y",
         ],
     )  # fmt: skip
     def test_invalid_remotes_argument_gives_valid_command(self, others: Any) -> None:

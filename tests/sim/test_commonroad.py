@@ -205,7 +205,8 @@ def test_map_without_a_planning_problem_is_read(tmp_path: Path) -> None:
 
 def test_ids_are_unique_in_each_kind_only(tmp_path: Path) -> None:
     states = [state("state", k, 60.0 + k, 0.0, 10.0) for k in range(3)]
-    still = f'<staticObstacle id="1"><type>x</type>{BOX}{state("initialState", 0, 90.0, 9.0, 0.0)}</staticObstacle>'
+    initial = state("initialState", 0, 90.0, 9.0, 0.0)
+    still = f'<staticObstacle id="1"><type>x</type>{BOX}{initial}</staticObstacle>'
     text = document(ROAD, moving(1, states), moving(1, states), still, problem(GOAL).replace("900", "1"))
     scenario = read_commonroad(written(tmp_path, text))
     assert [obstacle.id for obstacle in scenario.obstacles] == ["1", "1 (2)", "1 (3)"]

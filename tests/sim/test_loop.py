@@ -15,8 +15,8 @@ from cca_core.sim import Log, RoadUser, Scenario, make_planner, overtaking, simu
 
 Run = Callable[..., Log]
 ARRAYS = (
-    "t", "ego", "a_y", "command", "ego_frenet", "tracking", "road_users", "user_motion", "user_frenet", "degraded",
-    "visible", "tracked", "gap_held",
+    "t", "ego", "a_y", "command", "ego_frenet", "tracking", "road_users", "user_motion", "user_frenet",
+    "degraded", "visible", "tracked", "gap_held",
 )  # fmt: skip
 EXACT = ("decisions", "events", "received", "messages", "seed", "plant")
 
@@ -212,8 +212,8 @@ class TestTraffic:
     ("kwargs", "named"),
     [
         ({"v_x": -1.0}, "v_x"), ({"s": np.nan}, "s"), ({"d": np.inf}, "d"), ({"length": 0.0}, "length"),
-        ({"width": -1.0}, "width"), ({"direction": 0}, "direction"), ({"reaction_time": -0.1}, "reaction_time"),
-        ({"deceleration": np.nan}, "deceleration"),
+        ({"width": -1.0}, "width"), ({"direction": 0}, "direction"),
+        ({"reaction_time": -0.1}, "reaction_time"), ({"deceleration": np.nan}, "deceleration"),
     ],
 )  # fmt: skip
 def test_invalid_road_user_raises(kwargs: dict[str, Any], named: str) -> None:

@@ -32,7 +32,8 @@ def run(*users: RoadUser, duration: float = 8.0, **kwargs: Any) -> Log:
     return simulate(
         Scenario(
             name="test", case=None, road=Road(straight(), [Lane(d=0.0), Lane(d=3.5)]), vehicle=CAR,
-            start=20.0, v_x=5.0, cruise_speed=5.0, road_users=users, duration=duration, ego_type="driver", **kwargs,
+            start=20.0, v_x=5.0, cruise_speed=5.0, road_users=users, duration=duration,
+            ego_type="driver", **kwargs,
         )
     )  # fmt: skip
 
@@ -118,9 +119,11 @@ def test_yaw_rate_on_curve() -> None:
         (lambda: ReactToLeadAction(lead_id="L", reaction_time=-1.0), "reaction_time"),
         (lambda: LateralShiftAction(s_start=np.nan, offset=1.0), "s_start"),
         (lambda: LateralShiftAction(s_start=0.0, offset=1.0, duration=0.0), "duration"),
-        (lambda: car(jerk=0.0), "jerk"), (lambda: car(actions=(1,)), "actions"), (lambda: car(route=1), "route"),
+        (lambda: car(jerk=0.0), "jerk"), (lambda: car(actions=(1,)), "actions"),
+        (lambda: car(route=1), "route"),
         (lambda: FixedTimeGap(lead_id="R", time_gap=0.0), "time_gap"),
-        (lambda: run(car(), car()), "road_users"), (lambda: run(car(actions=(ReactToLeadAction(lead_id="?"),))), "lead_id"),
+        (lambda: run(car(), car()), "road_users"),
+        (lambda: run(car(actions=(ReactToLeadAction(lead_id="?"),))), "lead_id"),
         (lambda: run(fixed_gap=FixedTimeGap(lead_id="?", time_gap=1.0)), "lead_id"),
         (lambda: run(visibility=-1.0), "visibility"), (lambda: run(field_of_view=7.0), "field_of_view"),
         (lambda: run(sensor_delay=-1.0), "sensor_delay"), (lambda: run(reaction_time=-1.0), "reaction_time"),

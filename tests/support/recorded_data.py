@@ -127,14 +127,16 @@ def examples() -> dict[str, Any]:
         Waypoints(lat=np.array([41.0, 41.1]), lon=np.array([-105.0, -105.1]), duplicates=2),
         CAR, VehicleState(x=1.0, y=2.0, psi=0.1, v_x=20.0), OTHERS[1],
         command, command.band, BandStiffness(k_b=2.0), BandSettings(),
-        CurvatureBounds(contact=np.ones(1), lower=np.full((1, 5), -0.1), upper=np.full((1, 5), 0.1)), boxes([0.0, 1.0], 2.0, 0.1, 4.5, 1.8),
+        CurvatureBounds(contact=np.ones(1), lower=np.full((1, 5), -0.1), upper=np.full((1, 5), 0.1)),
+        boxes([0.0, 1.0], 2.0, 0.1, 4.5, 1.8),
         SpeedSettings(), StabilityRegion(), shipped_gains(CAR), single_track(CAR, 20.0, 22.0),
         gain_region(CAR, 20.0, 22.0, StabilityRegion()),
         Margins(v_x=20.0, gain=3.0, phase=1.0, delay=0.1, disk=0.8, crossover=2.0),
         choose_action(lead, [candidate]), lead, candidate, CrossingSettings(), conflict, RSS_EGO,
         AlertSettings(), WarningView(path=ROUTE, ego=ego, intent="left", vehicles=(in_view,)), in_view,
         Alert(
-            application=Application.FCW, level=Level.WARN, vehicle_id="a", time_to_conflict=math.inf, reason="",
+            application=Application.FCW, level=Level.WARN, vehicle_id="a", time_to_conflict=math.inf,
+            reason="",
         ),
         EvasionSettings(awareness_range=math.inf),
         ReplanResult(maneuver=None, outcome=Outcome.CANCELED, rejection=rejection), rejection,
@@ -145,9 +147,11 @@ def examples() -> dict[str, Any]:
             displacement=np.zeros(20), reference=ROUTE, candidate=candidate,
         ),
         ego, frenet_vehicle,
-        PositionalAccuracy(), PositionErrorModel(), BrakeStatus(wheels=(True, False)), Bsm(msg_count=3, id="01ab23cd", speed=20.0),
+        PositionalAccuracy(), PositionErrorModel(), BrakeStatus(wheels=(True, False)),
+        Bsm(msg_count=3, id="01ab23cd", speed=20.0),
         ChannelSettings(), UpdateResult(accepted=True, kind="new", id="a", t=3.0), PlausibilitySettings(),
-        SenderSettings(), MessageFrame(data=b"\x00\x14\x00", message_id=20, name="BSM"), TrackerSettings(), TrackerHealth(t=3.0, received=20.0, accepted=19.0, rejected=(("frozen", 1.0),)),
+        SenderSettings(), MessageFrame(data=b"\x00\x14\x00", message_id=20, name="BSM"),
+        TrackerSettings(), TrackerHealth(t=3.0, received=20.0, accepted=19.0, rejected=(("frozen", 1.0),)),
     ]  # fmt: skip
     return {type(value).__name__: value for value in values}
 

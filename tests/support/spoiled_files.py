@@ -111,10 +111,11 @@ def readers(folder: Path) -> dict[str, tuple[str, Callable[[Path], Any], bytes]]
 
 
 TOKENS = [
-    b"1" * 400, b"1" * 5000, b"-1", b"1e400", b"nan", b"inf", b"1_0", "\u0663".encode(), b"", b"\0", b"\xff\xfe", b'"', b"'",
-    b"<", b">", b"&a;", b"&#0;", b"<a>" * 200, b"</a>", b"<!DOCTYPE a>", b"<!--", b"<![CDATA[", b"[" * 200, b"]", b"{", b"}",
-    b"[" * 100_000, b"null", b"true", b'{"a":', b",", b";", b"\n", b"\r", b"\t", b"$", b"*", b"PK\x03\x04", b"\x93NUMPY",
-    b"(" * 300, b"9" * 40, b"2024-13-45T99:99:99Z", b"\\", b"\\u", b"\xed\xa0\x80", b"id=\"1\"", b"0.1", b" " * 5000,
+    b"1" * 400, b"1" * 5000, b"-1", b"1e400", b"nan", b"inf", b"1_0", "\u0663".encode(), b"", b"\0",
+    b"\xff\xfe", b'"', b"'", b"<", b">", b"&a;", b"&#0;", b"<a>" * 200, b"</a>", b"<!DOCTYPE a>", b"<!--",
+    b"<![CDATA[", b"[" * 200, b"]", b"{", b"}", b"[" * 100_000, b"null", b"true", b'{"a":', b",", b";", b"\n",
+    b"\r", b"\t", b"$", b"*", b"PK\x03\x04", b"\x93NUMPY", b"(" * 300, b"9" * 40, b"2024-13-45T99:99:99Z",
+    b"\\", b"\\u", b"\xed\xa0\x80", b"id=\"1\"", b"0.1", b" " * 5000,
 ]  # fmt: skip
 
 

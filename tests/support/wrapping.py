@@ -11,7 +11,8 @@ SECURITY = """
 Peer DEFINITIONS AUTOMATIC TAGS ::= BEGIN
 Secured ::= SEQUENCE { version INTEGER (0..255), content Content }
 Content ::= CHOICE { unsecured OCTET STRING, signed Signed, encrypted Encrypted, request OCTET STRING, ... }
-Signed ::= SEQUENCE { hash ENUMERATED { sha256, ..., sha384, sm3 }, tbs Tbs, signer Signer, signature Signature }
+Signed ::= SEQUENCE { hash Hash, tbs Tbs, signer Signer, signature Signature }
+Hash ::= ENUMERATED { sha256, ..., sha384, sm3 }
 Tbs ::= SEQUENCE { payload Payload, header Header }
 Payload ::= SEQUENCE { data Secured OPTIONAL, digest Digest OPTIONAL, ..., omitted NULL OPTIONAL }
 Digest ::= CHOICE { sha256 OCTET STRING (SIZE (32)), ... }
@@ -54,7 +55,8 @@ def unsecured(data: bytes) -> bytes:
 
 
 def signed(
-    data: bytes | None, *, inner: dict[str, Any] | None = None, signer: tuple[str, Any] = ("digest", bytes(8)),
+    data: bytes | None, *, inner: dict[str, Any] | None = None,
+    signer: tuple[str, Any] = ("digest", bytes(8)),
     header: dict[str, Any] | None = None, payload: dict[str, Any] | None = None, hash: str = "sha256",
 ) -> bytes:  # fmt: skip
     """Signed data around unsecured data, or around another content."""
@@ -110,7 +112,8 @@ def rsu(data: bytes, end: str = "\n") -> bytes:
     """An immediate forward message in its text form."""
     lines = (
         "Version=0.7", "Type=BSM", "PSID=0x20", "Priority=7", "TxMode=CONT", "TxChannel=172", "TxInterval=0",
-        "DeliveryStart=", "DeliveryStop=", "Signature= False", "Encryption=False", f"Payload={data.hex().upper()}",
+        "DeliveryStart=", "DeliveryStop=", "Signature= False", "Encryption=False",
+        f"Payload={data.hex().upper()}",
     )  # fmt: skip
     return (end.join(lines) + end).encode()
 

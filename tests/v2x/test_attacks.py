@@ -1,10 +1,10 @@
 """Closed loop with a misbehaving sender: the ego drives on messages, some of which are false.
 
 In these runs no attacker makes the ego collide, leave the road, or leave its lane next to a vehicle. A ghost
-can still cause following, braking to a stop, and a maneuver into a lane that is clear. It can also make the ego
-wait behind a slow vehicle, as long as it reports to be alongside or its stale track may be. Not covered: a
-vehicle ahead whose first message comes after a Sybil flood has filled the tracker. It is unknown, as without a
-radio.
+can still cause following, braking to a stop, and a maneuver into a lane that is clear. It can also make the
+ego wait behind a slow vehicle, as long as it reports to be alongside or its stale track may be. Not covered:
+a vehicle ahead whose first message comes after a Sybil flood has filled the tracker. It is unknown, as
+without a radio.
 """
 
 import math

@@ -311,14 +311,16 @@ def survived(tracker: Tracker, data: bytes, t: float) -> bool:
 @pytest.mark.parametrize("count", [6_000, pytest.param(1_000_000, marks=pytest.mark.slow)])
 def test_wrapped_garbage_raises_input_error_only(count: int) -> None:
     tracker = Tracker(LocalFrame(45.0, 14.0))
-    usable, most = 0, 0
+    usable, tracked = 0, 0
     for i, data in enumerate(garbage(3, count)):
         usable += survived(tracker, data, 0.002 * i)
         if i % 50 == 0:
-            most = max(most, len(tracker.vehicles(0.002 * i, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0))))
+            tracked = max(
+                tracked, len(tracker.vehicles(0.002 * i, VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0)))
+            )
             assert 0 <= tracker.health(0.002 * i).received <= 600
     assert 0.15 * count < usable < 0.7 * count  # neither all garbage nor all whole
-    assert 16 <= most <= tracker.settings.max_tracks
+    assert 16 <= tracked <= tracker.settings.max_tracks
     assert sum(tracker.counts.values()) == count
 
 

@@ -31,8 +31,8 @@ def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
     Parameters
     ----------
     file : str or pathlib.Path
-        XML file of format 2018b or 2020a, at most 50 MB and 100 elements deep, without a document type declaration
-        (and so without entities).
+        XML file of format 2018b or 2020a, at most 50 MB and 100 elements deep, without a document type
+        declaration (and so without entities).
 
     Returns
     -------

@@ -71,8 +71,8 @@ def _circular_path(curvature: float, length: float) -> Path:
 SAMPLERS: dict[str, Callable[[int, Uniform, ChannelSettings, float], Scenario]] = {
     "eebl": _eebl, "ima": _ima, "curbside": _curbside, "maneuver": _overtaking,
 }  # fmt: skip
-"""Sampler by scenario: from a number (0 to 3) that chooses the case, a source of uniform samples, the channel,
-and the reaction time of the other drivers [s] to a scenario."""
+"""Sampler by scenario: from a number (0 to 3) that chooses the case, a source of uniform samples, the
+channel, and the reaction time of the other drivers [s] to a scenario."""
 
 STUDY_SCENARIOS = tuple(SAMPLERS)
 """Scenarios of studies."""
