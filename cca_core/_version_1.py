@@ -80,7 +80,10 @@ FIELDS = {
 VALUES = {"Status": {"FALLBACK": "DEGRADED"}, "LeadVehicle.kind": {"ahead": "direct", "hidden": "downstream"}}
 """Enum or field today to its values in version 1, each with its value today."""
 
-ADDED = {"BandProblem": {"settings": {"type": "BandSettings"}}}
+ADDED: dict[str, dict[str, Any]] = {
+    "BandProblem": {"settings": {"type": "BandSettings"}},
+    "CleaningReport": {"stationary": {"shape": [0]}},
+}
 """Class today to values of fields that version 1 did not have."""
 
 

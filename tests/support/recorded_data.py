@@ -43,7 +43,7 @@ from cca_core.follow import (
 )  # fmt: skip
 from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.geometry import boxes
-from cca_core.path import Waypoints, clean_route
+from cca_core.path import FitReport, Waypoints, clean_route
 from cca_core.planner import (
     AbortSettings,
     ActuationSettings,
@@ -124,6 +124,10 @@ def examples() -> dict[str, Any]:
     values = [
         ROUTE, ROAD, ROAD.lanes[1], LocalFrame(41.3, -105.6),
         clean_route(ROUTE.sample(10.0)), clean_route(ROUTE.sample(10.0)).report,
+        FitReport(
+            tolerance=0.3, noise=None, max_deviation=0.7, s_max_deviation=30.0, missed=np.array([3]),
+            missed_by=np.array([0.7]), outliers=np.array([3]),
+        ),
         Waypoints(lat=np.array([41.0, 41.1]), lon=np.array([-105.0, -105.1]), duplicates=2),
         CAR, VehicleState(x=1.0, y=2.0, psi=0.1, v_x=20.0), OTHERS[1],
         command, command.band, BandStiffness(k_b=2.0), BandSettings(),
