@@ -94,7 +94,7 @@ def fit_path(
     --------
     >>> path = fit_path([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [30.0, 0.0]])
     >>> path
-    Path(1 segments, 30.0 m, straight, max deviation 0 m at s=0.0)
+    Path(1 segments, 30.0 m, straight, max deviation 0.00 m at s=...)
     """
     points = check_points("xy", xy, 2)
     per_segment = check_real("points_per_segment", points_per_segment, ge=1)

@@ -40,7 +40,7 @@ class FitReport:
         parts = [f"tolerance {self.tolerance:.2g} m"]
         if self.noise is not None:
             parts.append(f"noise {self.noise:.2g} m")
-        parts.append(f"max deviation {self.max_deviation:.2g} m at s={self.s_max_deviation:.1f}")
+        parts.append(f"max deviation {self.max_deviation:.2f} m at s={self.s_max_deviation:.1f}")
         if len(self.missed):
             found = zip(self.missed[:6].tolist(), self.missed_by[:6].tolist(), strict=True)
             rows = ", ".join(f"{row} by {distance:.1f} m" for row, distance in found)

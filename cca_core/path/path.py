@@ -74,7 +74,7 @@ class Path:
         )
         if self._fit_report is not None:
             report = self._fit_report
-            parts.append(f"max deviation {report.max_deviation:.2g} m at s={report.s_max_deviation:.1f}")
+            parts.append(f"max deviation {report.max_deviation:.2f} m at s={report.s_max_deviation:.1f}")
         return f"Path({', '.join(parts)})"
 
     def _repr_svg_(self) -> str:

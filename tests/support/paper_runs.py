@@ -49,6 +49,7 @@ def alone() -> Log:
         user_motion=log.user_motion[:, :0], user_frenet=log.user_frenet[:, :0],
         visible=log.visible[:, :0], tracked=log.tracked[:, :0],
         decisions=((0.0, "KEEP", "keeping lane at 20.0 m/s: no blocking vehicle"),),
+        reasons=(("keeping lane at 20.0 m/s", "no blocking vehicle"),),
     )  # fmt: skip
 
 
