@@ -117,9 +117,9 @@ def clean_route(
     reversed, the point stays and is reported as a reversal. Smaller turns are left to the smoothing of
     `fit_path`.
 
-    A receiver is also stationary or creeping where five points in a row cover twice the distance between the
-    first and the last, with sharp turns to both sides. Of such points one stays for each three median steps of
-    distance. Cleaning a part again changes nothing. The cost is linear in n.
+    A receiver is also stationary or creeping where five points in a row cover twice the distance between
+    the first and the last, with sharp turns to both sides. Of such points one stays for each three median
+    steps of distance. Cleaning a part again changes nothing. The cost is linear in n.
 
     Examples
     --------

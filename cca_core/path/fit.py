@@ -39,8 +39,8 @@ def fit_path(
         Largest curvature of the path [1/m], for example of the turning circle. If limit and tolerance
         contradict each other, the limit wins, and the path passes as near as it can.
     max_deviation : float, optional
-        Largest distance of a waypoint that the curvature limit excludes [m]. The default is the largest of 10 m,
-        three tolerances, and ``tolerance + 0.6 / curvature_limit`` (at most 30 m).
+        Largest distance of a waypoint that the curvature limit excludes [m]. The default is the largest of
+        10 m, three tolerances, and ``tolerance + 0.6 / curvature_limit`` (at most 30 m).
     closed : bool
         Whether the road returns from the last waypoint to the first. The path then ends at its start, with
         the same heading and curvature.
@@ -56,8 +56,8 @@ def fit_path(
     InputError
         If there are fewer than two waypoints, neighbors coincide, or an argument is out of range.
     InfeasibleError
-        If no path keeps the tolerance at every waypoint, or the curvature limit within `max_deviation` of every
-        waypoint. `result` is the nearest path that was found, or None.
+        If no path keeps the tolerance at every waypoint, or the curvature limit within `max_deviation` of
+        every waypoint. `result` is the nearest path that was found, or None.
 
     See Also
     --------
@@ -77,18 +77,19 @@ def fit_path(
     three neighboring chords (three times `tolerance` in gaps). A curve that would deviate more gets points on
     its chords.
 
-    The tolerance is rounded down to a ladder of nine rungs in each decade: 1, 1.5, 2, 2.5, 3, 4, 5, 6 and 8.
-    If the path has a radius below 200 m or fails, all lower rungs are tried too. A larger tolerance therefore
+    The tolerance is rounded down to one of nine values in each decade: 1, 1.5, 2, 2.5, 3, 4, 5, 6 and 8.
+    If the path has a radius below 200 m or fails, all lower values are tried too. A larger tolerance therefore
     never fails where a smaller one works, and never gives a sharper bend (by more than 2 %).
 
-    The chosen tolerance is 3.3 standard deviations of the noise, at least 0.3 m and at most 10 m. The noise is
-    the median, over all windows of six (or eight) waypoints, of the scatter about a cubic (a quintic). One
-    waypoint in fifty, and one more, may be an outlier: it is ignored if its neighbors are near the path. If a
-    bend has a radius below 6 m, 1.5 and 2 tolerances are tried, and then the limit of 1/6 m is imposed.
+    The chosen tolerance is 3.3 standard deviations of the noise, at least 0.3 m and at most 10 m. The noise
+    is the median, over all windows of six (or eight) waypoints, of the scatter about a cubic (a quintic).
+    One waypoint in fifty, and one more, may be an outlier: it is ignored if its neighbors are near the
+    path. If a bend has a radius below 6 m, 1.5 and 2 tolerances are tried, and then the limit of 1/6 m is
+    imposed.
 
-    With a curvature limit the tolerance holds for the waypoints that a curve within the limit can reach. Bends
-    are cut where that suffices. Others, such as a narrow U-turn, are replaced by arcs and lines of 1.25 times
-    the least radius that deviate least.
+    With a curvature limit the tolerance holds for the waypoints that a curve within the limit can reach.
+    Bends are cut where that suffices. Others, such as a narrow U-turn, are replaced by arcs and lines of
+    1.25 times the least radius that deviate least.
 
     Examples
     --------

@@ -36,7 +36,7 @@ class Fixes:
     def numbers(
         self, file_name: str, *, skip_invalid: bool
     ) -> tuple[list[tuple[float, ...]], list[int], int]:
-        """Return the rows that have a position, the first row of each part, and the number of skipped rows."""
+        """Return the rows with a position, the first row of each part, and the number of skipped rows."""
         found: list[tuple[float, ...]] = []
         starts, borders = [], iter([*self.parts, -1])
         border, skipped = next(borders), 0
@@ -53,8 +53,8 @@ class Fixes:
             else:
                 names = "x and y" if self.in_meters else "latitude and longitude"
                 raise InputError(
-                    f"{names} must be numbers, and not both 0, were {str(first)[:40]!r}, {str(second)[:40]!r} "
-                    f"in {self.unit} {number} of {file_name!r}"
+                    f"{names} must be numbers, and not both 0, were {str(first)[:40]!r}, "
+                    f"{str(second)[:40]!r} in {self.unit} {number} of {file_name!r}"
                 )
         return found, starts, skipped
 

@@ -11,7 +11,7 @@ __all__ = ["estimate_noise", "find_outliers", "isolated"]
 
 
 def estimate_noise(points: Array) -> float:
-    """Estimate the standard deviation of the error of waypoints in x and y [m]; 0 if there are too few points."""
+    """Estimate the standard deviation of waypoints in x and y [m]; 0 if there are too few points."""
     if len(points) < 12:
         return 0.0
     # the road counts as error where it is no cubic; then a quintic leaves less of it

@@ -143,8 +143,8 @@ class Road:
         stop_lines : sequence of float
             As for `Road` [m].
         part : int, optional
-            Index of the only part (track, segment, line) of the file that is used [-]; by default all of them,
-            in file order.
+            Index of the only part (track, segment, line) of the file that is used [-]; by default all of
+            them, in file order.
         max_gap : float
             Largest distance between two parts that are joined [m].
         origin : tuple of float, optional
@@ -180,8 +180,8 @@ class Road:
         route = clean_route(xy[rows], t=times if np.isfinite(times).all() else None)
         if len(route.parts) > 1:
             raise InputError(
-                f"file {FilePath(file).name!r} must have no gap within a part, had {len(route.report.gaps)}, after "
-                f"the points {(rows.start + route.report.gaps[:5]).tolist()} of the part"
+                f"file {FilePath(file).name!r} must have no gap within a part, had {len(route.report.gaps)}, "
+                f"after the points {(rows.start + route.report.gaps[:5]).tolist()} of the part"
             )
         path = fit_path(route.parts[0], **fit)
         heights = _elevation_along(path, route.parts[0], xy[rows], points.z[rows])
@@ -259,8 +259,8 @@ def _rows_of(points: Waypoints, xy: Array, part: int | None, max_gap: float, nam
     if gaps.max(initial=0.0) > max_gap:
         far = int(np.argmax(gaps > max_gap))
         raise InputError(
-            f"file {name!r} has {n} parts; those before and after point {inner[far]} must be at most {max_gap:g} m "
-            f"apart, were {gaps[far]:.0f} m; give part=, or a larger max_gap="
+            f"file {name!r} has {n} parts; those before and after point {inner[far]} must be at most "
+            f"{max_gap:g} m apart, were {gaps[far]:.0f} m; give part=, or a larger max_gap="
         )
     if n > 1:
         text = f"file {name!r} has {n} parts, which were joined over gaps of up to {gaps.max():.0f} m"

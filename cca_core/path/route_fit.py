@@ -14,7 +14,7 @@ from cca_core.path.smooth_fit import SmoothFit, max_curvature
 
 __all__ = ["RouteFit"]
 
-_RUNGS = (
+_TOLERANCES = (
     *(0.0, 0.001, 0.003, 0.01, 0.02, 0.03, 0.05, 0.07),
     *(
         round(digit * 10.0**k, 3)
@@ -43,9 +43,9 @@ class RouteFit:
         """Fit within a tolerance; what a smaller tolerance allows, a larger one does too."""
         found: list[Path] = []
         errors: list[InfeasibleError] = []
-        for rung in _rungs(tolerance):
+        for value in _tolerances(tolerance):
             try:
-                path = self._smooth(rung).free(self._per_segment)
+                path = self._smooth(value).free(self._per_segment)
             except InfeasibleError as error:
                 errors.append(error)
                 continue
@@ -56,7 +56,7 @@ class RouteFit:
             nearest = errors[0].result
             result = self._reported(nearest, tolerance) if isinstance(nearest, Path) else None
             raise InfeasibleError(str(errors[0]), result)
-        # rungs are the same for every tolerance: no path is sharper by more than 2 % than one of a smaller one
+        # values do not depend on `tolerance`: no path is sharper by more than 2 % than one of a smaller one
         curvatures = [max_curvature(path) for path in found]
         best = next(i for i, kappa in enumerate(curvatures) if kappa <= 1.02 * min(curvatures))
         return self._reported(found[best], tolerance)
@@ -64,9 +64,9 @@ class RouteFit:
     def within_limit(self, tolerance: float, limit: float) -> Path:
         """Fit within a curvature limit, and within the tolerance where the limit allows that."""
         errors: list[InfeasibleError] = []
-        for rung in _rungs(tolerance):
+        for value in _tolerances(tolerance):
             try:
-                return self._limited(rung, tolerance, limit)
+                return self._limited(value, tolerance, limit)
             except InfeasibleError as error:
                 errors.append(error)
                 nearest = error.result.fit_report if isinstance(error.result, Path) else None
@@ -118,13 +118,13 @@ class RouteFit:
     def _smooth(self, tolerance: float) -> SmoothFit:
         return SmoothFit(self._fitted, tolerance, self._closed)
 
-    def _limited(self, rung: float, tolerance: float, limit: float, noise: float | None = None) -> Path:
+    def _limited(self, value: float, tolerance: float, limit: float, noise: float | None = None) -> Path:
         """Find the nearest path within a curvature limit that contradicts the tolerance."""
         found: list[tuple[float, Path]] = []
         errors: list[InfeasibleError] = []
         for fit in (self._flattened, self._rounded):
             try:
-                path = self._reported(fit(rung, limit), tolerance, noise)
+                path = self._reported(fit(value, limit), tolerance, noise)
             except InfeasibleError as error:
                 errors.append(error)
                 continue
@@ -166,8 +166,8 @@ class RouteFit:
         far = np.flatnonzero(off > bound)
         rows = ", ".join(f"{row} by {off[row]:.1f} m" for row in far[:6].tolist())
         return (
-            f"no path with a radius of at least {1.0 / limit:.3g} m within {bound:.3g} m of every waypoint was found; "
-            f"missed are {len(far)}: row {rows}; split the route there or raise max_deviation"
+            f"no path with a radius of at least {1.0 / limit:.3g} m within {bound:.3g} m of every waypoint "
+            f"was found; missed are {len(far)}: row {rows}; split the route there or raise max_deviation"
         )  # fmt: skip
 
     def _reported(self, path: Path, tolerance: float, noise: float | None = None) -> Path:
@@ -199,6 +199,6 @@ def _nearest(path: Path, points: Array, tolerance: float) -> tuple[Array, Array]
     return s, off
 
 
-def _rungs(tolerance: float) -> list[float]:
+def _tolerances(tolerance: float) -> list[float]:
     """Return the tolerances to try, the largest first."""
-    return [rung for rung in reversed(_RUNGS) if rung <= tolerance]
+    return [value for value in reversed(_TOLERANCES) if value <= tolerance]

@@ -81,9 +81,11 @@ class SmoothFit:
             off = self._worst(np.abs(path.project(missed)[1]))
             if off > limit:
                 raise InfeasibleError(
-                    f"no smooth path within {self._accepted:g} m of every waypoint was found, the distance of one is "
-                    f"{off:.2f} m; raise the tolerance or remove zig-zags with clean_route", path
-                )  # fmt: skip
+                    f"no smooth path within {self._accepted:g} m of every waypoint was found, "
+                    f"the distance of one is {off:.2f} m; raise the tolerance or remove zig-zags with "
+                    "clean_route",
+                    path,
+                )
         return path
 
     def _worst(self, residuals: Array) -> float:

@@ -19,9 +19,9 @@ def largest_but(values: Array, ignored: int) -> float:
 class SmoothingSpline:
     """Cubic B-spline at parameters s, with a penalty on the change of curvature."""
 
-    # The penalty is on X'''' - q. Jumps of X''' between segments represent X''''; q is the value of a clothoid
-    # from the last fit: lines, circles and clothoids cost nothing. The coefficients of a closed spline are
-    # periodic, as many as segments.
+    # The penalty is on X'''' - q. Jumps of X''' between segments represent X''''; q is the value of a
+    # clothoid from the last fit: lines, circles and clothoids cost nothing. The coefficients of a closed
+    # spline are periodic, as many as segments.
 
     def __init__(
         self, s: Array, knots: Index, points: Array, weights: Array, closed: bool, guide: Array | None = None

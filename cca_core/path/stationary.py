@@ -45,7 +45,7 @@ def thinned(points: Array, slow: Mask) -> Mask:
 
 
 def _jitters(points: Array) -> Mask:
-    """Find points of windows that lead nowhere, with sharp turns to both sides, even without any one point."""
+    """Find points of windows without progress, with sharp turns to both sides, even without any one point."""
     n = len(points) - _WIDTH + 1
     found = np.zeros(len(points), dtype=bool)
     if n < 1:

@@ -18,10 +18,10 @@ _NAMES = {
     "t": ("time", "timestamp", "t", "datetime", "utc", "date"),
     "status": ("status",),
 }
-_AROUND = {"gps", "gnss", "wgs84", "deg", "degree", "degrees", "dd", "m", "meter", "meters", "metres", "s", "sec",
-           "position", "pos", "utm", "local"}  # fmt: skip
-_OTHER = {"orientation", "velocity", "acceleration", "linear", "angular", "twist", "covariance", "std", "error",
-          "accuracy", "magnetic", "rad", "radians"}  # fmt: skip
+_AROUND = {"gps", "gnss", "wgs84", "deg", "degree", "degrees", "dd", "m", "meter", "meters", "metres", "s",
+           "sec", "position", "pos", "utm", "local"}  # fmt: skip
+_OTHER = {"orientation", "velocity", "acceleration", "linear", "angular", "twist", "covariance", "std",
+          "error", "accuracy", "magnetic", "rad", "radians"}  # fmt: skip
 _HEADER_ROWS = 20  # in which the header is sought
 _MAX_COLUMNS = 1000
 

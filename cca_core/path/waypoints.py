@@ -90,8 +90,8 @@ class Waypoints:
         xy: Array = self.xy - np.array((0.0, 0.0) if origin is None else _pair(origin), dtype=np.float64)
         if not np.abs(xy).max() <= MAX_COORDINATE:
             raise InputError(
-                f"x and y must be within {MAX_COORDINATE / 1e3:g} km of origin, were up to {np.abs(xy).max():g} m; "
-                f"give origin=({self.xy[0, 0]:g}, {self.xy[0, 1]:g})"
+                f"x and y must be within {MAX_COORDINATE / 1e3:g} km of origin, "
+                f"were up to {np.abs(xy).max():g} m; give origin=({self.xy[0, 0]:g}, {self.xy[0, 1]:g})"
             )
         return xy
 
@@ -105,9 +105,9 @@ def read_waypoints(file: str | FilePath, *, skip_invalid: bool = True) -> Waypoi
         The name's ending tells the format:
 
         - ``.gpx``: track points, else route points, else waypoints.
-        - ``.csv``, ``.tsv``, ``.txt``: a table with a header and commas, semicolons or tabs. It names latitude
-          and longitude in degrees (``lat``, ``latitude``, ``lat_deg``, ``field.latitude``), or ``x`` and ``y``
-          in meters.
+        - ``.csv``, ``.tsv``, ``.txt``: a table with a header and commas, semicolons or tabs. It names
+          latitude and longitude in degrees (``lat``, ``latitude``, ``lat_deg``, ``field.latitude``), or
+          ``x`` and ``y`` in meters.
         - ``.geojson``, ``.json``: lines, else points.
         - ``.kml``: lines and tracks, else points.
         - ``.nmea``, ``.log``, ``.txt``: sentences RMC and GGA.
@@ -175,7 +175,8 @@ def _check_range(table: Array, name: str, *, in_meters: bool) -> None:
             value, unit = float(table[row, column]), "m" if in_meters else "deg"
             hint = "; are latitude and longitude mixed up?" if limit < abs(value) <= 180.0 else ""
             raise InputError(
-                f"{names[column]} must be within +-{limit:g} {unit}, was {value:g} in point {row} of {name!r}{hint}"
+                f"{names[column]} must be within +-{limit:g} {unit}, was {value:g} in point {row} of "
+                f"{name!r}{hint}"
             )
     if in_meters and np.ptp(table[:, :2], axis=0).max() < 1.0:
         raise InputError(f"x and y of {name!r} must extend over 1 m or more; are they degrees?")

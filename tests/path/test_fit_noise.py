@@ -1,4 +1,4 @@
-"""Fits with chosen tolerance: noise, outliers, ordinary receivers; monotone and bounded fits of any points."""
+"""Fits with chosen tolerance: noise, outliers, ordinary receivers; fits of any points are bounded."""
 
 import math
 

@@ -75,12 +75,16 @@ def test_waypoints_are_read_only(tmp_path: FilePath) -> None:
 def test_gpx_parts_elevations_and_times_are_kept(tmp_path: FilePath) -> None:
     def rows(begin: int) -> str:
         return "".join(
-            f'<trkpt lat="{45 + 0.001 * i}" lon="13"><ele>{i}</ele><time>2024-05-0{1 + begin}T10:00:{i:02d}.5Z</time>'
+            f'<trkpt lat="{45 + 0.001 * i}" lon="13"><ele>{i}</ele>'
+            f"<time>2024-05-0{1 + begin}T10:00:{i:02d}.5Z</time>"
             "<extensions><time>never</time><ele>900</ele></extensions></trkpt>"
             for i in range(begin, begin + 3)
         )
 
-    body = f"<trk><trkseg>{rows(0)}</trkseg><trkseg/><trkseg>{rows(3)}</trkseg></trk><trk>{points('trkpt', [C])}</trk>"
+    body = (
+        f"<trk><trkseg>{rows(0)}</trkseg><trkseg/><trkseg>{rows(3)}</trkseg></trk>"
+        f"<trk>{points('trkpt', [C])}</trk>"
+    )
     found = read_waypoints(put(tmp_path, "a.gpx", GPX.format(body)))
     assert found.parts.tolist() == [0, 3, 6]
     np.testing.assert_array_equal(found.z, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 3.0])
@@ -100,8 +104,8 @@ def test_gpx_routes_are_parts(tmp_path: FilePath) -> None:
     "header",
     [
         "lat_deg;lon_deg", "Latitude [deg];Longitude [deg]", "gps_lat\tgps_lon", "position.lat,position.lng",
-        "%field.latitude,field.longitude", "/gps/fix/latitude;/gps/fix/longitude", "# lat, lon", ".latitude,.longitude",
-        "sep=;\nLAT;LON", '"lat";"lon"', "exported by a logger\nlat,lon",
+        "%field.latitude,field.longitude", "/gps/fix/latitude;/gps/fix/longitude", "# lat, lon",
+        ".latitude,.longitude", "sep=;\nLAT;LON", '"lat";"lon"', "exported by a logger\nlat,lon",
     ],
 )  # fmt: skip
 def test_headers_and_delimiters_of_loggers(tmp_path: FilePath, header: str) -> None:
@@ -124,7 +128,11 @@ def test_ros_fixes_are_read(tmp_path: FilePath) -> None:
         "%time,field.header.seq,field.status.status,field.latitude,field.longitude,field.altitude,"
         "field.position_covariance0"
     )
-    rows = ["1700000000500000000,1,0,48.1,11.5,520.5,1", "1700000001500000000,2,-1,48.3,11.5,520,1", "1700000002500000000,3,0,48.2,11.5,nan,1"]  # fmt: skip
+    rows = [
+        "1700000000500000000,1,0,48.1,11.5,520.5,1",
+        "1700000001500000000,2,-1,48.3,11.5,520,1",
+        "1700000002500000000,3,0,48.2,11.5,nan,1",
+    ]
     found = read_waypoints(put(tmp_path, "a.csv", "\n".join([header, *rows])))
     np.testing.assert_array_equal(found.lat, [48.1, 48.2])
     np.testing.assert_allclose(found.t, [1700000000.5, 1700000002.5])
@@ -160,7 +168,11 @@ def test_projected_coordinates_need_an_origin(tmp_path: FilePath) -> None:
 
 
 @pytest.mark.parametrize(
-    "row", [",", "48.3,", ",11.5", "nan,nan", "NaN,11.5", "null,null", "N/A,N/A", "-,-", "48.3", "x,11.5", "0,0", "0.0,-0.0", "inf,11"]
+    "row",
+    [
+        ",", "48.3,", ",11.5", "nan,nan", "NaN,11.5", "null,null", "N/A,N/A", "-,-", "48.3", "x,11.5", "0,0",
+        "0.0,-0.0", "inf,11",
+    ],
 )  # fmt: skip
 def test_row_without_a_fix_is_skipped_and_counted(tmp_path: FilePath, row: str) -> None:
     file = put(tmp_path, "a.csv", f"lat,lon\n48.0,11.5\n48.1,11.5\n{row}\n48.2,11.5\n")
@@ -204,7 +216,10 @@ def test_geojson_lines_are_parts(tmp_path: FilePath) -> None:
 
 
 def test_kml_lines_and_tracks_are_parts(tmp_path: FilePath) -> None:
-    line = "<Placemark><LineString><coordinates>\n 11.0,48.0,500 11.1,48.1,501\n</coordinates></LineString></Placemark>"
+    line = (
+        "<Placemark><LineString><coordinates>\n 11.0,48.0,500 11.1,48.1,501\n</coordinates></LineString>"
+        "</Placemark>"
+    )
     track = (
         "<Placemark><gx:Track><when>2024-05-01T00:00:00Z</when><when>2024-05-01T00:00:02Z</when>"
         "<gx:coord>11.2 48.2 502</gx:coord><gx:coord>11.3 48.3 503</gx:coord></gx:Track></Placemark>"
@@ -228,12 +243,14 @@ def sentence(body: str) -> str:
 
 
 def test_nmea_epochs_are_read(tmp_path: FilePath) -> None:
-    known = "$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A\r\n"  # of the standard's manuals
+    # from manuals of the standard
+    known = "$GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230394,003.1,W*6A\r\n"
     lines = [
         sentence("GPGSV,3,1,11,03,03,111,00"),
         known, sentence("GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,"),
         sentence("GNGGA,123520,4807.050,N,01131.010,E,0,00,,,M,,M,,"),  # no fix
-        sentence("GNRMC,123521,V,,,,,,,230394,,"), sentence("GNRMC,123522.50,A,4807.060,S,01131.020,W,1,2,230394,,"),
+        sentence("GNRMC,123521,V,,,,,,,230394,,"),
+        sentence("GNRMC,123522.50,A,4807.060,S,01131.020,W,1,2,230394,,"),
         sentence("GPRMC,123523,A,4807.070,N,01131.030,E,1,2,230394,,").replace("4807", "4907"),  # damaged
         "garbage\r\n",
     ]  # fmt: skip

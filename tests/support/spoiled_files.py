@@ -39,8 +39,8 @@ def _kml() -> bytes:
         f"<when>2024-05-01T10:00:0{i}Z</when><gx:coord>11 {49 + i} 5</gx:coord>" for i in range(5)
     )
     return (
-        f"<kml xmlns:gx='a:b'><Placemark><LineString><coordinates>{line}</coordinates></LineString></Placemark>"
-        f"<gx:Track>{track}</gx:Track></kml>"
+        f"<kml xmlns:gx='a:b'><Placemark><LineString><coordinates>{line}</coordinates></LineString>"
+        f"</Placemark><gx:Track>{track}</gx:Track></kml>"
     ).encode()
 
 
