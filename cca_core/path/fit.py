@@ -78,7 +78,7 @@ def fit_path(
     its chords.
 
     The tolerance is rounded down to one of nine values in each decade: 1, 1.5, 2, 2.5, 3, 4, 5, 6 and 8.
-    If the path has a radius below 200 m or fails, all lower values are tried too. A larger tolerance therefore
+    If the path has a radius below 200 m or fails, lower values are tried too. A larger tolerance therefore
     never fails where a smaller one works, and never gives a sharper bend (by more than 2 %).
 
     The chosen tolerance is 3.3 standard deviations of the noise, at least 0.3 m and at most 10 m. The noise
