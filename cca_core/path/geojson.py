@@ -25,8 +25,7 @@ def read_geojson(data: bytes, name: str) -> Fixes:
             properties = value.get("properties")
             times = properties.get("coordTimes") if isinstance(properties, dict) else None
             waiting.append((value["geometry"], times))
-        elif value.get("type") in _LINES:
-            kind = value["type"]
+        elif isinstance(kind := value.get("type"), str) and kind in _LINES:
             _add(lines if "Line" in kind else points, value.get("coordinates"), _LINES[kind], times)
     return lines if lines.rows else points
 

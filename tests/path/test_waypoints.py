@@ -372,3 +372,11 @@ def test_recorded_motorway_is_read(data_dir: FilePath) -> None:
     assert worst_residual(xy, path) <= 0.3 + 1e-6
     chord = np.hypot(*np.diff(xy, axis=0).T).sum()
     assert chord * 0.999 <= path.length <= chord * 1.01
+
+
+@pytest.mark.parametrize("kind", ['["LineString"]', '{"a": 1}', "1", "null"])
+def test_geojson_type_of_other_kind_is_no_line(tmp_path: Path, kind: str) -> None:
+    file = tmp_path / "a.geojson"
+    file.write_text(f'{{"type": {kind}, "coordinates": [[0, 0], [0, 1]]}}', encoding="utf-8")
+    with pytest.raises(InputError):
+        read_waypoints(file)
