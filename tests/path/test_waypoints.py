@@ -375,8 +375,7 @@ def test_recorded_motorway_is_read(data_dir: FilePath) -> None:
 
 
 @pytest.mark.parametrize("kind", ['["LineString"]', '{"a": 1}', "1", "null"])
-def test_geojson_type_of_other_kind_is_no_line(tmp_path: Path, kind: str) -> None:
-    file = tmp_path / "a.geojson"
-    file.write_text(f'{{"type": {kind}, "coordinates": [[0, 0], [0, 1]]}}', encoding="utf-8")
+def test_geojson_type_of_other_kind_is_no_line(tmp_path: FilePath, kind: str) -> None:
+    file = put(tmp_path, "a.geojson", f'{{"type": {kind}, "coordinates": [[0, 0], [0, 1]]}}')
     with pytest.raises(InputError):
         read_waypoints(file)
