@@ -18,13 +18,13 @@ help:
 	@echo "make bench     run times and budgets, into docs/performance.md (10 minutes)"
 	@echo "make table1    the planning methods of the paper's Table 1 compared, into docs/table1.md (10 minutes)"
 	@echo "make validate  the tests and studies in full, into docs/validation.md (hours, resumable)"
-	@echo "make trials    measure the library in cases and traffic from outside (4 minutes)"
+	@echo "make trials    measure the library in cases and traffic from outside (a minute)"
 	@echo "make package   check that wheel and sdist build, install and pass the tests in clean environments;"
 	@echo "               keeps neither (needs the network)"
 	@echo "make clean     remove what was built; .venv stays"
 
 demo: .venv/demo.stamp
-	@echo "make demo: drives for about 2 minutes, then writes out/report.html (30 MB)"
+	@echo "make demo: drives for about a minute, then writes out/report.html (9 MB)"
 	@$(call editable,[plot,plant])
 	$(BIN)/python examples/paper_scenarios.py --out out
 
