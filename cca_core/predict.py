@@ -105,11 +105,11 @@ def reachable_interval(
     speed = np.abs(v)
     ahead = t >= 0.0
     since = np.maximum(t, 0.0) + age * ahead
-    reckoned = np.minimum(age, STALE_AGE)
-    measured = np.maximum(speed - rate * reckoned, 0.0)
+    dead_reckoned = np.minimum(age, STALE_AGE)
+    measured = np.maximum(speed - rate * dead_reckoned, 0.0)
     # the smallest normal number avoids an overflow for denormal decelerations
     slows = np.minimum(since, measured / max(braking, 1e-300)) if braking > 0.0 else since
-    counted = speed * age - 0.5 * rate * reckoned * reckoned
+    counted = speed * age - 0.5 * rate * dead_reckoned * dead_reckoned
     known = speed * np.minimum(t, 0.0) - counted * ahead
     shortest = np.where(ahead, measured * slows - 0.5 * braking * slows * slows, 0.0) + known
     longest = np.where(ahead, measured * since + 0.5 * acceleration * since * since, 0.0) + known
