@@ -122,7 +122,7 @@ def _plain(record: object) -> RemoteVehicle | str:
         return "not a RemoteVehicle"
     reason = record.invalid_reason
     if reason is not None:
-        return reason
+        return str(reason)  # a class of the caller's may return anything
     if type(record) is RemoteVehicle and _PLAIN_TYPES.issuperset(map(type, _VALUES(record))):
         height: tuple[object, object] = record.z, record.sigma_z
         if isinstance(height[0], float | None) and isinstance(height[1], float):

@@ -18,7 +18,12 @@ from cca_core.v2x._reported_motion import (
 from cca_core.v2x._tracks import Track, Tracks
 from cca_core.v2x.bsm import Bsm
 from cca_core.v2x.motion import Fix, predicted_displacement
-from cca_core.v2x.plausibility import POSITION_CHECKS, implausible_motion, implausible_state
+from cca_core.v2x.plausibility import (
+    POSITION_CHECKS,
+    PlausibilitySettings,
+    implausible_motion,
+    implausible_state,
+)
 from cca_core.v2x.tracker_settings import TrackerSettings
 from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED
 
@@ -27,6 +32,8 @@ __all__ = ["Intake"]
 _MAX_REVERSING = 20.0  # speed in reverse [m/s]
 _MIN_RIVAL_MESSAGES, _MIN_RIVAL_TIME = 4, 0.25  # of a second body under one id [-, s]
 _MAX_RIVALS = 3
+_MIN_PERIOD = 0.08  # between two messages of one sender; closer ones may come from two bodies [s]
+_MIN_SEPARATION = 1.8  # across, of two bodies next to each other [m]
 _MAX_CHANGE_GAP = 15.0  # message gap after which a new id may be that of a stale track [s]
 
 
@@ -143,7 +150,11 @@ class Intake:
 
     def _update(self, track: Track, message: Track) -> str:
         """Update a track with its sender's next message, or coast if its position is rejected."""
-        failed = self._compare(track, message)
+        failed, limits = self._compare(track, message), self.settings.plausibility
+        if not failed and limits.displacement and track.timed and message.timed:
+            interval = message.fix.t - track.fix.t
+            if 0.0 < interval < _MIN_PERIOD and not _may_be_same_body(track, message, limits):
+                failed = "displacement"
         if not failed and self._overlaps_track(message, track):
             failed = "overlap"
         elif (
@@ -170,12 +181,7 @@ class Intake:
     def _consider_rival(self, track: Track, message: Track) -> str:
         """Return "separated" if a message becomes the track of a second body, "rival" if it may soon."""
         # a sender that jumps is at one place at a time; of two senders, both are heard in turn
-        dt = message.fix.t - track.fix.t
-        limits, v = self.settings.plausibility, max(abs(track.fix.v), abs(message.fix.v))
-        tolerance = limits.position_tolerance + limits.time_tolerance * v
-        tolerance += 0.25 * limits.max_acceleration * dt * dt
-        position = message.fix.x, message.fix.y
-        if math.dist(position, _position_at(track.fix, message.fix.t)) <= tolerance:
+        if _may_be_same_body(track, message, self.settings.plausibility):
             return ""
         n = 1
         kept = [r for r in track.rivals if message.fix.t - r[0].fix.t <= 1.0]
@@ -195,7 +201,7 @@ class Intake:
         if key is None:
             return "rival"
         track.rivals = kept
-        message.id, message.ref = key, position
+        message.id, message.ref = key, (message.fix.x, message.fix.y)
         self.tracks.add(message)
         return "separated"
 
@@ -293,3 +299,20 @@ def _position_at(fix: Fix, t: float) -> tuple[float, float]:
     """Position at a time before or after a fix, at constant speed [m]."""
     s = fix.v * (t - fix.t)
     return fix.x + s * math.cos(fix.psi), fix.y + s * math.sin(fix.psi)
+
+
+def _may_be_same_body(track: Track, message: Track, limits: PlausibilitySettings) -> bool:
+    """Return whether a message may come from the body of a track: two bodies would not fit there."""
+    dt, v = message.fix.t - track.fix.t, max(abs(track.fix.v), abs(message.fix.v))
+    unknown = 0.25 * limits.max_acceleration * dt * dt
+    tolerance = limits.time_tolerance * v + unknown
+    x, y = _position_at(track.fix, message.fix.t)
+    off_x, off_y = message.fix.x - x, message.fix.y - y
+    if math.hypot(off_x, off_y) > limits.position_tolerance + tolerance:
+        return False
+    if track.motion.psi is None or message.motion.psi is None:
+        return True
+    cos, sin = math.cos(track.fix.psi), math.sin(track.fix.psi)
+    along, across = abs(off_x * cos + off_y * sin), abs(off_y * cos - off_x * sin)
+    length, width = 0.5 * (track.length + message.length), 0.5 * (track.width + message.width)
+    return along <= length + tolerance and across <= max(width, _MIN_SEPARATION) + unknown

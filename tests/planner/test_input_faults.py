@@ -321,6 +321,12 @@ class _RaisingMethod(RemoteVehicle):
         raise KeyError
 
 
+class _NumberAsReason(RemoteVehicle):
+    @property
+    def invalid_reason(self) -> str | None:
+        return math.nan  # type: ignore[return-value]
+
+
 class _RaisingProperty(RemoteVehicle):
     @property
     def sigma_z(self) -> float:  # type: ignore[override]
@@ -355,6 +361,7 @@ class _RaisingWhole:
 
 _RAISING: dict[str, Callable[[], Any]] = {
     "method": lambda: _RaisingMethod(id="a", x=40.0, y=0.0, psi=0.0, v_x=0.0),
+    "number-as-reason": lambda: _NumberAsReason(id="a", x=40.0, y=0.0, psi=0.0, v_x=0.0),
     "property": lambda: _RaisingProperty(id="a", x=40.0, y=0.0, psi=0.0, v_x=0.0),
     "number": lambda: car(40.0, length=_RaisingNumber(4.0)),
     "text": lambda: car(40.0, id=_RaisingText("a")),

@@ -42,6 +42,20 @@ def test_two_senders_of_one_id_are_two_bodies(phase: float, n: int, v: float) ->
     assert len({v.id for v in tracker.vehicles(t)}) == 2
 
 
+@pytest.mark.parametrize("phase", [-0.05, -0.013, 0.02, 0.06], ids=str)
+@pytest.mark.parametrize(
+    ("x", "y"), [(0.0, 3.5), (3.0, 3.0), (5.5, 0.0)], ids=["alongside", "diagonal", "queue"]
+)
+def test_two_close_bodies_of_one_id_are_two_bodies(phase: float, x: float, y: float) -> None:
+    """Both are stationary; neither hides the other, whichever was received first."""
+    tracker = Tracker(FRAME)
+    for k in range(11):
+        t = T0 + 0.1 * k
+        tracker.update(bsm(t, 100.0 + x, y, v=0.0, n=k), t + 0.02)
+        tracker.update(bsm(t + phase, 100.0, v=0.0, n=k + 17), t + max(phase, 0.0) + 0.02)
+    assert positions(tracker, t) == [(100.0, 0.0), (100.0 + x, y)]
+
+
 def test_three_senders_of_one_id_are_three_bodies() -> None:
     tracker = Tracker(FRAME)
     for k in range(31):
