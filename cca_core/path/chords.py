@@ -8,10 +8,12 @@ from cca_core._checks import Array, Index, Mask
 
 __all__ = ["bridge_gaps", "chord_deviation", "max_neighbor_chord"]
 
+_MAX_ADDED = 100_000  # points on long chords [-]
+
 
 def bridge_gaps(points: Array, chords: Array) -> tuple[Array, Mask]:
     """Add points on very long chords, where a fit is to be straight; return them and which are given."""
-    gap = max(4.0 * float(np.median(chords)), 20.0)  # [m]
+    gap = max(4.0 * float(np.median(chords)), 20.0, float(chords.sum()) / _MAX_ADDED)  # [m]
     parts = np.ceil(chords / gap).astype(int)
     index = np.repeat(np.arange(len(chords)), parts)
     fraction = (np.arange(len(index)) - np.repeat(np.cumsum(parts) - parts, parts)) / parts[index]

@@ -138,8 +138,9 @@ def over_arc_length(curve: Path, closed: bool) -> Path:
         half = 0.5 * np.diff(breaks)[:, None]
         first = curve.derivatives(breaks[:-1, None] + half * (1.0 + x))[1]
         lengths = (half * np.hypot(first[..., 0], first[..., 1])) @ w
-        if not (lengths > 1e-9).all():  # a curve that turns back on the spot
-            breaks = breaks[np.append(True, lengths > 1e-9)]
+        kept = lengths > max(1e-9, 1e-14 * float(lengths.sum()))
+        if not kept.all():  # a curve that turns back on the spot
+            breaks = breaks[np.append(True, kept)]
             if len(breaks) < 2:
                 raise InfeasibleError("no curve is left between the waypoints")
             continue

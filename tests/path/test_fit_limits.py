@@ -10,6 +10,7 @@ from scipy.special import fresnel
 
 from cca_core.errors import InfeasibleError, InputError
 from cca_core.path import LocalFrame, Path, clean_route, fit_path
+from cca_core.path.interpolate import over_arc_length
 from cca_core.sim import demo_route
 
 
@@ -181,3 +182,20 @@ def test_infeasible_limit_returns_nearest_path() -> None:
     with pytest.raises(InfeasibleError, match=r"^no path with a radius of at least 50 m") as error:
         fit_path(xy, tolerance=0.3, curvature_limit=0.02, max_deviation=1.0)
     assert isinstance(error.value.result, Path)
+
+
+def test_gap_of_any_length_is_bridged_with_a_bounded_number_of_points() -> None:
+    path = fit_path([(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1e12, 0.0)])
+    assert path.length == pytest.approx(1e12)
+    assert len(path.breaks) < 200_000
+
+
+def test_arc_length_ignores_steps_below_the_resolution_of_the_length() -> None:
+    """A step of 2 nm behind 100 000 km does not increase the station."""
+    steps = [
+        [[0, 0, 1e8, 0], [0, 0, 0, 0]],
+        [[0, 0, 0, 1e8], [0, 0, 2e-9, 0]],
+        [[0, 0, 5, 1e8], [0, 0, 0, 0]],
+    ]
+    path = over_arc_length(Path([0.0, 1e8, 1e8 + 1.0, 1e8 + 6.0], steps), closed=False)
+    assert (np.diff(path.breaks) > 0.0).all()
