@@ -33,6 +33,7 @@ _MAX_REVERSING = 20.0  # speed in reverse [m/s]
 _MIN_RIVAL_MESSAGES, _MIN_RIVAL_TIME = 4, 0.25  # of a second body under one id [-, s]
 _MAX_RIVALS = 3
 _MIN_PERIOD = 0.08  # between two messages of one sender; closer ones may come from two bodies [s]
+_RIVAL_NOISE = 0.5  # between successive messages of a close second body [m]
 _MIN_SEPARATION = 1.8  # across, of two bodies next to each other [m]
 _MAX_CHANGE_GAP = 15.0  # message gap after which a new id may be that of a stale track [s]
 
@@ -183,10 +184,16 @@ class Intake:
         # a sender that jumps is at one place at a time; of two senders, both are heard in turn
         if _may_be_same_body(track, message, self.settings.plausibility):
             return ""
+        # noise of one sender may look like a close body, but does not stay in one place
+        distance = math.dist(message.fix[1:3], _position_at(track.fix, message.fix.t))
+        tolerance = (
+            _RIVAL_NOISE if distance <= 2.0 * self.settings.plausibility.position_tolerance else math.inf
+        )
         n = 1
         kept = [r for r in track.rivals if message.fix.t - r[0].fix.t <= 1.0]
         for rival, count in kept:
-            if message.fix.t > rival.fix.t and not self._compare(rival, message):
+            off = math.dist(message.fix[1:3], _position_at(rival.fix, message.fix.t))
+            if message.fix.t > rival.fix.t and off <= tolerance and not self._compare(rival, message):
                 message.t_first, message.first_reported = rival.t_first, rival.first_reported
                 n, kept = count + 1, [r for r in kept if r[0] is not rival]
                 break

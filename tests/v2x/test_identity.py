@@ -56,6 +56,21 @@ def test_two_close_bodies_of_one_id_are_two_bodies(phase: float, x: float, y: fl
     assert positions(tracker, t) == [(100.0, 0.0), (100.0 + x, y)]
 
 
+@pytest.mark.parametrize("noise", [1.0, 2.0])
+def test_noisy_sender_over_two_channels_is_one_body(noise: float) -> None:
+    tracker, rng = Tracker(FRAME), random.Random(1)
+    sent = [
+        bsm(T0 + 0.1 * k, k + rng.gauss(0.0, noise), rng.gauss(0.0, noise), v=10.0, n=k % 128)
+        for k in range(200)
+    ]
+    for k in range(203):
+        if k < 200:
+            tracker.update(sent[k], T0 + 0.1 * k + 0.02)
+        if k >= 3:
+            tracker.update(sent[k - 3], T0 + 0.1 * k + 0.02)
+    assert tracker.counts["separated"] == 0
+
+
 def test_three_senders_of_one_id_are_three_bodies() -> None:
     tracker = Tracker(FRAME)
     for k in range(31):
