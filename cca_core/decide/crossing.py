@@ -184,8 +184,8 @@ def find_conflict_for_sweep(
     v, age = abs(remote.v_x), remote.age
     nominal = max(v, settings.standstill_speed)
     # since the measurement it may have driven otherwise than with the reported acceleration
-    rate, reckoned = (-remote.a_x if remote.v_x < 0.0 else remote.a_x), min(age, STALE_AGE)
-    gained, counted = rate * reckoned, rate * reckoned * (age - 0.5 * reckoned)
+    rate, elapsed = (-remote.a_x if remote.v_x < 0.0 else remote.a_x), min(age, STALE_AGE)
+    gained, counted = rate * elapsed, rate * elapsed * (age - 0.5 * elapsed)
     speed_change = max(settings.a_max, settings.b_max) * age
     faster = max(speed_change, settings.a_max * age - gained)
     if v + faster - speed_change < settings.standstill_speed:
