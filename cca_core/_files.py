@@ -116,7 +116,7 @@ def parse_tree(data: bytes, name: str) -> ElementTree.Element:
 
 
 def parse_json(data: str | bytes, name: str) -> Any:
-    """Return the value of a JSON text; `name` says what it is."""
+    """Return the value of a JSON text; `name` names it in messages."""
     try:
         raw = data.encode() if isinstance(data, str) else data
         brackets = np.frombuffer(_JSON_TEXT.sub(b"", raw), dtype=np.uint8)

@@ -225,7 +225,7 @@ class VehicleState:
             for field in fields(self):
                 if field.name != "t" or self.t is not None:
                     check_real(field.name, getattr(self, field.name))
-        if self.v_x < -0.5:
+        if self.v_x < -STANDSTILL_SPEED:
             raise InputError(f"v_x must be at least -0.5 m/s (forward driving), was {self.v_x:g}")
 
 

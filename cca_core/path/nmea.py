@@ -34,7 +34,7 @@ def read_nmea(data: bytes, name: str) -> Fixes:
 
 
 class _Epoch:
-    """What the sentences of one time say."""
+    """Values in the sentences of one time."""
 
     def __init__(
         self, time: str | None = None, number: int = 0, midnight: float = 0.0, before: float = -math.inf
@@ -52,7 +52,7 @@ class _Epoch:
 
     @property
     def t(self) -> float:
-        """Time since 1970 [s], or since the first midnight if no date is told."""
+        """Time since 1970 [s], or since the first midnight if no date is given."""
         return self.midnight + self._of_day
 
     def take(self, kind: str, fields: list[str]) -> None:

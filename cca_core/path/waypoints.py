@@ -102,7 +102,7 @@ def read_waypoints(file: str | FilePath, *, skip_invalid: bool = True) -> Waypoi
     Parameters
     ----------
     file : str or pathlib.Path
-        The name's ending tells the format:
+        The ending of its name gives the format:
 
         - ``.gpx``: track points, else route points, else waypoints.
         - ``.csv``, ``.tsv``, ``.txt``: a table with a header and commas, semicolons or tabs. It names

@@ -31,7 +31,7 @@ class DecisionSettings:
     max_level_gap : float
         Greater differences of height are errors, such as ellipsoid against sea level; the vehicle blocks [m].
     max_grade : float
-        Grade of roads that cross the route [-]. A vehicle beside the route may be higher by this times its
+        Grade of roads that cross the route [-]. A vehicle off the route may be higher by this times its
         lateral offset and still be on a road that meets it.
     max_state_age : float
         Age of the ego's state above which it counts as lost [s].

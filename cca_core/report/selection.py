@@ -19,8 +19,8 @@ def group_by_case(logs: Iterable[Log]) -> list[list[Log]]:
     -------
     groups : list of list of Log
         Scenarios in the order in which they first occur. In each group the runs without V2V come first, and
-        the plants of an ego type in the order in which they first occur. The cases of ``eebl`` say which
-        vehicles are connected, so they are one group.
+        the plants of an ego type in the order in which they first occur. The cases of ``eebl`` differ in
+        the connected vehicles and are one group.
     """
     groups: dict[tuple[str, str | None], list[Log]] = {}
     for log in logs:

@@ -111,7 +111,7 @@ def load_log(path: str | FilePath) -> Log:
 
 
 def _read_arrays(path: str | FilePath) -> dict[str, Any]:
-    """Return the arrays of an archive; none takes more memory than the archive says and may say."""
+    """Return the arrays of an archive of bounded size."""
     with ZipFile(path) as archive:
         members = archive.infolist()
         if sum(member.file_size for member in members) > _MAX_BYTES:
@@ -137,7 +137,7 @@ def _array(data: bytes) -> Array:
     shape, is_fortran, dtype = read_header(stream)
     begin = stream.tell()
     if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != len(data) - begin or dtype.hasobject:
-        raise ValueError(f"an array of {len(data) - begin} bytes says that it has shape {shape}")
+        raise ValueError(f"an array of {len(data) - begin} bytes cannot have shape {shape}")
     flat = np.frombuffer(data, dtype, offset=begin) if begin < len(data) else np.empty(0, dtype)
     array: Array = flat.reshape(shape, order="F" if is_fortran else "C").copy()
     return array

@@ -74,7 +74,7 @@ class SenderClocks:
             if len(self._senders) >= _MAX_SENDERS:
                 return
             marks = self._senders[sender] = _Marks()
-        # an earlier mark comes from a late or replayed message, an equal one tells nothing new
+        # an earlier mark comes from a late or replayed message, an equal one is not new
         elif marks.mark is not None and (mark - marks.mark + 30.0) % 60.0 <= 30.0:
             return
         marks.mark = mark

@@ -79,7 +79,7 @@ class MessageRates:
         self._bins[-1][1][kind] += 1
 
     def last_second(self, t: float) -> Counter[str]:
-        """Return the counts of the last second, without those that say nothing about the radio."""
+        """Return the counts of the last second, without those that do not depend on the radio."""
         index, total = math.floor(10.0 * t), Counter[str]()
         for at, counts in self._bins:
             if index - 10 < at <= index + 5:  # messages may be processed ahead of the time of a cycle

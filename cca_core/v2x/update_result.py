@@ -8,7 +8,7 @@ ACCEPTED_KINDS = frozenset({"new", "updated", "readmitted", "reassociated", "sep
 """Kinds of accepted messages."""
 
 UNCOUNTED_KINDS = frozenset({"own", "other_message"})
-"""Kinds of rejected messages that say nothing about the health of the radio."""
+"""Kinds of rejected messages that do not depend on the health of the radio."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

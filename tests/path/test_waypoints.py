@@ -282,6 +282,7 @@ BROKEN = [
     ("a.csv", "lat,lon\n1,2\n1,2\n1,2\n", r"'a\.csv' must have at least two different points"),
     ("a.csv", "lat,lon\n1,2\n3\n", r"two points, had 1; 1 without a position"),
     ("a.csv", "lat,lon\n1,2\n1_0,\u0663\n", r"two points, had 1; 1 without a position"),
+    ("a.csv", b"lat,lon\n\xff\xfe,2\n3,4\n", r"two points, had 1; 1 without a position"),
     ("a.csv", "lat,lon\n1,2\n91,4\n", r"latitude must be within \+-90 deg, was 91 in point 1 of 'a\.csv'"),
     ("a.csv", "lat,lon\n1,2\n3,-180.5\n", r"longitude must be within \+-180 deg, was -180\.5 in point 1"),
     ("a.csv", "lat,lon\n-111.04,41.2\n-111.05,41.3\n", r"latitude must be within .* was -111\.04 in point 0"),

@@ -48,7 +48,7 @@ def drive(
 
 
 class Health:
-    """What a receiver says of itself."""
+    """What a receiver reports of itself."""
 
     def __init__(self, trusted: bool, reason: str = "no message accepted") -> None:
         self.trusted, self.reason = trusted, reason

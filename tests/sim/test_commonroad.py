@@ -270,7 +270,7 @@ def test_states_are_ordered_and_repeated_ones_dropped(tmp_path: Path) -> None:
 
 
 def test_heading_and_speed_follow_from_the_motion(tmp_path: Path) -> None:
-    """Point masses tell no heading; some files tell no speed."""
+    """Point masses have no heading, some files no speed."""
     states = [state("state", k, 60.0 + k, 2.0 * k, 0.0) for k in range(4)]
     bare = moving(31, states)
     for inner in ("<orientation><exact>0.0</exact></orientation>", "<velocity><exact>0.0</exact></velocity>"):

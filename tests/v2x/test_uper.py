@@ -3,7 +3,6 @@
 import os
 import sys
 import tracemalloc
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -15,10 +14,10 @@ from cca_core.v2x import Bsm, decode_bsm, encode_bsm
 from cca_core.v2x.events import EVENTS, decode_events, encode_events
 from cca_core.v2x.uper import BitFields, close_frame, open_frame, open_type, take, take_open_type
 from tests.support import asn1_peer as peer
+from tests.support.spoiled_frames import spoiled_frames
 
 FULL = os.environ.get("CCA_HYPOTHESIS_PROFILE") == "full"
 FRAMES = 1_000_000 if FULL else 20_000
-KINDS = 6
 
 
 @given(fields=st.lists(st.integers(1, 64).flatmap(lambda n: st.tuples(st.just(n), st.integers(0, 2**n - 1)))))
@@ -145,42 +144,6 @@ def test_reserved_codes_are_unavailable(name: str, code: int) -> None:
     assert found[name] is None
 
 
-def whole_frames(rng: np.random.Generator) -> list[bytes]:
-    """Frames of all kinds: short and long, with and without events, other parts and regional content."""
-    frames = [encode_bsm(Bsm(msg_count=1, id="00c0ffee", events=frozenset(EVENTS[:n]))) for n in range(15)]
-    for i in range(60):
-        parts = [{"kind": int(rng.integers(3)), "content": b"\x01" + rng.bytes(30 * i)} for _ in range(i % 9)]
-        regional = [{"kind": 1, "content": rng.bytes(i)}] * (i % 4)
-        frames.append(peer.message(peer.random_core(rng), parts, regional))
-    return frames
-
-
-def garbage(seed: int, count: int) -> Iterator[bytes]:
-    """Random, truncated, bit-flipped and spliced frames."""
-    rng = np.random.default_rng(seed)
-    whole = whole_frames(rng)
-    for i in range(count):
-        frame, other = whole[rng.integers(len(whole))], whole[rng.integers(len(whole))]
-        cut = int(rng.integers(len(frame) + 1))
-        match i % KINDS:
-            case 0:
-                yield rng.bytes(int(rng.integers(300)))
-            case 1:
-                body = rng.bytes(int(rng.integers(37, 127)))
-                yield bytes((0, 20, len(body))) + body
-            case 2:
-                yield frame[:cut]
-            case 3:
-                flipped = bytearray(frame)
-                for bit in rng.integers(8 * len(frame), size=rng.integers(1, 9)):
-                    flipped[bit // 8] ^= 1 << bit % 8
-                yield bytes(flipped)
-            case 4:
-                yield frame[:cut] + other[cut:]
-            case _:
-                yield frame[:40] + rng.bytes(int(rng.integers(len(frame))))
-
-
 def decoded(data: bytes) -> bool:
     try:
         decode_bsm(data)
@@ -206,13 +169,13 @@ def calls(data: bytes) -> int:
 
 
 def test_random_bytes_raise_input_error_only() -> None:
-    usable = sum(decoded(data) for data in garbage(0, FRAMES))
+    usable = sum(decoded(data) for data in spoiled_frames(0, FRAMES))
     assert 0.02 * FRAMES < usable < 0.9 * FRAMES  # neither all garbage nor all whole
 
 
 def test_work_of_decoding_is_bounded() -> None:
     """A message has at most 8 parts; each takes a few calls."""
-    assert max(calls(data) for data in garbage(2, FRAMES // 20)) < 400
+    assert max(calls(data) for data in spoiled_frames(2, FRAMES // 20)) < 400
 
 
 @pytest.mark.parametrize("length", [100_000, 10_000_000])
@@ -231,7 +194,7 @@ def test_work_does_not_grow_with_garbage(length: int) -> None:
 
 
 def test_garbage_leaves_no_memory() -> None:
-    frames = list(garbage(1, FRAMES // 20))
+    frames = list(spoiled_frames(1, FRAMES // 20))
     for data in frames:
         decoded(data)
     tracemalloc.start()

@@ -102,7 +102,7 @@ def sample_problem(kind: Kind, seed: int, settings: SamplingSettings | None = No
         Obstacles: one stationary car; three stationary cars to be passed left, right and left; one
         stationary car on a curve; a slower car, and a second one, oncoming in half of the problems; two
         stationary cars with a gap between them; or a blocked road: a wall of cars, a car too close, or a
-        car beside which the ego meets an oncoming one.
+        stationary car that the ego reaches together with an oncoming one.
     seed : int
         Seed of the ego's speed and of the positions and speeds of the other vehicles.
     settings : SamplingSettings, optional

@@ -19,7 +19,7 @@ def parse(file: str | FilePath) -> Element:
 
 
 def child(element: Element, tag: str, name: str) -> Element:
-    """Return the one child with a tag; `name` says what `element` is."""
+    """Return the one child with a tag; `name` names `element` in messages."""
     found = element.findall(tag)
     if len(found) != 1:
         raise InputError(f"{name} must hold one {tag}, held {len(found)}")

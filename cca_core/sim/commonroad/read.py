@@ -18,11 +18,9 @@ from cca_core.sim.commonroad.lanelets import Lanelet
 from cca_core.sim.commonroad.obstacles import MAX_TIME_STEP, ROLES, read_obstacle, read_state
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, Goal, PlanningProblem, RecordedObstacle
 from cca_core.sim.commonroad.shapes import MAX_ANGLE, MIN_SIZE, corners
-from cca_core.vehicle import MAX_SPEED, VehicleState
+from cca_core.vehicle import MAX_SPEED, STANDSTILL_SPEED, VehicleState
 
 __all__ = ["read_commonroad"]
-
-_MAX_STANDSTILL = 0.5  # below it a slip angle means nothing [m/s]
 
 
 def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
@@ -165,7 +163,7 @@ class _Reader:
             middle(start, tag, where, limit) for tag, limit in (("slipAngle", MAX_ANGLE), ("yawRate", 10.0))
         )
         if abs(beta) > 1.5:
-            if v > _MAX_STANDSTILL:
+            if v > STANDSTILL_SPEED:
                 raise InputError(f"slipAngle of {where} must be at most 1.5, was {beta:g}")
             beta = 0.0
             self._changed.append(f"{name}: slip angle at standstill left out")

@@ -152,6 +152,12 @@ class StudyTable:
         ------
         InputError
             If the type is unknown, or the confidence out of range.
+
+        Examples
+        --------
+        >>> rows = ({"v2v_collided_with": "", "avoiding_action": "brake"},) * 2000
+        >>> StudyTable(scenario="eebl", rows=rows).rate("v2v").upper_bound
+        0.00149...
         """
         counted = self.avoidable if among is None else among
         collided = int(np.sum(self.collided(ego_type) & counted))
