@@ -1,12 +1,16 @@
 """Sphinx configuration; the site is built offline and asks for nothing from the network."""
 
+from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
+from pkgutil import iter_modules, walk_packages
 from re import findall
 from shutil import rmtree
+from types import ModuleType
 
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
+from sphinx.pycode import ModuleAnalyzer
 
 import cca_core
 
@@ -28,7 +32,7 @@ exclude_patterns = ["_build"]
 mathjax = files("mathjax") / "static" / "mathjax"
 mathjax_path = "tex-svg.js"
 
-# Sphinx takes only what is beside it: the notebooks are copied, and link to the pages of the site.
+# Sphinx takes only what is next to it: the notebooks are copied, and link to the pages of the site.
 notebooks = Path(__file__).parent / "generated" / "notebooks"
 rmtree(notebooks, ignore_errors=True)
 notebooks.mkdir(parents=True)
@@ -65,6 +69,35 @@ def check_offline(app: Sphinx, failure: Exception | None) -> None:
             raise ExtensionError(f"{page.name} loads {', '.join(sorted(set(tags)))}")
 
 
+public = {
+    package: getattr(package, "__all__", [])
+    for package in (import_module(f"cca_core.{m.name}") for m in iter_modules(cca_core.__path__) if m.ispkg)
+}
+
+
+def document_constants(package: ModuleType) -> None:
+    """Give a package the texts of the constants that it lists: autodoc looks for them there alone."""
+    face = ModuleAnalyzer.for_module(package.__name__)
+    face.analyze()
+    for module in walk_packages(package.__path__, f"{package.__name__}."):
+        for (scope, name), text in ModuleAnalyzer.for_module(module.name).find_attr_docs().items():
+            if not scope and name in public[package]:
+                face.attr_docs[scope, name] = text
+
+
+def check_names(app: Sphinx, failure: Exception | None) -> None:
+    """Refuse a reference that lacks a public name."""
+    if failure:
+        return
+    text = "".join(page.read_text(encoding="utf-8") for page in Path(app.outdir, "api").glob("*.html"))
+    names = [f"{package.__name__}.{name}" for package in public for name in public[package]]
+    if missing := [name for name in names if f'id="{name}"' not in text]:
+        raise ExtensionError(f"the reference lacks {', '.join(missing)}")
+
+
 def setup(app: Sphinx) -> None:
-    """Look at the pages when they are written."""
+    """Prepare the reference, and look at the pages when they are written."""
+    for package in public:
+        document_constants(package)
     app.connect("build-finished", check_offline)
+    app.connect("build-finished", check_names)

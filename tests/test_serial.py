@@ -13,11 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core import Band, InputError, Lane, Path, RemoteVehicle, Road, Status, VehicleParams, relax_band
-from cca_core._version_1 import CLASSES, FIELDS
 from cca_core.band import BandStiffness
 from cca_core.decide import Decision
 from cca_core.planner.settings import EvasionSettings
 from cca_core.serial import from_dict, to_dict
+from cca_core.serial.version_1 import CLASSES, FIELDS
 from cca_core.sim import Scenario, overtaking
 from cca_core.v2x import ChannelSettings, TrackerSettings
 from tests.support.recorded_data import CAR, ROUTE, examples, parts, public_records

@@ -14,6 +14,8 @@ from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
 
 Side = Literal["left", "right"]
+"""Side on which the ego passes an obstacle."""
+
 _ALIGNED = 0.02  # sine of the angle below which a box counts as parallel
 _END_SLOPE = 0.5  # at which bounds fall beyond the ends of an obstacle, steeper than any band [-]
 _OF_OBSTACLES = (

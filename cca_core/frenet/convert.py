@@ -11,7 +11,8 @@ from cca_core.frenet.branches import Branches
 from cca_core.frenet.records import FrenetVehicle
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import Path
-from cca_core.vehicle import RemoteVehicle, is_finite_number
+from cca_core.vehicle import RemoteVehicle
+from cca_core.vehicle.remote import is_finite_number
 
 __all__ = ["CROSSING_SINE", "INCOMPLETE", "to_frenet", "valid_vehicles"]
 

@@ -21,8 +21,8 @@ from cca_core.vehicle import (
     RemoteVehicle,
     VehicleParams,
     VehicleState,
-    is_finite_number,
 )
+from cca_core.vehicle.remote import is_finite_number
 
 __all__ = [
     "CycleClock",

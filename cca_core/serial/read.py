@@ -1,76 +1,22 @@
-"""Conversion of settings and results to plain dictionaries for JSON, and back."""
+"""Settings and results from their descriptions."""
 
-import dataclasses
-import inspect
 import math
 from collections.abc import Callable, Mapping
 from enum import Enum
-from functools import cache
 from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 
-from cca_core._checks import Array
-from cca_core._version_1 import CLASSES, updated_fields, updated_value
 from cca_core.errors import InputError
-from cca_core.path import Lane, LocalFrame, Path, Road
+from cca_core.serial.fields import VERSION, field_types, required_fields
+from cca_core.serial.version_1 import CLASSES, updated_fields, updated_value
 
-__all__ = ["VERSION", "from_dict", "to_dict"]
-
-VERSION = 2
-"""Version of the dictionaries that are written; version 1 is read as well."""
+__all__ = ["from_dict"]
 
 T = TypeVar("T")
 
-_MADE_OF: dict[type, dict[str, Any]] = {
-    Path: {"breaks": Array, "coefficients": Array},
-    Road: {
-        "path": Path,
-        "lanes": tuple[Lane, ...],
-        "speed_limit": float,
-        "stop_lines": tuple[float, ...],
-        "elevation": Array | None,
-        "sigma_elevation": float,
-    },
-    LocalFrame: {"lat0": float, "lon0": float},
-}
 _NOT_FINITE = {"Infinity": math.inf, "-Infinity": -math.inf, "NaN": math.nan}
-
-
-def to_dict(value: object) -> dict[str, Any]:
-    """Describe settings or a result by JSON types.
-
-    Parameters
-    ----------
-    value : object
-        A dataclass of this library, such as `VehicleParams` or one `Band`; or a `Path`, `Road`, `LocalFrame`.
-
-    Returns
-    -------
-    data : dict
-        Fields by name, with ``"type"`` and ``"version"``. Numbers are exact, also after `json.dumps`.
-
-    Raises
-    ------
-    InputError
-        If the value or a part of it cannot be described.
-
-    Notes
-    -----
-    Tuples, sets and arrays become lists, a complex number the pair of its parts, an array without elements
-    ``{"shape": [...]}``, an enum its name, bytes hexadecimal digits. Floats that are not finite become
-    ``"Infinity"``, ``"-Infinity"`` and ``"NaN"``, as in the JSON of protocol buffers.
-
-    Examples
-    --------
-    >>> to_dict(Lane(d=3.5, direction=-1))
-    {'type': 'Lane', 'version': 2, 'd': 3.5, 'width': 3.5, 'direction': -1}
-    """
-    if _fields(type(value)) is None:
-        raise InputError(f"value must be settings or a result, was {type(value).__name__}")
-    described = _described(value, type(value).__name__)
-    return {"type": described.pop("type"), "version": VERSION, **described}
 
 
 def from_dict(kind: type[T], data: Mapping[str, Any]) -> T:
@@ -97,10 +43,11 @@ def from_dict(kind: type[T], data: Mapping[str, Any]) -> T:
 
     Examples
     --------
+    >>> from cca_core import Lane
     >>> from_dict(Lane, {"d": 3.5, "direction": -1})
     Lane(d=3.5, width=3.5, direction=-1)
     """
-    if _fields(kind) is None:
+    if field_types(kind) is None:
         raise InputError(f"kind must be a class of settings or results, was {kind!r}")
     given: object = data  # a file may hold anything
     version = given.get("version", VERSION) if isinstance(given, Mapping) else VERSION
@@ -108,55 +55,6 @@ def from_dict(kind: type[T], data: Mapping[str, Any]) -> T:
         raise InputError(f"version must be 1 or {VERSION}, was {version!r}")
     made: T = _object(kind, data, "", version == 1)
     return made
-
-
-def _fields(kind: Any) -> dict[str, Any] | None:
-    """Type of each field; None if the class cannot be described."""
-    return _fields_of(kind) if isinstance(kind, type) else None
-
-
-@cache
-def _fields_of(kind: Any) -> dict[str, Any] | None:
-    if not dataclasses.is_dataclass(kind):
-        return _MADE_OF.get(kind)
-    hints = get_type_hints(kind, include_extras=True)
-    return {field.name: hints[field.name] for field in dataclasses.fields(kind)}
-
-
-def _described(value: Any, where: str) -> Any:
-    """Describe a value; `where` is its position in messages."""
-    names = _fields(type(value))
-    if names is not None:
-        kept = {name: _described(getattr(value, name), f"{where}.{name}") for name in names}
-        return {"type": type(value).__name__, **kept}
-    if isinstance(value, Enum):
-        return value.name
-    if value is None or isinstance(value, (bool, str)):
-        return value
-    if isinstance(value, bytes):
-        return value.hex()
-    if isinstance(value, np.ndarray) and value.dtype.kind in "biufc":
-        if np.iscomplexobj(value):
-            value = np.stack((value.real, value.imag), axis=-1)
-        if not value.size:
-            return {"shape": list(value.shape)}
-        values = value.tolist()
-        return values if np.isfinite(value).all() else _described(values, where)
-    if isinstance(value, np.generic):
-        return _described(value.item(), where)
-    if isinstance(value, int):
-        return int(value)
-    if isinstance(value, float):
-        if math.isfinite(value):
-            return float(value)
-        return "NaN" if math.isnan(value) else "Infinity" if value > 0.0 else "-Infinity"
-    if isinstance(value, (tuple, list)):
-        return [_described(item, f"{where}[{i}]") for i, item in enumerate(value)]
-    if isinstance(value, frozenset):
-        return [_described(item, where) for item in sorted(value, key=str)]
-    if isinstance(value, dict):
-        return {str(key): _described(item, f"{where}.{key}") for key, item in value.items()}
-    raise InputError(f"{where} must be made of numbers, strings and records, was {type(value).__name__}")
 
 
 def _name(kind: type, old: bool) -> str:
@@ -173,28 +71,18 @@ def _object(kind: type, data: Any, where: str, old: bool) -> Any:
         raise InputError(f"{prefix}type must be {_name(kind, old)}, was {data['type']!r}")
     if old:
         data = updated_fields(kind.__name__, data)
-    hints = _fields(kind) or {}
+    hints = field_types(kind) or {}
     for name in data:
         if name not in hints and name != "type" and (name != "version" or where):
             raise InputError(f"{prefix}{name} is not a field of {kind.__name__}; it has {', '.join(hints)}")
     for name in hints:
-        if name not in data and name in _required(kind):
+        if name not in data and name in required_fields(kind):
             raise InputError(f"{prefix}{name} is missing, a field of {kind.__name__}")
     values = {name: _made(hints[name], data[name], prefix + name, old) for name in hints if name in data}
     try:
         return kind(**values)
     except InputError as error:
         raise InputError(f"{prefix}{error}") from None
-
-
-def _required(kind: type) -> frozenset[str]:
-    """Names of the fields without a default."""
-    if not dataclasses.is_dataclass(kind):
-        empty, arguments = inspect.Parameter.empty, inspect.signature(kind).parameters
-        return frozenset(name for name in _MADE_OF[kind] if arguments[name].default is empty)
-    missing = dataclasses.MISSING
-    fields = dataclasses.fields(kind)
-    return frozenset(f.name for f in fields if f.default is missing and f.default_factory is missing)
 
 
 def _made(hint: Any, data: Any, where: str, old: bool = False) -> Any:
@@ -213,7 +101,7 @@ def _made(hint: Any, data: Any, where: str, old: bool = False) -> Any:
     if origin in (dict, Mapping):
         _checked(isinstance(data, Mapping), data, where, "an object")
         return {inner[0](key): _made(inner[1], item, f"{where}.{key}", old) for key, item in data.items()}
-    if _fields(hint) is not None:
+    if field_types(hint) is not None:
         return _object(hint, data, where, old)
     if isinstance(hint, type) and issubclass(hint, Enum):
         names = list(hint.__members__)

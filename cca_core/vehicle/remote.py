@@ -1,0 +1,103 @@
+"""Reported state of a remote vehicle, and what makes a report unusable."""
+
+import math
+from dataclasses import dataclass
+from numbers import Real
+from operator import attrgetter
+
+import numpy as np
+
+from cca_core.vehicle.constants import MAX_COORDINATE, MAX_SPEED
+
+__all__ = ["RemoteVehicle", "is_finite_number"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RemoteVehicle:
+    """Reported state of another vehicle now, at the center of its body box.
+
+    The record comes from outside, so it accepts any value. `invalid_reason` is set if it cannot be used. The
+    planner drops such records with this reason.
+
+    Parameters
+    ----------
+    id : str
+        Id of the sender, or of the track of the sensor.
+    x, y, psi : float
+        Position in the local frame now, dead-reckoned by `age` [m], and heading [rad], counter-clockwise.
+    v_x, a_x : float
+        Forward speed [m/s] and acceleration [m/s^2].
+    r : float
+        Yaw rate [rad/s], left positive.
+    length, width : float
+        Body box [m].
+    age : float
+        Time since the values were measured [s].
+    sigma_along, sigma_across : float
+        Standard deviation of the position along and across the heading [m].
+    events : frozenset of str
+        Reported event flags, such as ``"hard_braking"``.
+    source : str
+        ``"v2v"`` or ``"sensor"``.
+    z : float or None
+        Height in the local frame [m]; None, or a value that is not finite, is unknown.
+    sigma_z : float
+        Standard deviation of the height [m].
+    """
+
+    id: str
+    x: float
+    y: float
+    psi: float
+    v_x: float
+    a_x: float = 0.0
+    r: float = 0.0
+    length: float = 4.5
+    width: float = 1.8
+    age: float = 0.0
+    sigma_along: float = 0.0
+    sigma_across: float = 0.0
+    events: frozenset[str] = frozenset()
+    source: str = "v2v"
+    z: float | None = None
+    sigma_z: float = 0.0
+
+    @property
+    def invalid_reason(self) -> str | None:
+        """Why the record cannot be used; None if it can."""
+        values = _REMOTE_VALUES(self)
+        if not ({float, np.float64}.issuperset(map(type, values)) and all(map(math.isfinite, values))):
+            for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
+                if not is_finite_number(value):
+                    return f"{name} must be a finite number, was {type(value).__name__} {str(value)[:20]}"
+        labels: tuple[object, object] = (self.id, self.events)
+        if not (isinstance(labels[0], str) and isinstance(labels[1], frozenset)):
+            was = " and ".join(type(label).__name__ for label in labels)
+            return f"id and events must be a string and a frozenset, were {was}"
+        if max(abs(self.x), abs(self.y)) > MAX_COORDINATE:
+            return f"position must be within {MAX_COORDINATE / 1e3:.0f} km of the origin"
+        if max(abs(self.a_x), abs(self.r)) > 100.0:
+            return f"a_x and r must be at most 100, were {self.a_x:g} m/s^2 and {self.r:g} rad/s"
+        if not (0.0 < self.length <= 400.0 and 0.0 < self.width <= 20.0):  # a train
+            return f"length and width must be within 400 m x 20 m, were {self.length:g} m x {self.width:g} m"
+        if not -20.0 <= self.v_x <= MAX_SPEED:
+            return f"v_x must be between -20 and {MAX_SPEED:g} m/s, was {self.v_x:g} m/s"
+        if not (
+            0.0 <= self.age <= 3600.0 and 0.0 <= self.sigma_along <= 1e3 and 0.0 <= self.sigma_across <= 1e3
+        ):
+            return "age and sigmas must be between 0 and 3600 s and 0 and 1000 m"
+        return None
+
+
+_REMOTE_NUMBERS = (
+    "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across",
+)  # fmt: skip
+_REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)
+
+
+def is_finite_number(value: object) -> bool:
+    """Return whether a value is a real number that a float can hold."""
+    try:
+        return isinstance(value, Real) and math.isfinite(value)
+    except OverflowError:  # a whole number beyond all floats
+        return False
