@@ -8,11 +8,12 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 export MPLBACKEND ?= Agg
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test lint docs bench table1 validate trials package clean
+.PHONY: help demo test kernel lint docs bench table1 validate trials package clean
 
 help:
 	@echo "make demo      drive the paper's scenarios; report, figures and summary.json in out/"
 	@echo "make test      all that CI runs: lint, types, docs, tests, examples, notebooks"
+	@echo "make kernel    translate the kernel to C and compile it beside its Python"
 	@echo "make lint      ruff, mypy and the import contract alone"
 	@echo "make docs      the documentation, in docs/_build/html"
 	@echo "make bench     run times and budgets, into docs/performance.md (10 minutes)"
@@ -34,6 +35,12 @@ test: .venv/dev.stamp
 	@$(call editable,[all])
 	$(MAKE) --no-print-directory lint docs
 	$(ONE_THREAD) $(BIN)/python -m pytest --numprocesses auto --doctest-modules cca_core tests
+
+# PY=python uses the one on the path
+PY ?= $(BIN)/python
+kernel:
+	CCA_KERNEL=python $(PY) -m cca_core.codegen
+	CCA_KERNEL=python $(PY) -m cca_core.codegen.build
 
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .

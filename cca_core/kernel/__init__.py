@@ -1,0 +1,136 @@
+"""What must be fast or must run in the car: restricted Python, and the C made from it.
+
+A *kernel* is a function that the ``__all__`` of a module in this folder lists. `make kernel` translates all
+modules here to C (`c/kernel.c`, `c/kernel.h`), writes the module that exports them to Python, and compiles it
+in place (`make kernel PY=python`: with the Python on the path). There is no list to keep: a new file is found.
+After a merge conflict in `c/`, run it again. `tests/support/kernel_forms.py` compares the forms of a kernel.
+
+**The language.** Functions with types in annotations (`Real`, `Int`, `Flag`, rows, grids, classes of
+fields), numbers as constants, `if`, `for ... in range(...)`, `break`, `continue`, `return` of a number or of
+several. Only functions defined before, those of `math` that C has too, `floor_within`, `abs`, `min`, `max`,
+`float`. An array has its sizes in its type: ``Annotated[Reals, "n"]``, ``Annotated[Grid, "m", "n"]``,
+``Annotated[Reals, "n + 1"]``. They are arguments of the same function or fields of the same class. A kernel
+must not divide by zero and not take a root of a negative number: Python raises there, C does not.
+
+**Calls.** A module of the library binds a kernel once and calls it like the function that it is::
+
+    from cca_core.kernel import bind
+    from cca_core.kernel.box_gaps import aligned_box_gaps
+
+    _aligned_box_gaps = bind(aligned_box_gaps)
+    smallest = _aligned_box_gaps(n, dx, dy, length, width, gap)
+
+- Numbers are given by position. Whole numbers are given as int, not as float.
+- Arrays are C-contiguous float64 (int32 for `Ints`). Those that are only read may be read-only.
+  Their sizes are checked in every call, so a wrong one raises and nothing is written past an end.
+- A class of fields is a workspace: ``lent = cca_core.kernel.memory.lend(Band, n=101, m=5)``. The kernel
+  takes ``lent.workspace``, whose numbers are attributes (``lent.workspace.length = 4.5``). Its arrays are
+  ``lent.arrays["x"]``, to write and to read; ``lent.rows("x", "u")`` is one array of all fields from x to u.
+  One caller has one workspace: a second thread that uses it at the same time gets an error, except if both
+  calls only read it.
+- Nothing is allocated in a call. The GIL is released in calls with arrays or workspaces.
+
+**Batches** are kernels that loop from a first to a last index over rows of arrays; `batches.in_chunks` calls
+them in threads, each with a workspace of its own.
+
+**Backends.** `CCA_KERNEL=python` or `c` chooses. By default it is C, if it has been compiled from the Python
+that is here; `backend()` returns the choice and `backend_reason()` its reason. Both give the same bits.
+"""
+
+import hashlib
+import importlib
+import os
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+__all__ = ["backend", "backend_reason"]
+
+F = TypeVar("F", bound=Callable[..., Any])
+HOST = frozenset({"__init__", "types", "memory", "batches"})
+"""Modules of this folder that are no kernels."""
+
+
+def sources(folder: Path) -> list[Path]:
+    """Files of a folder that hold kernels."""
+    return sorted(path for path in folder.glob("*.py") if path.stem not in HOST)
+
+
+def digest(folder: Path) -> str:
+    """SHA-256 of the kernels in a folder."""
+    return hashlib.sha256(b"".join(path.read_bytes() for path in sources(folder))).hexdigest()
+
+
+def _choose() -> tuple[ModuleType | None, str]:
+    """Return the compiled module or None, and the reason of this choice."""
+    wish = os.environ.get("CCA_KERNEL", "")
+    if wish not in ("", "c", "python"):
+        raise ValueError(f"CCA_KERNEL must be c or python, was {wish!r}")
+    if wish == "python":
+        return None, "CCA_KERNEL is python"
+    reason = ""
+    try:
+        module: ModuleType = importlib.import_module("cca_core.kernel._compiled")
+    except ImportError as error:
+        reason = f"the kernel is not compiled ({error})"
+    else:
+        if module.digest == digest(Path(__file__).parent):
+            return module, "the kernel is compiled"
+        reason = "the kernel has been changed since it was compiled: run `make kernel`"
+    if wish == "c":
+        raise ImportError(f"CCA_KERNEL is c, but {reason}")
+    return None, reason
+
+
+COMPILED, _REASON = _choose()
+
+
+def backend() -> str:
+    """Return which form of the kernel is in use.
+
+    Returns
+    -------
+    name : str
+        ``"c"`` or ``"python"``.
+    """
+    return "c" if COMPILED is not None else "python"
+
+
+def backend_reason() -> str:
+    """Return why this form of the kernel is in use.
+
+    Returns
+    -------
+    reason : str
+        One sentence without a period.
+    """
+    return _REASON
+
+
+def bind(kernel: F, form: str | None = None) -> F:
+    """Return the form of a kernel that is in use, or the given one: "c" or "python"."""
+    if (form or backend()) == "c":
+        if COMPILED is None:
+            raise ValueError(f"form must be python, was c: {_REASON}")
+        compiled: F = getattr(COMPILED, kernel.__name__)
+        return compiled
+    hints = get_type_hints(kernel, include_extras=True)
+    hints.pop("return", None)
+    python: Any = partial(_call, kernel, tuple(_convert(hint) for hint in hints.values()))
+    return python  # type: ignore[no-any-return]
+
+
+def _call(kernel: Callable[..., Any], converters: tuple[Callable[[Any], Any], ...], *given: Any) -> Any:
+    """Call a kernel with plain numbers, and with arrays as memoryviews, which Python reads fastest."""
+    return kernel(*[convert(value) for convert, value in zip(converters, given, strict=True)])
+
+
+def _convert(hint: Any) -> Callable[[Any], Any]:
+    """Return what makes an argument one of the kernel's Python."""
+    if hint in (float, bool):
+        return hint  # type: ignore[no-any-return]
+    if hint is int:
+        return int.__index__
+    return memoryview if get_args(hint) and get_origin(hint) is not tuple else lambda given: given
