@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 LENGTH, WIDTH, SPEED = 4.5, 1.8, 20.0
+WHEELBASE = 2.7  # [m]
+AROUND = np.sqrt(2.0) * np.array([LENGTH, WIDTH])  # half axes of the ellipse around a car [m]
 Point = tuple[float, float]  # center of a car [m]
 
 
@@ -41,12 +43,10 @@ def nmpc(length: float, cars: Sequence[Point], lefts: Sequence[bool], intervals:
     around the positions at which boxes along the road overlap; every node stays outside.
     """
     casadi = _installed("casadi")
-    wheelbase, n = 2.7, intervals
-    step = length / SPEED / n
-    around = np.sqrt(2.0) * np.array([LENGTH, WIDTH])
+    n, step = intervals, length / SPEED / intervals
 
     def rate(x: Any, u: Any) -> Any:
-        turn = x[3] / wheelbase * casadi.tan(x[4])
+        turn = x[3] / WHEELBASE * casadi.tan(x[4])
         return casadi.vertcat(x[3] * casadi.cos(x[2]), x[3] * casadi.sin(x[2]), turn, u[0], u[1])
 
     def after(x: Any, u: Any, t: float) -> Any:
@@ -63,7 +63,7 @@ def nmpc(length: float, cars: Sequence[Point], lefts: Sequence[bool], intervals:
         off = x[:, k + 1] - casadi.DM([0.0, 0.0, 0.0, SPEED, 0.0])
         cost += casadi.dot(casadi.DM([0.0, 0.1, 1.0, 0.1, 100.0]), off**2)
         outside += [
-            ((x[0, k + 1] - p) / around[0]) ** 2 + ((x[1, k + 1] - q) / around[1]) ** 2 for p, q in cars
+            ((x[0, k + 1] - p) / AROUND[0]) ** 2 + ((x[1, k + 1] - q) / AROUND[1]) ** 2 for p, q in cars
         ]
     solver = casadi.nlpsol(
         "nmpc", "ipopt",
@@ -71,14 +71,7 @@ def nmpc(length: float, cars: Sequence[Point], lefts: Sequence[bool], intervals:
         {"print_time": 0, "ipopt.print_level": 0, "ipopt.sb": "yes"},
     )  # fmt: skip
 
-    guess = np.zeros((5, n + 1))
-    guess[0], guess[3] = np.linspace(0.0, length, n + 1), SPEED
-    for (p, q), left in zip(cars, lefts, strict=True):
-        passing = q + around[1] if left else q - around[1]
-        if (passing > 0.0) == left:
-            guess[1] += passing * np.exp(-(((guess[0] - p) / 8.0) ** 2))
-    guess[2] = np.gradient(guess[1], guess[0])
-    guess[4] = np.arctan(wheelbase * np.gradient(guess[2], guess[0]))
+    guess = _guess(np.linspace(0.0, length, n + 1), cars, lefts)
     low = np.tile([[-np.inf], [-5.0], [-0.8], [0.0], [-0.5]], n + 1)
     high = np.tile([[np.inf], [5.0], [0.8], [30.0], [0.5]], n + 1)
     low[:, 0] = high[:, 0] = [0.0, 0.0, 0.0, SPEED, 0.0]
@@ -104,9 +97,20 @@ def nmpc(length: float, cars: Sequence[Point], lefts: Sequence[bool], intervals:
             for _ in range(fine - 1):
                 states.append(np.asarray(onward(states[-1], held)).ravel())
         x, y, heading, _, steering = np.array(states).T
-        return np.column_stack((x, y, heading, np.tan(steering) / wheelbase))
+        return np.column_stack((x, y, heading, np.tan(steering) / WHEELBASE))
 
     return Peer(lambda: solver(**given), trajectory)
+
+
+def _guess(x: np.ndarray, cars: Sequence[Point], lefts: Sequence[bool]) -> np.ndarray:
+    """Smooth states past every car on its side: x, y, heading, speed, steering angle."""
+    y = np.zeros_like(x)
+    for (p, q), left in zip(cars, lefts, strict=True):
+        passing = q + AROUND[1] if left else q - AROUND[1]
+        if (passing > 0.0) == left:
+            y += passing * np.exp(-(((x - p) / 8.0) ** 2))
+    heading = np.gradient(y, x)
+    return np.stack((x, y, heading, np.full_like(x, SPEED), np.arctan(WHEELBASE * np.gradient(heading, x))))
 
 
 def fiss(cars: Sequence[Point], *, min_ttc: float | None) -> Peer:
