@@ -4,6 +4,7 @@ Whatever lies outside of that part is an error that names file and line. The C d
 same order, so results are equal bit for bit if the compiler does not contract products and sums.
 """
 
+import textwrap
 from pathlib import Path
 
 from cca_core.codegen.binding import binding
@@ -37,16 +38,32 @@ static inline int floor_within(double value, int low, int high)
 }"""
 HEAD = "\n\n#ifndef CCA_KERNEL_H\n#define CCA_KERNEL_H\n\n#include <stdbool.h>"
 
+MAX_WIDTH = 110
+
+
+def wrapped(line: str) -> str:
+    """Break a line at its spaces; a macro must stay on one."""
+    margin = line[: len(line) - len(line.lstrip())]
+    if len(line) <= MAX_WIDTH or line.startswith("#"):
+        return line
+    return textwrap.fill(
+        line.strip(),
+        MAX_WIDTH,
+        initial_indent=margin,
+        subsequent_indent=f"{margin}    ",
+        break_on_hyphens=False,
+    )
+
 
 def translate(folder: Path) -> dict[str, str]:
     """Translate the modules of a folder to the texts of kernel.h, kernel.c and python.c."""
     program = Program(folder)
     for path in sources(folder):
         program.add(path.stem)
-    header = "\n".join([NOTE + HEAD, *program.header, "", "#endif"])
+    header = "\n".join([NOTE + HEAD, *map(wrapped, program.header), "", "#endif"])
     python = binding(program.kernels, program.structures, digest(folder))
     return {
         "kernel.h": header + "\n",
-        "kernel.c": "\n".join([NOTE + PRELUDE, *program.lines]) + "\n",
+        "kernel.c": "\n".join([NOTE + PRELUDE, *map(wrapped, program.lines)]) + "\n",
         "python.c": "\n".join([NOTE, *python]) + "\n",
     }

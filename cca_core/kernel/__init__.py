@@ -2,8 +2,8 @@
 
 A *kernel* is a function that the ``__all__`` of a module in this folder lists. `make kernel` translates all
 modules here to C (`c/kernel.c`, `c/kernel.h`), writes the module that exports them to Python, and compiles it
-in place (`make kernel PY=python`: with the Python on the path). There is no list to keep: a new file is found.
-After a merge conflict in `c/`, run it again. `tests/support/kernel_forms.py` compares the forms of a kernel.
+in place (`make kernel PY=python`: with the Python on the path). A new file needs no entry anywhere. After a
+merge conflict in `c/`, run it again. `tests/support/kernel_forms.py` compares the forms of a kernel.
 
 **The language.** Functions with types in annotations (`Real`, `Int`, `Flag`, rows, grids, classes of
 fields), numbers as constants, `if`, `for ... in range(...)`, `break`, `continue`, `return` of a number or of
@@ -27,7 +27,7 @@ must not divide by zero and not take a root of a negative number: Python raises 
   takes ``lent.workspace``, whose numbers are attributes (``lent.workspace.length = 4.5``). Its arrays are
   ``lent.arrays["x"]``, to write and to read; ``lent.rows("x", "u")`` is one array of all fields from x to u.
   One caller has one workspace: a second thread that uses it at the same time gets an error, except if both
-  calls only read it.
+  calls only read it. ``reuse(Band, n=101, m=5)`` returns the same one in every call of a thread.
 - Nothing is allocated in a call. The GIL is released in calls with arrays or workspaces.
 
 **Batches** are kernels that loop from a first to a last index over rows of arrays; `batches.in_chunks` calls
@@ -60,7 +60,8 @@ def sources(folder: Path) -> list[Path]:
 
 def digest(folder: Path) -> str:
     """SHA-256 of the kernels in a folder."""
-    return hashlib.sha256(b"".join(path.read_bytes() for path in sources(folder))).hexdigest()
+    texts = (path.read_bytes().replace(b"\r\n", b"\n") for path in sources(folder))
+    return hashlib.sha256(b"".join(texts)).hexdigest()
 
 
 def _choose() -> tuple[ModuleType | None, str]:

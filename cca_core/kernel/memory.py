@@ -2,8 +2,12 @@
 
 import ast
 import ctypes
+import threading
+from collections import OrderedDict
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, TypeVar, get_args, get_origin, get_type_hints
+from functools import cache, partial
+from typing import Annotated, Any, Generic, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +16,14 @@ from cca_core import kernel
 from cca_core.kernel.types import Ints
 
 T = TypeVar("T")
-NUMBERS: dict[Any, Any] = {float: ctypes.c_double, int: ctypes.c_int, bool: ctypes.c_bool}
+C_TYPES: dict[Any, Any] = {float: ctypes.c_double, int: ctypes.c_int, bool: ctypes.c_bool}
+MAX_REUSED = 32  # workspaces that a thread keeps
+_thread = threading.local()
 
 
 @dataclass(frozen=True, slots=True)
 class Lent(Generic[T]):
-    """A workspace and its arrays by the names of their fields."""
+    """A workspace, its arrays by the names of their fields, and the memory that those of reals share."""
 
     workspace: T
     arrays: dict[str, NDArray[Any]]
@@ -25,93 +31,135 @@ class Lent(Generic[T]):
     starts: dict[str, int]
 
     def rows(self, first: str, last: str) -> NDArray[np.float64]:
-        """Return the arrays of several fields of one shape, declared one after another, as one array."""
-        shape = self.arrays[first].shape
-        count, rest = divmod(self.starts[last] - self.starts[first], self.arrays[first].size)
-        if rest or count < 0 or self.arrays[last].shape != shape:
-            raise ValueError(f"fields from {first} to {last} must have the same shape")
-        begin, size = self.starts[first], (count + 1) * self.arrays[first].size
-        return self.memory[begin : begin + size].reshape(count + 1, *shape)
+        """Return the arrays of fields of one shape, from one to another in their order, as one array."""
+        shape, size = self.arrays[first].shape, self.arrays[first].size
+        names = list(self.starts)
+        names = names[names.index(first) : names.index(last) + 1]
+        if not names or any(self.arrays[name].shape != shape for name in names):
+            raise ValueError(f"fields from {first} to {last} must be in their order and of one shape")
+        begin = self.starts[first]
+        return self.memory[begin : begin + len(names) * size].reshape(len(names), *shape)
 
 
 def lend(owner: type[T], form: str | None = None, **sizes: int) -> Lent[T]:
     """Make a workspace of a class of fields: zeros, arrays of the sizes in its annotations."""
-    numbers, shapes, elements = {}, {}, {}
-    for name, hint in get_type_hints(owner, include_extras=True).items():
-        if get_origin(hint) is Annotated:
-            base, *shape = get_args(hint)
-            shapes[name] = tuple(evaluate(size, sizes) for size in shape)
-            elements[name] = np.int32 if base is Ints else np.float64
-        else:
-            numbers[name] = hint
-    arrays, memory, starts = allocate(shapes, elements)
-    given = {name: sizes.pop(name, kind()) for name, kind in numbers.items()}
+    numbers, shapes = fields(owner)
+    arrays, memory, starts = allocate(
+        {name: (base, shape_of(s, sizes)) for name, (base, s) in shapes.items()}
+    )
+    given = {name: sizes.pop(name) if name in sizes else kind() for name, kind in numbers.items()}
     if sizes:
         raise ValueError(f"sizes must be fields of {owner.__name__}, were {', '.join(sizes)}")
     if (form or kernel.backend()) == "c":
-        workspace = structure(owner, given, arrays)
+        workspace = cast(Any, structure_type)(owner)(given, arrays)
     else:
         workspace = owner()
         for name, value in given.items():
             setattr(workspace, name, value)
         for name, array in arrays.items():
-            setattr(workspace, name, memoryview(array))  # type: ignore[arg-type]
+            setattr(workspace, name, memoryview(cast(Any, array)))
     return Lent(workspace, arrays, memory, starts)
 
 
+def reuse(owner: type[T], **sizes: int) -> Lent[T]:
+    """Return a workspace of this thread, which keeps it from call to call with what is in it."""
+    kept: OrderedDict[Any, Lent[Any]] | None = getattr(_thread, "kept", None)
+    if kept is None:
+        kept = _thread.kept = OrderedDict()
+    key = (owner, *sizes.items())
+    lent = kept.get(key)
+    if lent is None:
+        lent = kept[key] = lend(owner, None, **sizes)
+        if len(kept) > MAX_REUSED:
+            kept.popitem(last=False)
+    kept.move_to_end(key)
+    return lent
+
+
+def fields(owner: type) -> tuple[dict[str, Any], dict[str, tuple[Any, tuple[int | str, ...]]]]:
+    """Return the types of the numbers of a class, and element types and shapes of its arrays."""
+    numbers, shapes = {}, {}
+    for name, hint in get_type_hints(owner, include_extras=True).items():
+        if get_origin(hint) is Annotated:
+            base, *shape = get_args(hint)
+            shapes[name] = (np.int32 if base is Ints else np.float64, tuple(shape))
+        else:
+            numbers[name] = hint
+    return numbers, shapes
+
+
 def allocate(
-    shapes: dict[str, tuple[int, ...]], elements: dict[str, Any]
+    shapes: Mapping[str, tuple[Any, tuple[int, ...]]],
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.float64], dict[str, int]]:
-    """Allocate arrays: those of reals in one piece, in their order."""
-    reals = {name: shape for name, shape in shapes.items() if elements[name] is np.float64}
-    memory = np.zeros(sum(int(np.prod(shape)) for shape in reals.values()))
+    """Allocate arrays; those of reals in one piece, in their order, with where each begins."""
+    sizes = {name: int(np.prod(shape)) for name, (_, shape) in shapes.items()}
+    memory = np.zeros(sum(size for name, size in sizes.items() if shapes[name][0] is np.float64))
     arrays, starts, end = {}, {}, 0
-    for name, shape in shapes.items():
-        if name in reals:
+    for name, (element, shape) in shapes.items():
+        if element is np.float64:
             starts[name], begin = end, end
-            end += int(np.prod(shape))
+            end += sizes[name]
             arrays[name] = memory[begin:end].reshape(shape)
         else:
-            arrays[name] = np.zeros(shape, dtype=elements[name])
+            arrays[name] = np.zeros(shape, dtype=element)
     return arrays, memory, starts
 
 
-def structure(owner: type[T], numbers: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> T:
-    """Make the workspace of a class in C."""
+@cache
+def structure_type(owner: type) -> type[ctypes.Structure]:
+    """Make the type of the workspaces of a class in C; arrays and their sizes cannot be replaced."""
     if kernel.COMPILED is None:
         raise ValueError(f"form must be python, was c: {kernel.backend_reason()}")
     kind, size = kernel.COMPILED.structures[owner.__name__]
+    _, shapes = fields(owner)
     hints = get_type_hints(owner, include_extras=True)
-    fields = [(name, NUMBERS.get(hint, ctypes.c_void_p)) for name, hint in hints.items()]
-    plain = type("Fields", (ctypes.Structure,), {"_fields_": fields})
+    c_fields = [(name, C_TYPES.get(hint, ctypes.c_void_p)) for name, hint in hints.items()]
+    plain = type("Fields", (ctypes.Structure,), {"_fields_": c_fields})
     if ctypes.sizeof(plain) != size:
         raise ValueError(f"{owner.__name__} must have {size} bytes, had {ctypes.sizeof(plain)}")
-    behind = [("fields", plain), ("kind", ctypes.c_int), ("users", ctypes.c_int)]
-    made: Any = type(owner.__name__, (ctypes.Structure,), {"_anonymous_": ("fields",), "_fields_": behind})()
-    made.kind = kind
-    for name, value in numbers.items():
-        setattr(made, name, value)
-    for name, array in arrays.items():
-        setattr(made, name, array.ctypes.data)
-    made.arrays = arrays  # live as long as the structure that points to them
-    return made  # type: ignore[no-any-return]
+    behind = [("kind", ctypes.c_int), ("users", ctypes.c_int)]
+    whole = type(
+        "Whole", (ctypes.Structure,), {"_anonymous_": ("fields",), "_fields_": [("fields", plain), *behind]}
+    )
+
+    def begin(self: Any, numbers: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
+        self.kind = kind
+        for name, value in numbers.items():
+            setattr(self.fields, name, value)
+        for name, array in arrays.items():
+            setattr(self.fields, name, array.ctypes.data)
+        self.fixed = {name: numbers[name] for name in sizes} | arrays  # arrays must live as long as this
+
+    sizes = {name for _, shape in shapes.values() for size in shape for name in names_in(size)}
+    members: dict[str, Any] = {"__init__": begin}
+    members |= {name: property(partial(fixed, name=name)) for name in sizes | shapes.keys()}
+    return type(owner.__name__, (whole,), members)
 
 
-def evaluate(size: int | str, sizes: dict[str, int]) -> int:
-    """Return the number of elements that the size in an annotation stands for."""
-    return _value(ast.parse(str(size), mode="eval").body, sizes)
+def fixed(workspace: Any, name: str) -> Any:
+    """Return a size or an array of a workspace in C."""
+    return workspace.fixed[name]
 
 
-def _value(node: ast.expr, sizes: dict[str, int]) -> int:
+def names_in(size: int | str) -> set[str]:
+    """Return the names in the size of an array."""
+    return {node.id for node in ast.walk(ast.parse(str(size))) if isinstance(node, ast.Name)}
+
+
+def shape_of(sizes: tuple[int | str, ...], values: Mapping[str, int]) -> tuple[int, ...]:
+    """Return the shape that the sizes in an annotation stand for."""
+    return tuple(_value(ast.parse(str(size), mode="eval").body, values) for size in sizes)
+
+
+def _value(node: ast.expr, values: Mapping[str, int]) -> int:
+    """Evaluate a number, a name, a sum or a product."""
     match node:
         case ast.Constant(value=int() as value):
             return value
-        case ast.Name(id=name):
-            if name not in sizes:
-                raise ValueError(f"size {name} must be given")
-            return sizes[name]
+        case ast.Name(id=name) if name in values:
+            return values[name]
         case ast.BinOp(left=left, op=ast.Add(), right=right):
-            return _value(left, sizes) + _value(right, sizes)
+            return _value(left, values) + _value(right, values)
         case ast.BinOp(left=left, op=ast.Mult(), right=right):
-            return _value(left, sizes) * _value(right, sizes)
-    raise ValueError(f"a size must be a sum or a product, was {ast.unparse(node)}")
+            return _value(left, values) * _value(right, values)
+    raise ValueError(f"sizes must be given, and be sums or products, was {ast.unparse(node)}")

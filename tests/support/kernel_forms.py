@@ -14,7 +14,7 @@ import pytest
 
 from cca_core import kernel
 from cca_core.kernel import bind
-from cca_core.kernel.memory import evaluate, lend
+from cca_core.kernel.memory import lend, shape_of
 from cca_core.kernel.types import Ints
 
 needs_c = pytest.mark.skipif(
@@ -126,7 +126,7 @@ def strict(given: Any) -> Any:
     for name, hint in get_type_hints(given.owner, include_extras=True).items():
         if get_origin(hint) is Annotated:
             base, *shape = get_args(hint)
-            sizes = tuple(evaluate(size, dict(given.sizes)) for size in shape)
+            sizes = shape_of(tuple(shape), given.sizes)
             values = given.values.get(name)
             dtype = np.int32 if base is Ints else np.float64
             setattr(

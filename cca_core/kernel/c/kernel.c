@@ -39,17 +39,21 @@ static double box_gaps_squared_distance(double x, double y, double half_length, 
 }
 
 /* Smallest squared distance of the corners of a turned box at x, y from a box around the origin. */
-static double box_gaps_nearest_corner(double x, double y, double c, double s, double length, double width, double own_length, double own_width)
+static double box_gaps_nearest_corner(double x, double y, double c, double s, double length, double width,
+    double own_length, double own_width)
 {
     double ax = c * length - s * width;
     double ay = s * length + c * width;
     double bx = c * length + s * width;
     double by = s * length - c * width;
-    return real_min(real_min(real_min(box_gaps_squared_distance(x + ax, y + ay, own_length, own_width), box_gaps_squared_distance(x - ax, y - ay, own_length, own_width)), box_gaps_squared_distance(x + bx, y + by, own_length, own_width)), box_gaps_squared_distance(x - bx, y - by, own_length, own_width));
+    return real_min(real_min(real_min(box_gaps_squared_distance(x + ax, y + ay, own_length, own_width),
+        box_gaps_squared_distance(x - ax, y - ay, own_length, own_width)), box_gaps_squared_distance(x + bx, y
+        + by, own_length, own_width)), box_gaps_squared_distance(x - bx, y - by, own_length, own_width));
 }
 
 /* Signed distance of box b, at dx, dy from box a, from unit headings and half extents [m]. */
-double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by, double length_a, double width_a, double length_b, double width_b)
+double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by, double length_a,
+    double width_a, double length_b, double width_b)
 {
     double turn_c = bx * ax + by * ay;
     double turn_s = by * ax - bx * ay;
@@ -59,7 +63,9 @@ double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double b
     double y_b = dy * ax - dx * ay;
     double x_a = -(dx * bx + dy * by);
     double y_a = -(dy * bx - dx * by);
-    double separation = real_max(real_max(real_max(fabs(x_b) - length_a - (length_b * c + width_b * s), fabs(y_b) - width_a - (length_b * s + width_b * c)), fabs(x_a) - length_b - (length_a * c + width_a * s)), fabs(y_a) - width_b - (length_a * s + width_a * c));
+    double separation = real_max(real_max(real_max(fabs(x_b) - length_a - (length_b * c + width_b * s),
+        fabs(y_b) - width_a - (length_b * s + width_b * c)), fabs(x_a) - length_b - (length_a * c + width_a *
+        s)), fabs(y_a) - width_b - (length_a * s + width_a * c));
     if (separation <= 0.0) {
         return separation;
     }
@@ -69,7 +75,8 @@ double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double b
 }
 
 /* Gaps of n pairs of parallel boxes from center offsets and summed half extents, and the smallest [m]. */
-double cca_aligned_box_gaps(int n, const double *dx, const double *dy, double length, double width, double *gap)
+double cca_aligned_box_gaps(int n, const double *dx, const double *dy, double length, double width, double
+    *gap)
 {
     double smallest = INFINITY;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
