@@ -1,6 +1,6 @@
 """Published planning methods and steering laws, and the problems on which they are compared."""
 
-from cca_core.baselines.methods.band_methods import OneShotBand, RelaxedBand, SmoothedBand
+from cca_core.baselines.methods.band_methods import OneShotBand, RelaxedBand
 from cca_core.baselines.methods.mpc.horizon import MpcSettings
 from cca_core.baselines.methods.mpc.linear import LinearMpc
 from cca_core.baselines.methods.mpc.nonlinear import NonlinearMpc
@@ -10,7 +10,7 @@ from cca_core.baselines.methods.primitives import MotionPrimitives
 from cca_core.baselines.methods.rrt import Rrt
 from cca_core.baselines.problems.compare import ComparisonRow, compare
 from cca_core.baselines.problems.drive import DriveResult, drive_plan
-from cca_core.baselines.problems.problem import Method, Plan, Problem
+from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.baselines.problems.sampling import SampledProblem, SamplingSettings, sample_problem
 from cca_core.baselines.problems.verify import Tolerances, Verification, verify_plan
 from cca_core.baselines.steering import LqrSteering, PurePursuit, Stanley
@@ -20,7 +20,6 @@ __all__ = [
     "DriveResult",
     "LinearMpc",
     "LqrSteering",
-    "Method",
     "MotionPrimitives",
     "MpcPlanner",
     "MpcPlannerSettings",
@@ -34,7 +33,6 @@ __all__ = [
     "Rrt",
     "SampledProblem",
     "SamplingSettings",
-    "SmoothedBand",
     "Stanley",
     "Tolerances",
     "Verification",

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from cca_core import InputError, Status
-from cca_core.baselines import OneShotBand, Problem, RelaxedBand, SmoothedBand, sample_problem, verify_plan
+from cca_core.baselines import OneShotBand, Problem, RelaxedBand, sample_problem, verify_plan
 from tests.support.table1_problems import BLOCKED, CASES, SLALOM, measured_distances
 
 BANDS = pytest.mark.parametrize(
     "method",
-    [RelaxedBand(), pytest.param(SmoothedBand(), marks=pytest.mark.requires("piqp"))],
+    [RelaxedBand(), pytest.param(RelaxedBand(smooth=True), marks=pytest.mark.requires("piqp"))],
     ids=["relaxed", "QP"],
 )
 
@@ -47,7 +47,7 @@ def test_eq_9_as_printed_displaces_and_never_refuses() -> None:
 @pytest.mark.parametrize(
     ("make", "name"),
     [(partial(OneShotBand, spacing=0.0), "spacing"), (partial(OneShotBand, ratio=-1.0), "ratio"),
-     (partial(RelaxedBand, spacing=math.nan), "spacing"), (partial(SmoothedBand, spacing=-1.0), "spacing")],
+     (partial(RelaxedBand, spacing=math.nan), "spacing"), (partial(RelaxedBand, spacing=-1.0), "spacing")],
 )  # fmt: skip
 def test_error_names_setting(make: Any, name: str) -> None:
     with pytest.raises(InputError, match=f"^{name} must"):

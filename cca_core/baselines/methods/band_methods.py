@@ -72,6 +72,8 @@ class RelaxedBand:
     ----------
     spacing : float
         Distance between nodes [m].
+    smooth : bool
+        Whether a quadratic program smooths it within its corridor.
 
     Raises
     ------
@@ -80,6 +82,7 @@ class RelaxedBand:
     """
 
     spacing: float = 1.0
+    smooth: bool = False
 
     def __post_init__(self) -> None:
         check_real("spacing", self.spacing, gt=0.0)
@@ -95,48 +98,15 @@ class RelaxedBand:
         Returns
         -------
         plan : Plan
-            `Status.OK` only if the band is certified; without a trajectory otherwise.
+            `Status.OK` only if the band is certified; without a trajectory otherwise. If smoothing fails, the
+            plan of the relaxed band.
         """
         s, band = _relax(problem, self.spacing)
-        return _plan_of(problem, s, band)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SmoothedBand:
-    """The relaxed band, smoothed by a quadratic program within its corridor.
-
-    Parameters
-    ----------
-    spacing : float
-        Distance between nodes [m].
-
-    Raises
-    ------
-    InputError
-        If `spacing` is not positive.
-    """
-
-    spacing: float = 1.0
-
-    def __post_init__(self) -> None:
-        check_real("spacing", self.spacing, gt=0.0)
-
-    def plan(self, problem: Problem) -> Plan:
-        """Relax and smooth a band from start to goal.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem.
-
-        Returns
-        -------
-        plan : Plan
-            As for `RelaxedBand`; if smoothing fails, the relaxed band.
-        """
-        s, band = _relax(problem, self.spacing)
-        smooth = smooth_band(band)
-        return _plan_of(problem, s, band if smooth.status is Status.DEGRADED else smooth)
+        smooth = smooth_band(band) if self.smooth else band
+        band = band if smooth.status is Status.DEGRADED else smooth
+        if band.status is not Status.OK:
+            return Plan(status=band.status, message=band.message)
+        return replace(_plan_along(problem, s, band.path()), message=band.message)
 
 
 def _stations(problem: Problem, spacing: float) -> Array:
@@ -159,13 +129,6 @@ def _relax(problem: Problem, spacing: float) -> tuple[Array, Band]:
         curvature_limit=problem.kappa_max / (speed_factor * scale**2),
     )  # fmt: skip
     return s, band
-
-
-def _plan_of(problem: Problem, s: Array, band: Band) -> Plan:
-    """Plan of a band with the stations of its nodes."""
-    if band.status is not Status.OK:
-        return Plan(status=band.status, message=band.message)
-    return replace(_plan_along(problem, s, band.path()), message=band.message)
 
 
 def _plan_along(problem: Problem, s: Array, path: Path) -> Plan:

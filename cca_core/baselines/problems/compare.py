@@ -8,10 +8,10 @@ from typing import Any
 
 from cca_core.baselines.problems.drive import drive_plan
 from cca_core.baselines.problems.kept_row import kept_row
-from cca_core.baselines.problems.problem import Plan, Problem
+from cca_core.baselines.problems.problem import Plan, PlanningMethod, Problem
 from cca_core.baselines.problems.sampling import SampledProblem
 from cca_core.baselines.problems.verify import Tolerances, verify_plan
-from cca_core.baselines.problems.worker import PlanningMethod, Worker
+from cca_core.baselines.problems.worker import Worker
 from cca_core.errors import Status
 from cca_core.sim.study.store import Store
 

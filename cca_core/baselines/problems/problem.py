@@ -1,7 +1,7 @@
 """A planning problem, and the plan that a method returns for it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -125,5 +125,8 @@ class Plan:
     v_x: Array = field(default_factory=lambda: np.empty(0))
 
 
-Method = Callable[[Problem], Plan]
-"""A planning method. It never raises for a valid problem, and it terminates."""
+class PlanningMethod(Protocol):
+    """Planning method: it never raises for a valid problem, and it terminates."""
+
+    def plan(self, problem: Problem) -> Plan:
+        """Plan once."""

@@ -8,16 +8,9 @@ import time
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from types import TracebackType
-from typing import Any, NamedTuple, Protocol, Self
+from typing import Any, NamedTuple, Self
 
-from cca_core.baselines.problems.problem import Plan, Problem
-
-
-class PlanningMethod(Protocol):
-    """Object with a planning method."""
-
-    def plan(self, problem: Problem) -> Plan:
-        """Plan once."""
+from cca_core.baselines.problems.problem import Plan, PlanningMethod, Problem
 
 
 class TimedPlan(NamedTuple):

@@ -5,7 +5,7 @@ from functools import partial
 from importlib.util import find_spec
 from typing import Any, Literal
 
-from cca_core.baselines.methods.band_methods import OneShotBand, RelaxedBand, SmoothedBand
+from cca_core.baselines.methods.band_methods import OneShotBand, RelaxedBand
 from cca_core.baselines.methods.fiss import Fiss
 from cca_core.baselines.methods.mpc.horizon import MpcSettings
 from cca_core.baselines.methods.mpc.linear import LinearMpc
@@ -32,9 +32,9 @@ Make = Callable[[], Any]
 def methods() -> dict[str, Make]:
     """Methods by name; FISS only if its package is installed."""
     found: dict[str, Make] = {
-        EQ9: OneShotBand, BAND: RelaxedBand, SMOOTH: SmoothedBand, LATTICE: MotionPrimitives,
-        TREE: partial(_tree, "rrt"), STAR: partial(_tree, "rrt_star"), LINEAR: LinearMpc,
-        FATROP: partial(NonlinearMpc, MpcSettings(solver="fatrop")), IPOPT: NonlinearMpc,
+        EQ9: OneShotBand, BAND: RelaxedBand, SMOOTH: partial(RelaxedBand, smooth=True),
+        LATTICE: MotionPrimitives, TREE: partial(_tree, "rrt"), STAR: partial(_tree, "rrt_star"),
+        LINEAR: LinearMpc, FATROP: partial(NonlinearMpc, MpcSettings(solver="fatrop")), IPOPT: NonlinearMpc,
     }  # fmt: skip
     if find_spec("fiss_planner") is not None:
         found[FISS] = Fiss
@@ -65,7 +65,7 @@ def _points(axis: str, value: float, length: float, cars: int, intervals: int) -
     spacing = length / value if axis == NODES else 1.0
     made: dict[str, Make] = {
         BAND: partial(RelaxedBand, spacing=spacing),
-        SMOOTH: partial(SmoothedBand, spacing=spacing),
+        SMOOTH: partial(RelaxedBand, spacing=spacing, smooth=True),
         LINEAR: partial(LinearMpc, MpcSettings(intervals=intervals)),
         FATROP: partial(NonlinearMpc, MpcSettings(intervals=intervals, solver="fatrop")),
     }

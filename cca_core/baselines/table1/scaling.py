@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 
 from cca_core.baselines.problems.kept_row import kept_row
-from cca_core.baselines.problems.problem import Problem
-from cca_core.baselines.problems.worker import PlanningMethod, Worker
+from cca_core.baselines.problems.problem import PlanningMethod, Problem
+from cca_core.baselines.problems.worker import Worker
 from cca_core.sim.study.store import Store
 
 
