@@ -2,117 +2,119 @@
 
 from collections.abc import Iterator
 
-from cca_core.codegen.kinds import Array, Group, Kind, Scalar, Signature, Structure, declare
+from cca_core.codegen.expressions import c_size
+from cca_core.codegen.kinds import Array, Group, Kind, Scalar, Signature, Structure, c_type, declare
 
-READ = {Scalar.REAL: "real", Scalar.INT: "whole", Scalar.FLAG: "flag"}
+READ = {Scalar.REAL: "lend_real", Scalar.INT: "lend_whole", Scalar.FLAG: "lend_flag"}
 WRITE = {
     Scalar.REAL: "PyFloat_FromDouble({})",
     Scalar.INT: "PyLong_FromLong({})",
     Scalar.FLAG: "PyBool_FromLong({})",
 }
+HEAD = """#include <stdbool.h>
+
+#include "lend.h"
+
+#include "kernel.h\""""
+# names that end in an underscore are free: no argument has one
+WRAPPER = """
+static PyObject *call_{name}(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("{name}", {count}, count_)) {{
+        return NULL;
+    }}"""
+MODULE = """
+    {{NULL, NULL, 0, NULL}},
+}};
+
+static int fill(PyObject *module)
+{{
+    PyObject *structures = PyDict_New();
+    int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "{digest}") < 0;
+{entries}
+    Py_XDECREF(structures);
+    return failed ? -1 : 0;
+}}
+
+static PyModuleDef_Slot slots[] = {{{{Py_mod_exec, (void *)fill}}, {{0, NULL}}}};
+static PyModuleDef definition = {{
+    PyModuleDef_HEAD_INIT, "_compiled", NULL, 0, methods, slots, NULL, NULL, NULL,
+}};
+
+PyMODINIT_FUNC PyInit__compiled(void)
+{{
+    return PyModuleDef_Init(&definition);
+}}"""
+ENTRY = '    failed = failed || lend_describe(structures, "{name}", {kind}, sizeof({name})) < 0;'
 
 
 def binding(kernels: dict[str, Signature], structures: dict[str, Structure], digest: str) -> Iterator[str]:
     """Lines of the module's source; `digest` is that of the Python it was made from."""
     kinds = {name: i + 1 for i, name in enumerate(structures)}
-    yield from ("#include <stdbool.h>", '#include "lend.h"', '#include "kernel.h"')
+    yield HEAD
     for kernel in kernels.values():
         yield from wrapper(kernel, kinds)
     yield from ("", "static PyMethodDef methods[] = {")
     for name in kernels:
         yield f'    {{"{name}", (PyCFunction)(void (*)(void))call_{name}, METH_FASTCALL, NULL}},'
-    yield from ("    {NULL, NULL, 0, NULL},", "};", "", "static int fill(PyObject *module)", "{")
-    yield f'    if (PyModule_AddStringConstant(module, "digest", "{digest}") < 0) {{'
-    yield from ("        return -1;", "    }", "    PyObject *structures = PyDict_New();")
-    yield '    if (structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0) {'
-    yield from (
-        "        Py_XDECREF(structures);",
-        "        return -1;",
-        "    }",
-        "    Py_DECREF(structures);",
+    entries = "\n".join(ENTRY.format(name=name, kind=kind) for name, kind in kinds.items())
+    yield (
+        MODULE.format(digest=digest, entries=entries).removeprefix("\n").replace("\n\n    Py_X", "\n    Py_X")
     )
-    for name, kind in kinds.items():
-        yield f'    if (describe(structures, "{name}", {kind}, sizeof({name})) < 0) {{'
-        yield from ("        return -1;", "    }")
-    yield from ("    return 0;", "}", "")
-    yield "static PyModuleDef_Slot slots[] = {{Py_mod_exec, (void *)fill}, {0, NULL}};"
-    yield "static PyModuleDef definition = {"
-    yield '    PyModuleDef_HEAD_INIT, "_compiled", NULL, 0, methods, slots, NULL, NULL, NULL};'
-    yield from ("", "PyMODINIT_FUNC PyInit__compiled(void)", "{")
-    yield from ("    return PyModuleDef_Init(&definition);", "}")
 
 
 def wrapper(kernel: Signature, kinds: dict[str, int]) -> Iterator[str]:
     """Lines of the function that Python calls for a kernel."""
-    arguments = kernel.arguments
-    lent = [name for name, kind in arguments.items() if not isinstance(kind, Scalar)]
-    yield from (
-        "",
-        f"static PyObject *call_{kernel.name}(PyObject *self, PyObject *const *given, Py_ssize_t count)",
-    )
-    yield from ("{", "    (void)self;")
-    if not arguments:
-        yield "    (void)given;"
-    for name, kind in arguments.items():
-        is_const = name not in kernel.changed and not isinstance(kind, Scalar)
-        yield f"    {declare(kind, name, is_const)}{' = NULL' if name in lent else ''};"
-    yield f'    if (!takes("{kernel.name}", {len(arguments)}, count)) {{'
-    yield from ("        return NULL;", "    }")
-    # the sizes of arrays are among the numbers
-    for i, (name, kind) in enumerate(arguments.items()):
+    yield WRAPPER.format(name=kernel.name, count=len(kernel.arguments))
+    numbers = {name for name, kind in kernel.arguments.items() if isinstance(kind, Scalar)}
+    lent = len(kernel.arguments) - len(numbers)
+    for name, kind in kernel.arguments.items():
+        yield f"    {declare(kind, name, name not in kernel.changed | numbers)};"
+    # numbers first: the sizes of arrays are among them
+    for i, (name, kind) in enumerate(kernel.arguments.items()):
         if isinstance(kind, Scalar):
-            yield f"    if (!{READ[kind]}(given[{i}], &{name})) {{"
-            yield from ("        return NULL;", "    }")
+            yield from (f"    if (!{READ[kind]}(given_[{i}], &{name})) {{", "        return NULL;", "    }")
     if lent:
-        yield from (f"    Lent lent[{len(lent)}];", "    int held = 0;")
-    for i, (name, kind) in enumerate(arguments.items()):
+        yield from (f"    Lent lent_[{lent}];", "    int held_ = 0;")
+    for i, (name, kind) in enumerate(kernel.arguments.items()):
         if not isinstance(kind, Scalar):
             yield f"    {name} = {borrow(name, kind, i, name in kernel.changed, kinds)};"
             yield f"    if ({name} == NULL) {{"
-            yield from ("        give_back(lent, held);", "        return NULL;", "    }")
-    yield from call(kernel, bool(lent))
+            yield from ("        lend_end(lent_, held_);", "        return NULL;", "    }")
+    yield from call(kernel, lent > 0)
     yield "}"
 
 
 def borrow(name: str, kind: Kind, i: int, is_changed: bool, kinds: dict[str, int]) -> str:
     """Expression that borrows an array or a workspace."""
     if isinstance(kind, Array):
-        rows, columns = kind.shape[0], kind.shape[1] if len(kind.shape) == 2 else "-1"
+        rows, *columns = (c_size(size, "(Py_ssize_t)") for size in kind.shape)
         letter = "d" if kind.element is Scalar.REAL else "i"
-        what = f"'{letter}', {rows}, {columns}, {int(is_changed)}"
-        return f'array("{name}", given[{i}], &lent[held], &held, {what})'
-    number = kinds[kind.name] if isinstance(kind, Structure) else 0
-    what = f"sizeof({kind}), {number}, {int(is_changed)}"
-    return f'workspace("{name}", given[{i}], &lent[held], &held, {what})'
+        what = f"'{letter}', {len(kind.shape)}, {rows}, {columns[0] if columns else 0}, {int(is_changed)}"
+        return f'lend_array("{name}", given_[{i}], &lent_[held_], &held_, {what})'
+    what = f"sizeof({kind}), {kinds[str(kind)]}, {int(is_changed)}"
+    return f'lend_workspace("{name}", given_[{i}], &lent_[held_], &held_, {what})'
 
 
 def call(kernel: Signature, has_lent: bool) -> Iterator[str]:
     """Lines that call a kernel and make its result an object; what has arrays runs without the GIL."""
-    returns, text = kernel.returns, f"{kernel.c_name}({', '.join(kernel.arguments)})"
-    if returns is not None:
-        kind = (
-            returns.name
-            if isinstance(returns, Group)
-            else returns.value
-            if isinstance(returns, Scalar)
-            else ""
-        )
-        text = f"result = {text}"
-        yield f"    {kind} result;"
+    text = f"{kernel.c_name}({', '.join(kernel.arguments)});"
+    if kernel.returns is not None:
+        yield f"    {c_type(kernel.returns)} result_;"
+        text = f"result_ = {text}"
     if has_lent:
-        yield "    Py_BEGIN_ALLOW_THREADS"
-    yield f"    {text};"
-    if has_lent:
-        yield from ("    Py_END_ALLOW_THREADS", "    give_back(lent, held);")
-    if isinstance(returns, Group):
-        yield f"    PyObject *group = PyTuple_New({len(returns.items)});"
-        yield from ("    if (group == NULL) {", "        return NULL;", "    }")
-        for i, item in enumerate(returns.items):
-            yield f"    PyObject *item{i} = {WRITE[item].format(f'result.item{i}')};"
-            yield f"    if (item{i} == NULL || PyTuple_SetItem(group, {i}, item{i}) < 0) {{"
-            yield from ("        Py_DECREF(group);", "        return NULL;", "    }")
-        yield "    return group;"
-    elif isinstance(returns, Scalar):
-        yield f"    return {WRITE[returns].format('result')};"
+        yield from ("    Py_BEGIN_ALLOW_THREADS", f"    {text}", "    Py_END_ALLOW_THREADS")
+        yield "    lend_end(lent_, held_);"
+    else:
+        yield f"    {text}"
+    if isinstance(kernel.returns, Group):
+        items = [WRITE[item].format(f"result_.item{i}") for i, item in enumerate(kernel.returns.items)]
+        yield f"    PyObject *items_[] = {{{', '.join(items)}}};"
+        yield f"    return lend_group(items_, {len(items)});"
+    elif isinstance(kernel.returns, Scalar):
+        yield f"    return {WRITE[kernel.returns].format('result_')};"
     else:
         yield "    Py_RETURN_NONE;"

@@ -158,7 +158,7 @@ class Module:
             self.source.fail(node, "a function must have plain arguments only")
         if arguments.vararg or arguments.kwarg:
             self.source.fail(node, "a function must have plain arguments only")
-        kinds = {each.arg: self.kind(each.annotation) for each in arguments.args}
+        kinds = {each.arg: self.kind(each.annotation, each) for each in arguments.args}
         is_public = node.name in self.public
         c_name = f"cca_{node.name}" if is_public else f"{self.name}_{node.name}"
         changed = frozenset(changed_names(node, self.scope) & kinds.keys())
@@ -167,7 +167,7 @@ class Module:
                 self.check_sizes(node, name, kind, kinds)
             if isinstance(kind, Array):
                 kinds[name] = Array(kind.element, tuple(c_size(size) for size in kind.shape if size) or ("",))
-        signature = Signature(node.name, c_name, kinds, changed, self.kind(node.returns))
+        signature = Signature(node.name, c_name, kinds, changed, self.kind(node.returns, node))
         if isinstance(signature.returns, Group):
             self.group(signature.returns)
         function = Function(self.source, self.scope, node, signature)
@@ -189,7 +189,7 @@ class Module:
             items = " ".join(f"{c_type(kind)} item{i};" for i, kind in enumerate(group.items))
             self.program.header += ["", f"typedef struct {group.name} {{ {items} }} {group.name};"]
 
-    def kind(self, annotation: ast.expr | None) -> Kind:
+    def kind(self, annotation: ast.expr | None, node: ast.AST | None = None) -> Kind:
         """Kind that an annotation stands for."""
         match annotation:
             case ast.Constant(value=None):
@@ -212,4 +212,4 @@ class Module:
                 if all(isinstance(kind, Scalar) for kind in kinds):
                     return Group(tuple(kind for kind in kinds if isinstance(kind, Scalar)))
         text = "nothing" if annotation is None else ast.unparse(annotation)
-        self.source.fail(annotation, f"{text} is not a type of the kernel")
+        self.source.fail(annotation or node, f"{text} is not a type of the kernel")

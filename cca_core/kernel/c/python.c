@@ -1,11 +1,17 @@
 /* Made from the Python of cca_core/kernel by `make kernel`: edit that. */
 #include <stdbool.h>
+
 #include "lend.h"
+
 #include "kernel.h"
 
-static PyObject *call_oriented_box_gap(PyObject *self, PyObject *const *given, Py_ssize_t count)
+static PyObject *call_oriented_box_gap(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
-    (void)self;
+    (void)self_;
+    (void)given_;
+    if (!lend_count("oriented_box_gap", 10, count_)) {
+        return NULL;
+    }
     double dx;
     double dy;
     double ax;
@@ -16,88 +22,86 @@ static PyObject *call_oriented_box_gap(PyObject *self, PyObject *const *given, P
     double width_a;
     double length_b;
     double width_b;
-    if (!takes("oriented_box_gap", 10, count)) {
+    if (!lend_real(given_[0], &dx)) {
         return NULL;
     }
-    if (!real(given[0], &dx)) {
+    if (!lend_real(given_[1], &dy)) {
         return NULL;
     }
-    if (!real(given[1], &dy)) {
+    if (!lend_real(given_[2], &ax)) {
         return NULL;
     }
-    if (!real(given[2], &ax)) {
+    if (!lend_real(given_[3], &ay)) {
         return NULL;
     }
-    if (!real(given[3], &ay)) {
+    if (!lend_real(given_[4], &bx)) {
         return NULL;
     }
-    if (!real(given[4], &bx)) {
+    if (!lend_real(given_[5], &by)) {
         return NULL;
     }
-    if (!real(given[5], &by)) {
+    if (!lend_real(given_[6], &length_a)) {
         return NULL;
     }
-    if (!real(given[6], &length_a)) {
+    if (!lend_real(given_[7], &width_a)) {
         return NULL;
     }
-    if (!real(given[7], &width_a)) {
+    if (!lend_real(given_[8], &length_b)) {
         return NULL;
     }
-    if (!real(given[8], &length_b)) {
+    if (!lend_real(given_[9], &width_b)) {
         return NULL;
     }
-    if (!real(given[9], &width_b)) {
-        return NULL;
-    }
-    double result;
-    result = cca_oriented_box_gap(dx, dy, ax, ay, bx, by, length_a, width_a, length_b, width_b);
-    return PyFloat_FromDouble(result);
+    double result_;
+    result_ = cca_oriented_box_gap(dx, dy, ax, ay, bx, by, length_a, width_a, length_b, width_b);
+    return PyFloat_FromDouble(result_);
 }
 
-static PyObject *call_aligned_box_gaps(PyObject *self, PyObject *const *given, Py_ssize_t count)
+static PyObject *call_aligned_box_gaps(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
-    (void)self;
+    (void)self_;
+    (void)given_;
+    if (!lend_count("aligned_box_gaps", 6, count_)) {
+        return NULL;
+    }
     int n;
-    const double *dx = NULL;
-    const double *dy = NULL;
+    const double *dx;
+    const double *dy;
     double length;
     double width;
-    double *gap = NULL;
-    if (!takes("aligned_box_gaps", 6, count)) {
+    double *gap;
+    if (!lend_whole(given_[0], &n)) {
         return NULL;
     }
-    if (!whole(given[0], &n)) {
+    if (!lend_real(given_[3], &length)) {
         return NULL;
     }
-    if (!real(given[3], &length)) {
+    if (!lend_real(given_[4], &width)) {
         return NULL;
     }
-    if (!real(given[4], &width)) {
-        return NULL;
-    }
-    Lent lent[3];
-    int held = 0;
-    dx = array("dx", given[1], &lent[held], &held, 'd', n, -1, 0);
+    Lent lent_[3];
+    int held_ = 0;
+    dx = lend_array("dx", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
     if (dx == NULL) {
-        give_back(lent, held);
+        lend_end(lent_, held_);
         return NULL;
     }
-    dy = array("dy", given[2], &lent[held], &held, 'd', n, -1, 0);
+    dy = lend_array("dy", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
     if (dy == NULL) {
-        give_back(lent, held);
+        lend_end(lent_, held_);
         return NULL;
     }
-    gap = array("gap", given[5], &lent[held], &held, 'd', n, -1, 1);
+    gap = lend_array("gap", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
     if (gap == NULL) {
-        give_back(lent, held);
+        lend_end(lent_, held_);
         return NULL;
     }
-    double result;
+    double result_;
     Py_BEGIN_ALLOW_THREADS
-    result = cca_aligned_box_gaps(n, dx, dy, length, width, gap);
+    result_ = cca_aligned_box_gaps(n, dx, dy, length, width, gap);
     Py_END_ALLOW_THREADS
-    give_back(lent, held);
-    return PyFloat_FromDouble(result);
+    lend_end(lent_, held_);
+    return PyFloat_FromDouble(result_);
 }
 
 static PyMethodDef methods[] = {
@@ -108,21 +112,17 @@ static PyMethodDef methods[] = {
 
 static int fill(PyObject *module)
 {
-    if (PyModule_AddStringConstant(module, "digest", "d91f819a84eb75c1cd09698e3ca34637842ff534d1f50e610be6394bfabc180e") < 0) {
-        return -1;
-    }
     PyObject *structures = PyDict_New();
-    if (structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0) {
-        Py_XDECREF(structures);
-        return -1;
-    }
-    Py_DECREF(structures);
-    return 0;
+    int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "d91f819a84eb75c1cd09698e3ca34637842ff534d1f50e610be6394bfabc180e") < 0;
+    Py_XDECREF(structures);
+    return failed ? -1 : 0;
 }
 
 static PyModuleDef_Slot slots[] = {{Py_mod_exec, (void *)fill}, {0, NULL}};
 static PyModuleDef definition = {
-    PyModuleDef_HEAD_INIT, "_compiled", NULL, 0, methods, slots, NULL, NULL, NULL};
+    PyModuleDef_HEAD_INIT, "_compiled", NULL, 0, methods, slots, NULL, NULL, NULL,
+};
 
 PyMODINIT_FUNC PyInit__compiled(void)
 {
