@@ -99,7 +99,8 @@ class LeadSettings:
     blocking_gap : float
         Lateral gap to the route below which a vehicle blocks it [m].
     creep_speed : float
-        Speed below which a vehicle creeps and is taken as stationary [m/s]; reported speeds err by 0.2 m/s.
+        Speed below which a vehicle creeps and is taken as stationary [m/s]. It is twice the standstill speed
+        of reports: at that one, noise of 0.2 m/s makes the action alternate behind a downstream vehicle.
     creep_stop_time : float
         Time in which a creeping ego stops [s].
     lane_entry_horizon : float

@@ -19,7 +19,7 @@ class EventRecorder:
 
     def __init__(self, scenario: Scenario, *, braking: float = -1.0, rest_speed: float = 0.05) -> None:
         # braking [m/s^2]: beyond drag and speed control
-        # rest_speed [m/s]: simulated speeds are exact; the planner's `creep_speed` is of reported ones
+        # rest_speed [m/s]: simulated speeds are exact, unlike reported ones, which STANDSTILL_SPEED is for
         self._braking, self._rest_speed = braking, rest_speed
         self._user_ids = [user.id for user in scenario.road_users]
         self._has_fixed_gap = scenario.fixed_gap is not None
