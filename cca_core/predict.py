@@ -5,11 +5,14 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, as_array
 from cca_core.geometry import Boxes
+from cca_core.kernel import bind, reach
 from cca_core.path.path import Path
-from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED, RemoteVehicle
+from cca_core.vehicle import STANDSTILL_SPEED, RemoteVehicle
 
 __all__ = ["occupancy_boxes", "predict_along", "predict_ctra", "predict_distance", "reachable_interval"]
 
+_distances_driven, _reachable_intervals = bind(reach.distances_driven), bind(reach.reachable_intervals)
+_occupancy_boxes = bind(reach.occupancy_boxes)
 _BOUND = 2.0  # standard deviations of the 95 % uncertainty bound on each side
 
 
@@ -41,12 +44,10 @@ def predict_distance(v_x: float, a_x: float, t: ArrayLike) -> Array:
     >>> predict_distance(20.0, -5.0, [1.0, 4.0, 9.0])
     array([17.5, 40. , 40. ])
     """
-    t = as_array("t", t)
-    if a_x >= -1.0 or v_x <= 0.0:
-        return v_x * t
-    braking = np.clip(t, 0.0, v_x / -a_x)
-    distance: Array = v_x * (braking + np.minimum(t, 0.0)) + 0.5 * a_x * braking**2
-    return distance
+    t = np.asarray(as_array("t", t), order="C")
+    distance = np.empty_like(t)
+    _distances_driven(t.size, t.reshape(-1), v_x, a_x, distance.reshape(-1))
+    return distance[()]
 
 
 def reachable_interval(
@@ -99,24 +100,12 @@ def reachable_interval(
     >>> low, high
     (array([16., 25.]), array([ 21.5, 104. ]))
     """
-    v, t, age, rate = (
-        as_array(name, a) for name, a in (("v", v), ("t", t), ("age", age), ("a_reported", a_reported))
-    )
-    speed = np.abs(v)
-    ahead = t >= 0.0
-    since = np.maximum(t, 0.0) + age * ahead
-    dead_reckoned = np.minimum(age, STALE_AGE)
-    measured = np.maximum(speed - rate * dead_reckoned, 0.0)
-    # the smallest normal number avoids an overflow for denormal decelerations
-    slows = np.minimum(since, measured / max(braking, 1e-300)) if braking > 0.0 else since
-    counted = speed * age - 0.5 * rate * dead_reckoned * dead_reckoned
-    known = speed * np.minimum(t, 0.0) - counted * ahead
-    shortest = np.where(ahead, measured * slows - 0.5 * braking * slows * slows, 0.0) + known
-    longest = np.where(ahead, measured * since + 0.5 * acceleration * since * since, 0.0) + known
-    creeping = STANDSTILL_SPEED if acceleration > 0.0 else 0.0
-    forwards, backwards = v > -creeping, v < creeping
-    low = np.where(backwards, -longest, shortest)
-    high = np.where(forwards, longest, -shortest)
+    named = {"v": v, "t": t, "age": age, "a_reported": a_reported}
+    given = np.stack(np.broadcast_arrays(*(as_array(name, value) for name, value in named.items())))
+    low, high = np.empty((2, *given.shape[1:]))
+    speeds, times, ages, rates = given.reshape(4, -1)
+    flat = low.reshape(-1), high.reshape(-1)
+    _reachable_intervals(low.size, speeds, times, ages, rates, braking, acceleration, *flat)
     return low, high
 
 
@@ -149,22 +138,13 @@ def occupancy_boxes(
     InputError
         If a value is no array of real numbers.
     """
-    s, rear, front, d, half_width = (as_array("interval", a) for a in (s, rear, front, d, half_width))
-    window = 15.0  # [m]: bodies farther away do not matter, with both half lengths
-    first = np.minimum(np.maximum(rear, s - window), front)
-    last = np.maximum(np.minimum(front, s + window), rear)
-    first, last = np.minimum(first, last), np.maximum(first, last)
-    middle, length = 0.5 * (first + last), last - first
-    center, tangent, second = path.derivatives(middle)
-    norm = np.hypot(tangent[..., 0], tangent[..., 1])
-    curvature = np.abs(tangent[..., 0] * second[..., 1] - tangent[..., 1] * second[..., 0]) / norm**3
-    return Boxes(
-        center[..., 0] - d * tangent[..., 1] / norm,
-        center[..., 1] + d * tangent[..., 0] / norm,
-        np.arctan2(tangent[..., 1], tangent[..., 0]),
-        length,
-        2.0 * half_width + 0.25 * curvature * length * length,
-    )
+    interval = (as_array("interval", a) for a in (s, rear, front, d, half_width))
+    given = np.stack(np.broadcast_arrays(*interval))
+    boxes = np.empty((*given.shape[1:], 5))
+    stations, rears, fronts, offsets, halves = given.reshape(5, -1)
+    rows = boxes.reshape(-1, 5)
+    _occupancy_boxes(path.curve, len(rows), stations, rears, fronts, offsets, halves, rows)
+    return Boxes(*np.moveaxis(boxes, -1, 0))
 
 
 def predict_ctra(remote: RemoteVehicle, t: ArrayLike) -> tuple[Array, Array, Array]:

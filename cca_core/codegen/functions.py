@@ -142,6 +142,8 @@ class Function(Expressions):
         name = f"result{self.results}_"
         lines = [f"const {term.kind.name} {name} = {term.text};"]
         for i, (target, kind) in enumerate(zip(targets, term.kind.items, strict=True)):
+            if isinstance(target, ast.Name) and target.id == "_":
+                continue
             lines.append(self.assignment(node, target, Term(f"{name}.item{i}", kind)))
         return lines
 

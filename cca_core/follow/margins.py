@@ -7,7 +7,8 @@ import numpy as np
 
 from cca_core._checks import Array, check_real
 from cca_core.follow.bicycle import single_track
-from cca_core.follow.schedule import SIDESLIP_FRACTION, PreviewGains
+from cca_core.follow.schedule import PreviewGains
+from cca_core.kernel.steering import SIDESLIP_FRACTION
 from cca_core.vehicle import VehicleParams
 
 

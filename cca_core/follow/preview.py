@@ -1,18 +1,18 @@
 """Preview steering: PD control of the lateral error ahead, and feedforward of curvature."""
 
-import math
 from typing import Literal
 
 from cca_core._checks import check_real
 from cca_core.errors import InputError
-from cca_core.follow.feedforward import ROLLING_SPEED, InverseSteering
-from cca_core.follow.schedule import SIDESLIP_FRACTION, PreviewGains, shipped_gains
-from cca_core.geometry import wrap_angle
+from cca_core.follow.feedforward import InverseSteering
+from cca_core.follow.schedule import PreviewGains, shipped_gains
+from cca_core.kernel import bind
+from cca_core.kernel.memory import lend
+from cca_core.kernel.steering import Steering, steer
 from cca_core.path.path import Path
-from cca_core.vehicle import GRAVITY, VehicleParams, VehicleState
+from cca_core.vehicle import VehicleParams, VehicleState
 
-_INTEGRAL_TIME = 3.0  # slow: it corrects what the model omits, such as load and alignment [s]
-_INTEGRAL_LIMIT = 0.02  # [rad]
+_steer = bind(steer)
 
 
 class PreviewController:
@@ -62,11 +62,15 @@ class PreviewController:
         self.gains = gains or shipped_gains(vehicle)
         self.delay = check_real("delay", delay, ge=0.0)
         self.a_y_max = check_real("a_y_max", a_y_max, gt=0.0)
-        self._ahead = error == "ahead"
         self._inverse = InverseSteering(vehicle)
-        self._foot: tuple[Path, float] | None = None
-        self._integral = 0.0
-        self._delta: float | None = None
+        self._law = lend(Steering, count=len(self.gains.speeds))
+        law = self._law.workspace
+        law.delta_max, law.delta_rate_max = vehicle.delta_max, vehicle.delta_rate_max
+        law.steering_lag, law.understeer = vehicle.steering_lag, vehicle.understeer_gradient
+        law.delay, law.a_y_max, law.ahead = self.delay, self.a_y_max, error == "ahead"
+        for name in ("speeds", "k_p", "k_d", "l_s"):
+            self._law.arrays[name][:] = getattr(self.gains, name)
+        self._path: Path | None = None
 
     def __repr__(self) -> str:
         return f"PreviewController(gains at {len(self.gains.speeds)} speeds, delay={self.delay:g} s)"
@@ -93,48 +97,13 @@ class PreviewController:
         delta : float
             Road-wheel angle [rad], left positive, within the limits of angle, rate and lateral acceleration.
         """
-        p, v = self.vehicle, max(state.v_x, 0.0)
-        if self._foot is not None and self._foot[0] is path:
-            s_guess = self._foot[1] + v * dt
+        law = self._law.workspace
+        if path is self._path:
+            s_guess = law.s + max(state.v_x, 0.0) * dt
         elif s_guess is None:
             s_guess = float(path.project((state.x, state.y))[0])
-        s, d, heading, kappa = path.foot_point(float(state.x), float(state.y), s_guess)
-        self._foot = path, s
-        ahead = s + v * (self.delay + p.steering_lag)
-        feedforward = self._inverse.advance(ahead, path.curvature_at(ahead), v, dt)
-        beta, r = self._inverse.motion_at(s)
-        if v > ROLLING_SPEED:
-            beta += SIDESLIP_FRACTION * (math.atan2(state.v_y, v) - beta)
-        k_p, k_d, l_s = self.gains.at(v)
-        e_psi = wrap_angle(state.psi - heading)
-        sin, cos = math.sin(e_psi), math.cos(e_psi)
-        error = d + l_s * (sin + math.sin(beta))
-        if self._ahead:
-            error = self._error_ahead(state, path, s, l_s) + l_s * math.sin(beta) + 0.5 * kappa * l_s * l_s
-        rate = v * sin + state.v_y * cos + l_s * (state.r - r)
-        target = feedforward - k_p * error - k_d * rate - self._integral
-        delta = self._limited(target, state, dt)
-        if delta == target and abs(d) < 0.1 and v > 1.0:  # only small errors: large ones are transients
-            integral = self._integral + k_p * d * dt / _INTEGRAL_TIME
-            self._integral = min(max(integral, -_INTEGRAL_LIMIT), _INTEGRAL_LIMIT)
-        self._delta = float(delta)
-        return self._delta
-
-    def _error_ahead(self, state: VehicleState, path: Path, s: float, l_s: float) -> float:
-        x, y = state.x + l_s * math.cos(state.psi), state.y + l_s * math.sin(state.psi)
-        return path.foot_point(x, y, s + l_s)[1]
-
-    def _limited(self, delta: float, state: VehicleState, dt: float) -> float:
-        p, v = self.vehicle, max(state.v_x, 1.0)
-        turn = p.wheelbase + max(p.understeer_gradient, 0.0) * v * v
-        steady = math.atan(turn * self.a_y_max / (v * v))
-        # direction of motion of the front wheels; beyond 80 % of the grip a car on a slippery road spins
-        motion = math.atan2(state.v_y + p.l_f * state.r, v)
-        slip = self._inverse.front_slip(min(self.a_y_max / (p.mu * GRAVITY), 0.8))
-        low = max(min(-steady, motion - slip), -p.delta_max)
-        high = min(max(steady, motion + slip), p.delta_max)
-        delta = min(max(delta, low), high)
-        if self._delta is not None:
-            step = p.delta_rate_max * dt
-            delta = min(max(delta, self._delta - step), self._delta + step)
-        return delta
+        self._path = path
+        return _steer(
+            law, self._inverse.car, path.curve, s_guess, state.x, state.y, state.psi, state.v_x, state.v_y,
+            state.r, dt,
+        )  # fmt: skip

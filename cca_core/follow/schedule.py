@@ -7,8 +7,6 @@ from cca_core._checks import check_array, check_real
 from cca_core.errors import InputError
 from cca_core.vehicle import VehicleParams
 
-SIDESLIP_FRACTION = 0.3
-"""Fraction of the measured sideslip in the reference of the error at the preview point [-]."""
 SPEEDS = (2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0)
 """Default grid of a schedule, and grid of the shipped schedules [m/s]."""
 

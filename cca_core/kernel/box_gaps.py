@@ -3,11 +3,13 @@
 import math
 from typing import Annotated
 
-from cca_core.kernel.types import Int, Real, Reals
+from cca_core.kernel.types import Grid, Int, Real, Reals
 
-__all__ = ["aligned_box_gaps", "oriented_box_gap"]
+__all__ = ["aligned_box_gaps", "box_gap", "box_gaps", "oriented_box_gap"]
 
 Row = Annotated[Reals, "n"]
+Boxes = Annotated[Grid, "n", 5]
+EgoBoxes = Annotated[Grid, "k", 5]
 
 
 def norm(x: Real, y: Real) -> Real:
@@ -60,12 +62,13 @@ def oriented_box_gap(
     y_b = dy * ax - dx * ay
     x_a = -(dx * bx + dy * by)
     y_a = -(dy * bx - dx * by)
-    separation = max(
-        abs(x_b) - length_a - (length_b * c + width_b * s),
-        abs(y_b) - width_a - (length_b * s + width_b * c),
-        abs(x_a) - length_b - (length_a * c + width_a * s),
-        abs(y_a) - width_b - (length_a * s + width_a * c),
-    )
+    along_a = abs(x_b) - length_a - (length_b * c + width_b * s)
+    across_a = abs(y_b) - width_a - (length_b * s + width_b * c)
+    along_b = abs(x_a) - length_b - (length_a * c + width_a * s)
+    across_b = abs(y_a) - width_b - (length_a * s + width_a * c)
+    separation = max(along_a, across_a, along_b, across_b)
+    if not math.isfinite(along_a + across_a + along_b + across_b):  # NaN may be lost in a maximum
+        return along_a + across_a + along_b + across_b
     if separation <= 0.0:
         return separation
     of_b = nearest_corner(x_b, y_b, turn_c, turn_s, length_b, width_b, length_a, width_a)
@@ -85,3 +88,37 @@ def aligned_box_gaps(n: Int, dx: Row, dy: Row, length: Real, width: Real, gap: R
             gap[i] = max(along, across)
         smallest = min(smallest, gap[i])
     return smallest
+
+
+def box_gap(
+    ax: Real,
+    ay: Real,
+    a_psi: Real,
+    a_length: Real,
+    a_width: Real,
+    bx: Real,
+    by: Real,
+    b_psi: Real,
+    b_length: Real,
+    b_width: Real,
+) -> Real:
+    """Signed distance of two boxes from centers, headings and full extents [m]; NaN if one is not finite."""
+    headings = 0.0 * a_psi + 0.0 * b_psi
+    if math.isnan(headings):
+        return headings
+    return oriented_box_gap(
+        bx - ax, by - ay, math.cos(a_psi), math.sin(a_psi), math.cos(b_psi), math.sin(b_psi),
+        0.5 * a_length, 0.5 * a_width, 0.5 * b_length, 0.5 * b_width,
+    )  # fmt: skip
+
+
+def box_gaps(n: Int, k: Int, a: EgoBoxes, b: Boxes, gap: Row) -> None:
+    """Signed distances of n boxes b from k boxes a, which repeat: x, y, heading, length, width of each."""
+    j = 0
+    for i in range(n):
+        gap[i] = box_gap(
+            a[j, 0], a[j, 1], a[j, 2], a[j, 3], a[j, 4], b[i, 0], b[i, 1], b[i, 2], b[i, 3], b[i, 4]
+        )
+        j += 1
+        if j == k:
+            j = 0

@@ -29,6 +29,12 @@ class Lent(Generic[T]):
     arrays: dict[str, NDArray[Any]]
     memory: NDArray[np.float64]
     starts: dict[str, int]
+    owner: type[T]
+    sizes: Mapping[str, int]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        numbers = {name: getattr(self.workspace, name) for name in fields(cast(Any, self.owner))[0]}
+        return _lend_again, (self.owner, self.sizes, numbers, self.arrays)
 
     def rows(self, first: str, last: str) -> NDArray[np.float64]:
         """Return the arrays of fields of one shape, from one to another in their order, as one array."""
@@ -43,13 +49,14 @@ class Lent(Generic[T]):
 
 def lend(owner: type[T], form: str | None = None, **sizes: int) -> Lent[T]:
     """Make a workspace of a class of fields: zeros, arrays of the sizes in its annotations."""
-    numbers, shapes = fields(owner)
+    numbers, shapes = fields(cast(Any, owner))
     arrays, memory, starts = allocate(
         {name: (base, shape_of(s, sizes)) for name, (base, s) in shapes.items()}
     )
-    given = {name: sizes.pop(name) if name in sizes else kind() for name, kind in numbers.items()}
-    if sizes:
-        raise ValueError(f"sizes must be fields of {owner.__name__}, were {', '.join(sizes)}")
+    given = {name: sizes.get(name, kind()) for name, kind in numbers.items()}
+    unknown = [name for name in sizes if name not in given]
+    if unknown:
+        raise ValueError(f"sizes must be fields of {owner.__name__}, were {', '.join(unknown)}")
     if (form or kernel.backend()) == "c":
         workspace = cast(Any, structure_type)(owner)(given, arrays)
     else:
@@ -58,7 +65,19 @@ def lend(owner: type[T], form: str | None = None, **sizes: int) -> Lent[T]:
             setattr(workspace, name, value)
         for name, array in arrays.items():
             setattr(workspace, name, memoryview(cast(Any, array)))
-    return Lent(workspace, arrays, memory, starts)
+    return Lent(workspace, arrays, memory, starts, owner, sizes)
+
+
+def _lend_again(
+    owner: type[T], sizes: Mapping[str, int], numbers: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
+) -> Lent[T]:
+    """Make a workspace from the contents of another one, perhaps of another process."""
+    lent = lend(owner, None, **sizes)
+    for name in numbers.keys() - sizes.keys():
+        setattr(lent.workspace, name, numbers[name])
+    for name, array in arrays.items():
+        lent.arrays[name][...] = array
+    return lent
 
 
 def reuse(owner: type[T], **sizes: int) -> Lent[T]:
@@ -76,6 +95,7 @@ def reuse(owner: type[T], **sizes: int) -> Lent[T]:
     return lent
 
 
+@cache
 def fields(owner: type) -> tuple[dict[str, Any], dict[str, tuple[Any, tuple[int | str, ...]]]]:
     """Return the types of the numbers of a class, and element types and shapes of its arrays."""
     numbers, shapes = {}, {}
@@ -143,12 +163,18 @@ def fixed(workspace: Any, name: str) -> Any:
 
 def names_in(size: int | str) -> set[str]:
     """Return the names in the size of an array."""
-    return {node.id for node in ast.walk(ast.parse(str(size))) if isinstance(node, ast.Name)}
+    return {node.id for node in ast.walk(parsed(str(size))) if isinstance(node, ast.Name)}
 
 
 def shape_of(sizes: tuple[int | str, ...], values: Mapping[str, int]) -> tuple[int, ...]:
     """Return the shape that the sizes in an annotation stand for."""
-    return tuple(_value(ast.parse(str(size), mode="eval").body, values) for size in sizes)
+    return tuple(_value(parsed(str(size)), values) for size in sizes)
+
+
+@cache
+def parsed(size: str) -> ast.expr:
+    """Return the tree of the size of an array."""
+    return ast.parse(size, mode="eval").body
 
 
 def _value(node: ast.expr, values: Mapping[str, int]) -> int:

@@ -1,17 +1,26 @@
 """Piecewise cubics in the plane: evaluation and foot points, for arrays and single floats."""
 
 import math
-from bisect import bisect_right
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core.kernel import bind
+from cca_core.kernel.curve import (
+    Curve,
+    CurveSamples,
+    curvature_at,
+    curve_point,
+    foot_point,
+    foot_points,
+    nearest_points,
+)
+from cca_core.kernel.memory import lend
 
-_MAX_ITERATIONS = 12  # Newton converges in 2 to 4; points far off a tight curve need more
-_STEP_TOLERANCE = 1e-9  # [m]
-_CHUNK = 8192  # positions whose intermediate results stay in the cache
+_curve_point, _curvature_at = bind(curve_point), bind(curvature_at)
+_foot_point, _foot_points, _nearest_points = bind(foot_point), bind(foot_points), bind(nearest_points)
+
 _SPACING = 2.0  # of the samples for a search without initial guess [m]
 _SAMPLE_TURN = 0.15  # largest turn between such samples [rad]
 
@@ -61,129 +70,40 @@ class Cubics:
 
     def at(self, s: float) -> tuple[float, float, float, float, float, float]:
         """Position, first and second derivative at one s, as six floats."""
-        breaks, pieces = self._lists
-        on = s if breaks[0] <= s <= breaks[-1] else min(max(s, breaks[0]), breaks[-1])
-        i = bisect_right(breaks, on, 1, len(pieces)) - 1
-        ax, ay, bx, by, cx, cy, dx, dy = pieces[i]
-        t = on - breaks[i]
-        px, py = ((ax * t + bx) * t + cx) * t + dx, ((ay * t + by) * t + cy) * t + dy
-        tx, ty = (3.0 * ax * t + 2.0 * bx) * t + cx, (3.0 * ay * t + 2.0 * by) * t + cy
-        if s == on:
-            return px, py, tx, ty, 6.0 * ax * t + 2.0 * bx, 6.0 * ay * t + 2.0 * by
-        return px + (s - on) * tx, py + (s - on) * ty, tx, ty, 0.0, 0.0
+        return _curve_point(self.curve, s)
+
+    def curvature_at(self, s: float) -> float:
+        """Signed curvature at one s."""
+        return _curvature_at(self.curve, s)
 
     def foot_point(self, x: float, y: float, s_guess: float) -> tuple[float, float, float, float]:
         """Foot point of one position: s, d, heading and curvature."""
-        s = s_guess
-        for _ in range(_MAX_ITERATIONS):
-            px, py, tx, ty, nx, ny = self.at(s)
-            speed2 = tx * tx + ty * ty
-            out = (px - x) * tx + (py - y) * ty
-            step = out / max(speed2 + (px - x) * nx + (py - y) * ny, 0.2 * speed2)
-            if -_STEP_TOLERANCE < step < _STEP_TOLERANCE:
-                break
-            s -= step
-        else:
-            px, py, tx, ty, nx, ny = self.at(s)
-        speed = math.hypot(tx, ty)
-        d = (tx * (y - py) - ty * (x - px)) / speed
-        return s, d, math.atan2(ty, tx), (tx * ny - ty * nx) / speed**3
+        return _foot_point(self.curve, x, y, s_guess)
 
     def foot_points(self, xy: Array, s_guess: Array) -> tuple[Array, Array]:
         """Foot points s, d of positions, shape (n, 2), by Newton from initial guesses, shape (n,)."""
-        s, d = s_guess.copy(), np.empty(len(xy))
-        for begin in range(0, len(xy), _CHUNK):
-            chunk = slice(begin, begin + _CHUNK)
-            self._newton(xy[chunk, 0].copy(), xy[chunk, 1].copy(), s[chunk], d[chunk])
+        x, y, guess = (np.ascontiguousarray(a) for a in (xy[:, 0], xy[:, 1], s_guess))
+        s, d, heading, curvature = np.empty((4, len(x)))
+        _foot_points(self.curve, len(x), x, y, guess, s, d, heading, curvature)
         return s, d
 
     def nearest(self, xy: Array) -> tuple[Array, Array]:
         """Foot points s, d of positions, shape (n, 2), nearest on the whole curve."""
-        s, d = np.empty(len(xy)), np.empty(len(xy))
-        for begin in range(0, len(xy), _CHUNK):
-            chunk = slice(begin, begin + _CHUNK)
-            self._search(xy[chunk], s[chunk], d[chunk])
+        x, y = np.ascontiguousarray(xy[:, 0]), np.ascontiguousarray(xy[:, 1])
+        s, d = np.empty((2, len(x)))
+        _nearest_points(self.curve, self._samples, len(x), x, y, s, d)
         return s, d
 
-    def _newton(self, x: Array, y: Array, s: Array, d: Array) -> None:
-        """Iterate `s` to the foot points and fill `d`; converged positions are skipped."""
-        left = np.arange(len(s))
-        u = s.copy()
-        for iteration in range(_MAX_ITERATIONS + 1):
-            on = np.minimum(np.maximum(u, self._breaks[0]), self._breaks[-1])
-            i = np.searchsorted(self._inner, on, side="right")
-            ax, ay, bx, by, cx, cy, dx, dy = (row.take(i) for row in self._table)
-            t, beyond = on - self._breaks.take(i), u - on
-            tx, ty = (3.0 * ax * t + 2.0 * bx) * t + cx, (3.0 * ay * t + 2.0 * by) * t + cy
-            px = ((ax * t + bx) * t + cx) * t + dx + beyond * tx - x
-            py = ((ay * t + by) * t + cy) * t + dy + beyond * ty - y
-            speed2 = tx * tx + ty * ty
-            curved = px * (6.0 * ax * t + 2.0 * bx) + py * (6.0 * ay * t + 2.0 * by)
-            curved[beyond != 0.0] = 0.0
-            step = (px * tx + py * ty) / np.maximum(speed2 + curved, 0.2 * speed2)
-            s[left], d[left] = u, (ty * px - tx * py) / np.sqrt(speed2)
-            far = np.flatnonzero(np.abs(step) >= _STEP_TOLERANCE)
-            if not len(far) or iteration == _MAX_ITERATIONS:
-                return
-            left, x, y, u = left[far], x[far], y[far], (u - step)[far]
-
-    def _search(self, xy: Array, s: Array, d: Array) -> None:
-        """Run Newton from every local minimum of the samples that may lead to the nearest point."""
-        at, tree, points = self._samples
-        left, k = np.arange(len(xy)), min(4, len(at))
-        while len(left):
-            distance, sample = tree.query(xy[left], k=k)
-            # the nearest point of the curve has a sample within half a spacing
-            limit = distance[:, :1] + 0.5 * _SPACING
-            complete = (distance[:, -1:] >= limit)[:, 0] | (k == len(at))
-            here = xy[left[complete], None, :]
-            near, index = distance[complete], sample[complete]
-            minimum = near <= limit[complete]
-            for side in (-1, 1):
-                other = points[np.clip(index + side, 0, len(at) - 1)] - here
-                minimum &= near <= np.hypot(other[..., 0], other[..., 1])
-            minimum[:, 0] = True  # even if rounding decides between two
-            row, column = np.nonzero(minimum)
-            owner = left[complete][row]
-            u, offset = self._descend(xy[owner], index[row, column])
-            best = np.lexsort((np.abs(offset), owner))
-            best = best[np.unique(owner[best], return_index=True)[1]]
-            s[owner[best]], d[owner[best]] = u[best], offset[best]
-            left, k = left[~complete], min(4 * k, len(at))
-
-    def _descend(self, xy: Array, sample: Any) -> tuple[Array, Array]:
-        """Foot points next to samples; where Newton leaves the interval of a sample, by bisection in it."""
-        at, _, _ = self._samples
-        u, offset = self.foot_points(xy, at[sample])
-        low, high = at[np.maximum(sample - 1, 0)], at[np.minimum(sample + 1, len(at) - 1)]
-        beyond = (sample == 0) & (u < low) | (sample == len(at) - 1) & (u > high)
-        lost = np.flatnonzero(((u < low) | (u > high)) & ~beyond)
-        if len(lost):
-            low, high, to = low[lost], high[lost], xy[lost]
-            for _ in range(50):
-                middle = 0.5 * (low + high)
-                position, first, _ = self.derivatives(middle)
-                ahead = ((position - to) * first).sum(-1) < 0.0
-                low, high = np.where(ahead, middle, low), np.where(ahead, high, middle)
-            position, first, _ = self.derivatives(low)
-            out = to - position
-            left_of = first[:, 0] * out[:, 1] - first[:, 1] * out[:, 0] >= 0.0
-            u[lost], offset[lost] = low, np.where(left_of, 1.0, -1.0) * np.hypot(out[:, 0], out[:, 1])
-        return u, offset
+    @cached_property
+    def curve(self) -> Curve:
+        """The curve in the kernel."""
+        lent = lend(Curve, segments=len(self._breaks) - 1)
+        lent.arrays["breaks"][:] = self._breaks
+        lent.arrays["powers"].reshape(-1, 4, 2)[:] = self._powers.transpose(1, 0, 2)
+        return lent.workspace
 
     @cached_property
-    def _lists(self) -> tuple[list[float], list[list[float]]]:
-        return self._breaks.tolist(), self._table.T.tolist()
-
-    @cached_property
-    def _table(self) -> Array:
-        """The powers as rows ax, ay, bx, by, cx, cy, dx, dy, shape (8, n_segments)."""
-        return np.ascontiguousarray(self._powers.transpose(0, 2, 1).reshape(8, -1))
-
-    @cached_property
-    def _samples(self) -> tuple[Array, Any, Array]:
-        from scipy.spatial import cKDTree  # slow to import
-
+    def _samples(self) -> CurveSamples:
         whole = self._breaks[-1] - self._breaks[0]
         s = np.linspace(self._breaks[0], self._breaks[-1], max(2, math.ceil(whole / _SPACING) + 1))
         length = np.diff(self._breaks)
@@ -197,5 +117,18 @@ class Cubics:
         more = [np.linspace(self._breaks[i], self._breaks[i + 1], parts[i], endpoint=False) for i in tight]
         if more:
             s = np.unique(np.concatenate([s, *more]))
-        points = self.derivatives(s)[0]
-        return s, cKDTree(points), points
+        lent = lend(CurveSamples, count=len(s), stride=math.isqrt(len(s)))
+        lent.workspace.spacing, lent.workspace.max_speed = float(np.diff(s).max()), self._max_speed()
+        lent.arrays["s"][:] = s
+        lent.arrays["x"][:], lent.arrays["y"][:] = self.derivatives(s)[0].T
+        return lent.workspace
+
+    def _max_speed(self) -> float:
+        """Bound of the length of the first derivative, from the control points of that parabola."""
+        a, b, c = self._powers[:3]
+        length = np.diff(self._breaks)[:, None]
+        speeds = [
+            np.hypot(*control.T).max()
+            for control in (c, c + b * length, c + (2.0 * b + 3.0 * a * length) * length)
+        ]
+        return max(float(max(speeds)), 1e-9)

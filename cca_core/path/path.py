@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_array, check_real
 from cca_core.errors import InputError
+from cca_core.kernel.curve import Curve
 from cca_core.path.cubics import Cubics
 from cca_core.path.fit_report import FitReport
 
@@ -65,6 +66,11 @@ class Path:
     @cached_property
     def _cubics(self) -> Cubics:
         return Cubics(self._breaks, self._coefficients)
+
+    @property
+    def curve(self) -> Curve:
+        """The path in the kernel, for its calls."""
+        return self._cubics.curve
 
     def __repr__(self) -> str:
         parts = [f"{len(self._coefficients)} segments", f"{self.length:.1f} m"]
@@ -329,5 +335,4 @@ class Path:
         kappa : float
             Curvature [1/m], left turn positive.
         """
-        _, _, tx, ty, nx, ny = self._cubics.at(s)
-        return float((tx * ny - ty * nx) / (tx * tx + ty * ty) ** 1.5)
+        return self._cubics.curvature_at(s)

@@ -20,7 +20,7 @@ from cca_core.follow import (
     stability_margins,
 )
 from cca_core.follow.bicycle import SingleTrack
-from cca_core.follow.schedule import SIDESLIP_FRACTION
+from cca_core.kernel.steering import SIDESLIP_FRACTION
 from cca_core.vehicle import VehicleParams
 
 PRESETS = {

@@ -17,7 +17,7 @@ from cca_core.follow import (
     steady_sideslip,
     steady_steering,
 )
-from cca_core.follow.schedule import SIDESLIP_FRACTION
+from cca_core.kernel.steering import SIDESLIP_FRACTION
 from cca_core.path import Path, fit_path, interpolate_path
 from cca_core.sim import SingleTrackPlant, lane_change_path, track_path
 from cca_core.vehicle import VehicleParams, VehicleState

@@ -1,5 +1,7 @@
 """Workspaces: sizes, shared rows, reuse by threads."""
 
+import copy
+import pickle
 import threading
 from typing import Any
 
@@ -27,6 +29,16 @@ def test_fields_are_attributes(lent: Lent[Trial]) -> None:
     workspace.gain = 2.5
     lent.arrays["x"][1] = 7.0
     assert (workspace.gain, workspace.x[1]) == (2.5, 7.0)
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, lambda lent: pickle.loads(pickle.dumps(lent))])
+def test_copied_workspace_has_same_contents(lent: Lent[Trial], again: Any) -> None:
+    lent.workspace.gain = 2.5
+    lent.arrays["grid"][1, 2] = 7.0
+    other = again(lent)
+    assert (other.workspace.n, other.workspace.gain, other.workspace.grid[1, 2]) == (4, 2.5, 7.0)
+    other.arrays["grid"][1, 2] = 8.0
+    assert lent.arrays["grid"][1, 2] == 7.0
 
 
 def test_rows_of_one_shape_are_one_array(lent: Lent[Trial]) -> None:

@@ -104,9 +104,1135 @@ static PyObject *call_aligned_box_gaps(PyObject *self_, PyObject *const *given_,
     return PyFloat_FromDouble(result_);
 }
 
+static PyObject *call_box_gap(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("box_gap", 10, count_)) {
+        return NULL;
+    }
+    double ax;
+    double ay;
+    double a_psi;
+    double a_length;
+    double a_width;
+    double bx;
+    double by;
+    double b_psi;
+    double b_length;
+    double b_width;
+    if (!lend_real(given_[0], &ax)) {
+        return NULL;
+    }
+    if (!lend_real(given_[1], &ay)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &a_psi)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &a_length)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &a_width)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &bx)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &by)) {
+        return NULL;
+    }
+    if (!lend_real(given_[7], &b_psi)) {
+        return NULL;
+    }
+    if (!lend_real(given_[8], &b_length)) {
+        return NULL;
+    }
+    if (!lend_real(given_[9], &b_width)) {
+        return NULL;
+    }
+    double result_;
+    result_ = cca_box_gap(ax, ay, a_psi, a_length, a_width, bx, by, b_psi, b_length, b_width);
+    return PyFloat_FromDouble(result_);
+}
+
+static PyObject *call_box_gaps(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("box_gaps", 5, count_)) {
+        return NULL;
+    }
+    int n;
+    int k;
+    const double *a;
+    const double *b;
+    double *gap;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[1], &k)) {
+        return NULL;
+    }
+    Lent lent_[3];
+    int held_ = 0;
+    a = lend_array("a", given_[2], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)k, 5, 0);
+    if (a == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    b = lend_array("b", given_[3], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 5, 0);
+    if (b == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    gap = lend_array("gap", given_[4], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (gap == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_box_gaps(n, k, a, b, gap);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("curve_point", 2, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    double s;
+    if (!lend_real(given_[1], &s)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    cca_dddddd result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_curve_point(curve, s);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1), PyFloat_FromDouble(result_.item2), PyFloat_FromDouble(result_.item3), PyFloat_FromDouble(result_.item4), PyFloat_FromDouble(result_.item5)};
+    return lend_group(items_, 6);
+}
+
+static PyObject *call_curvature_at(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("curvature_at", 2, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    double s;
+    if (!lend_real(given_[1], &s)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    double result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_curvature_at(curve, s);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyFloat_FromDouble(result_);
+}
+
+static PyObject *call_foot_point(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("foot_point", 4, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    double x;
+    double y;
+    double s_guess;
+    if (!lend_real(given_[1], &x)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &y)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &s_guess)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    cca_dddd result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_foot_point(curve, x, y, s_guess);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1), PyFloat_FromDouble(result_.item2), PyFloat_FromDouble(result_.item3)};
+    return lend_group(items_, 4);
+}
+
+static PyObject *call_nearest_point(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("nearest_point", 4, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    const CurveSamples *samples;
+    double x;
+    double y;
+    if (!lend_real(given_[2], &x)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &y)) {
+        return NULL;
+    }
+    Lent lent_[2];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 2, 0);
+    if (samples == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    cca_dd result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_nearest_point(curve, samples, x, y);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1)};
+    return lend_group(items_, 2);
+}
+
+static PyObject *call_foot_points(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("foot_points", 9, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    int n;
+    const double *x;
+    const double *y;
+    const double *s_guess;
+    double *s;
+    double *d;
+    double *heading;
+    double *curvature;
+    if (!lend_whole(given_[1], &n)) {
+        return NULL;
+    }
+    Lent lent_[8];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    x = lend_array("x", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (x == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    y = lend_array("y", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (y == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s_guess = lend_array("s_guess", given_[4], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (s_guess == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s = lend_array("s", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (s == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    d = lend_array("d", given_[6], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (d == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    heading = lend_array("heading", given_[7], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (heading == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    curvature = lend_array("curvature", given_[8], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (curvature == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_foot_points(curve, n, x, y, s_guess, s, d, heading, curvature);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_nearest_points(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("nearest_points", 7, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    const CurveSamples *samples;
+    int n;
+    const double *x;
+    const double *y;
+    double *s;
+    double *d;
+    if (!lend_whole(given_[2], &n)) {
+        return NULL;
+    }
+    Lent lent_[6];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 2, 0);
+    if (samples == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    x = lend_array("x", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (x == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    y = lend_array("y", given_[4], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (y == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s = lend_array("s", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (s == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    d = lend_array("d", given_[6], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (d == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_nearest_points(curve, samples, n, x, y, s, d);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_distances_driven(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("distances_driven", 5, count_)) {
+        return NULL;
+    }
+    int n;
+    const double *t;
+    double v;
+    double a_x;
+    double *distance;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &v)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &a_x)) {
+        return NULL;
+    }
+    Lent lent_[2];
+    int held_ = 0;
+    t = lend_array("t", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (t == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    distance = lend_array("distance", given_[4], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (distance == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_distances_driven(n, t, v, a_x, distance);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_reachable_intervals(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("reachable_intervals", 9, count_)) {
+        return NULL;
+    }
+    int n;
+    const double *v;
+    const double *t;
+    const double *age;
+    const double *rate;
+    double braking;
+    double acceleration;
+    double *low;
+    double *high;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &braking)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &acceleration)) {
+        return NULL;
+    }
+    Lent lent_[6];
+    int held_ = 0;
+    v = lend_array("v", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (v == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    t = lend_array("t", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (t == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    age = lend_array("age", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (age == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    rate = lend_array("rate", given_[4], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (rate == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    low = lend_array("low", given_[7], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (low == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    high = lend_array("high", given_[8], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (high == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_reachable_intervals(n, v, t, age, rate, braking, acceleration, low, high);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_occupied_intervals(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("occupied_intervals", 6, count_)) {
+        return NULL;
+    }
+    int vehicles;
+    int times;
+    const double *motion;
+    const double *t;
+    double *rear;
+    double *front;
+    if (!lend_whole(given_[0], &vehicles)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[1], &times)) {
+        return NULL;
+    }
+    Lent lent_[4];
+    int held_ = 0;
+    motion = lend_array("motion", given_[2], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, 8, 0);
+    if (motion == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    t = lend_array("t", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)times, 0, 0);
+    if (t == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    rear = lend_array("rear", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, (Py_ssize_t)times, 1);
+    if (rear == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    front = lend_array("front", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, (Py_ssize_t)times, 1);
+    if (front == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_occupied_intervals(vehicles, times, motion, t, rear, front);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_danger_zones(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("danger_zones", 6, count_)) {
+        return NULL;
+    }
+    int vehicles;
+    int times;
+    const double *motion;
+    const double *t;
+    const double *travel;
+    double *zone;
+    if (!lend_whole(given_[0], &vehicles)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[1], &times)) {
+        return NULL;
+    }
+    Lent lent_[4];
+    int held_ = 0;
+    motion = lend_array("motion", given_[2], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, 8, 0);
+    if (motion == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    t = lend_array("t", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)times, 0, 0);
+    if (t == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    travel = lend_array("travel", given_[4], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)times, 0, 0);
+    if (travel == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    zone = lend_array("zone", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, 2, 1);
+    if (zone == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_danger_zones(vehicles, times, motion, t, travel, zone);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_occupancy_boxes(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("occupancy_boxes", 8, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    int n;
+    const double *s;
+    const double *rear;
+    const double *front;
+    const double *d;
+    const double *half_width;
+    double *boxes;
+    if (!lend_whole(given_[1], &n)) {
+        return NULL;
+    }
+    Lent lent_[7];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s = lend_array("s", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (s == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    rear = lend_array("rear", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (rear == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    front = lend_array("front", given_[4], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (front == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    d = lend_array("d", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (d == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    half_width = lend_array("half_width", given_[6], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (half_width == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    boxes = lend_array("boxes", given_[7], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 5, 1);
+    if (boxes == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_occupancy_boxes(curve, n, s, rear, front, d, half_width, boxes);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_same_direction_distances(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("same_direction_distances", 6, count_)) {
+        return NULL;
+    }
+    int n;
+    const double *v_rear;
+    const double *v_front;
+    const RssReaction *rear;
+    const RssReaction *front;
+    double *distance;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    Lent lent_[5];
+    int held_ = 0;
+    v_rear = lend_array("v_rear", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (v_rear == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    v_front = lend_array("v_front", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (v_front == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    rear = lend_workspace("rear", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    if (rear == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    front = lend_workspace("front", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    if (front == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    distance = lend_array("distance", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (distance == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_same_direction_distances(n, v_rear, v_front, rear, front, distance);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_opposite_distances(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("opposite_distances", 6, count_)) {
+        return NULL;
+    }
+    int n;
+    const double *v_correct;
+    const double *v_opposite;
+    const RssReaction *correct;
+    const RssReaction *opposite;
+    double *distance;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    Lent lent_[5];
+    int held_ = 0;
+    v_correct = lend_array("v_correct", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (v_correct == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    v_opposite = lend_array("v_opposite", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (v_opposite == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    correct = lend_workspace("correct", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    if (correct == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    opposite = lend_workspace("opposite", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    if (opposite == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    distance = lend_array("distance", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (distance == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_opposite_distances(n, v_correct, v_opposite, correct, opposite, distance);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_lateral_distances(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("lateral_distances", 6, count_)) {
+        return NULL;
+    }
+    int n;
+    const double *v_left;
+    const double *v_right;
+    const RssReaction *left;
+    const RssReaction *right;
+    double *distance;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    Lent lent_[5];
+    int held_ = 0;
+    v_left = lend_array("v_left", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (v_left == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    v_right = lend_array("v_right", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (v_right == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    left = lend_workspace("left", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    if (left == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    right = lend_workspace("right", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    if (right == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    distance = lend_array("distance", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (distance == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_lateral_distances(n, v_left, v_right, left, right, distance);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_arrival_times(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("arrival_times", 6, count_)) {
+        return NULL;
+    }
+    int n;
+    double v_x;
+    double v_target;
+    const double *distance;
+    const SpeedLimits *limits;
+    double *t;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    if (!lend_real(given_[1], &v_x)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &v_target)) {
+        return NULL;
+    }
+    Lent lent_[3];
+    int held_ = 0;
+    distance = lend_array("distance", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (distance == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    limits = lend_workspace("limits", given_[4], &lent_[held_], &held_, sizeof(SpeedLimits), 4, 0);
+    if (limits == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    t = lend_array("t", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (t == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_arrival_times(n, v_x, v_target, distance, limits, t);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_squared_speed_limits(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("squared_speed_limits", 7, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    int n;
+    double cruise;
+    double a_y;
+    const SpeedLimits *limits;
+    const double *s;
+    double *squared;
+    if (!lend_whole(given_[1], &n)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &cruise)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &a_y)) {
+        return NULL;
+    }
+    Lent lent_[4];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    limits = lend_workspace("limits", given_[4], &lent_[held_], &held_, sizeof(SpeedLimits), 4, 0);
+    if (limits == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s = lend_array("s", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (s == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    squared = lend_array("squared", given_[6], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (squared == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_squared_speed_limits(curve, n, cruise, a_y, limits, s, squared);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_interpolated(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("interpolated", 4, count_)) {
+        return NULL;
+    }
+    int n;
+    const double *at;
+    const double *value;
+    double s;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &s)) {
+        return NULL;
+    }
+    Lent lent_[2];
+    int held_ = 0;
+    at = lend_array("at", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (at == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    value = lend_array("value", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (value == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    double result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_interpolated(n, at, value, s);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyFloat_FromDouble(result_);
+}
+
+static PyObject *call_profile_acceleration(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("profile_acceleration", 6, count_)) {
+        return NULL;
+    }
+    int n;
+    const double *at;
+    const double *squared;
+    double s;
+    double v_x;
+    const SpeedLimits *limits;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &s)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &v_x)) {
+        return NULL;
+    }
+    Lent lent_[3];
+    int held_ = 0;
+    at = lend_array("at", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (at == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    squared = lend_array("squared", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (squared == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    limits = lend_workspace("limits", given_[5], &lent_[held_], &held_, sizeof(SpeedLimits), 4, 0);
+    if (limits == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    double result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_profile_acceleration(n, at, squared, s, v_x, limits);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyFloat_FromDouble(result_);
+}
+
+static PyObject *call_front_slip(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("front_slip", 2, count_)) {
+        return NULL;
+    }
+    const IdealCar *car;
+    double fraction;
+    if (!lend_real(given_[1], &fraction)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 0);
+    if (car == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    double result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_front_slip(car, fraction);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyFloat_FromDouble(result_);
+}
+
+static PyObject *call_advance(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("advance", 5, count_)) {
+        return NULL;
+    }
+    IdealCar *car;
+    double s;
+    double kappa;
+    double v_x;
+    double dt;
+    if (!lend_real(given_[1], &s)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &kappa)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &v_x)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &dt)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
+    if (car == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    double result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_advance(car, s, kappa, v_x, dt);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyFloat_FromDouble(result_);
+}
+
+static PyObject *call_find_passed(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_passed", 2, count_)) {
+        return NULL;
+    }
+    IdealCar *car;
+    double s;
+    if (!lend_real(given_[1], &s)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
+    if (car == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    cca_dd result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_find_passed(car, s);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1)};
+    return lend_group(items_, 2);
+}
+
+static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("steer", 11, count_)) {
+        return NULL;
+    }
+    Steering *law;
+    IdealCar *car;
+    const Curve *curve;
+    double s_guess;
+    double x;
+    double y;
+    double psi;
+    double v_x;
+    double v_y;
+    double r;
+    double dt;
+    if (!lend_real(given_[3], &s_guess)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &x)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &y)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &psi)) {
+        return NULL;
+    }
+    if (!lend_real(given_[7], &v_x)) {
+        return NULL;
+    }
+    if (!lend_real(given_[8], &v_y)) {
+        return NULL;
+    }
+    if (!lend_real(given_[9], &r)) {
+        return NULL;
+    }
+    if (!lend_real(given_[10], &dt)) {
+        return NULL;
+    }
+    Lent lent_[3];
+    int held_ = 0;
+    law = lend_workspace("law", given_[0], &lent_[held_], &held_, sizeof(Steering), 6, 1);
+    if (law == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    car = lend_workspace("car", given_[1], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
+    if (car == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    curve = lend_workspace("curve", given_[2], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    double result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_steer(law, car, curve, s_guess, x, y, psi, v_x, v_y, r, dt);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyFloat_FromDouble(result_);
+}
+
 static PyMethodDef methods[] = {
     {"oriented_box_gap", (PyCFunction)(void (*)(void))call_oriented_box_gap, METH_FASTCALL, NULL},
     {"aligned_box_gaps", (PyCFunction)(void (*)(void))call_aligned_box_gaps, METH_FASTCALL, NULL},
+    {"box_gap", (PyCFunction)(void (*)(void))call_box_gap, METH_FASTCALL, NULL},
+    {"box_gaps", (PyCFunction)(void (*)(void))call_box_gaps, METH_FASTCALL, NULL},
+    {"curve_point", (PyCFunction)(void (*)(void))call_curve_point, METH_FASTCALL, NULL},
+    {"curvature_at", (PyCFunction)(void (*)(void))call_curvature_at, METH_FASTCALL, NULL},
+    {"foot_point", (PyCFunction)(void (*)(void))call_foot_point, METH_FASTCALL, NULL},
+    {"nearest_point", (PyCFunction)(void (*)(void))call_nearest_point, METH_FASTCALL, NULL},
+    {"foot_points", (PyCFunction)(void (*)(void))call_foot_points, METH_FASTCALL, NULL},
+    {"nearest_points", (PyCFunction)(void (*)(void))call_nearest_points, METH_FASTCALL, NULL},
+    {"distances_driven", (PyCFunction)(void (*)(void))call_distances_driven, METH_FASTCALL, NULL},
+    {"reachable_intervals", (PyCFunction)(void (*)(void))call_reachable_intervals, METH_FASTCALL, NULL},
+    {"occupied_intervals", (PyCFunction)(void (*)(void))call_occupied_intervals, METH_FASTCALL, NULL},
+    {"danger_zones", (PyCFunction)(void (*)(void))call_danger_zones, METH_FASTCALL, NULL},
+    {"occupancy_boxes", (PyCFunction)(void (*)(void))call_occupancy_boxes, METH_FASTCALL, NULL},
+    {"same_direction_distances", (PyCFunction)(void (*)(void))call_same_direction_distances, METH_FASTCALL, NULL},
+    {"opposite_distances", (PyCFunction)(void (*)(void))call_opposite_distances, METH_FASTCALL, NULL},
+    {"lateral_distances", (PyCFunction)(void (*)(void))call_lateral_distances, METH_FASTCALL, NULL},
+    {"arrival_times", (PyCFunction)(void (*)(void))call_arrival_times, METH_FASTCALL, NULL},
+    {"squared_speed_limits", (PyCFunction)(void (*)(void))call_squared_speed_limits, METH_FASTCALL, NULL},
+    {"interpolated", (PyCFunction)(void (*)(void))call_interpolated, METH_FASTCALL, NULL},
+    {"profile_acceleration", (PyCFunction)(void (*)(void))call_profile_acceleration, METH_FASTCALL, NULL},
+    {"front_slip", (PyCFunction)(void (*)(void))call_front_slip, METH_FASTCALL, NULL},
+    {"advance", (PyCFunction)(void (*)(void))call_advance, METH_FASTCALL, NULL},
+    {"find_passed", (PyCFunction)(void (*)(void))call_find_passed, METH_FASTCALL, NULL},
+    {"steer", (PyCFunction)(void (*)(void))call_steer, METH_FASTCALL, NULL},
     {NULL, NULL, 0, NULL},
 };
 
@@ -114,7 +1240,13 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "d91f819a84eb75c1cd09698e3ca34637842ff534d1f50e610be6394bfabc180e") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "a663336b2e5a56a2b38dd8695b1474457720b933e20a0e7ae7399838b99687de") < 0;
+    failed = failed || lend_describe(structures, "Curve", 1, sizeof(Curve)) < 0;
+    failed = failed || lend_describe(structures, "CurveSamples", 2, sizeof(CurveSamples)) < 0;
+    failed = failed || lend_describe(structures, "RssReaction", 3, sizeof(RssReaction)) < 0;
+    failed = failed || lend_describe(structures, "SpeedLimits", 4, sizeof(SpeedLimits)) < 0;
+    failed = failed || lend_describe(structures, "IdealCar", 5, sizeof(IdealCar)) < 0;
+    failed = failed || lend_describe(structures, "Steering", 6, sizeof(Steering)) < 0;
     Py_XDECREF(structures);
     return failed ? -1 : 0;
 }

@@ -1,0 +1,175 @@
+"""Where other vehicles may be: distances, reachable and occupied intervals, danger zones, occupancy boxes."""
+
+import math
+from typing import Annotated
+
+from cca_core.kernel.box_gaps import norm
+from cca_core.kernel.constants import STALE_AGE, STANDSTILL_SPEED
+from cca_core.kernel.curve import SMALLEST_SPEED, Curve, curvature_of, curve_point
+from cca_core.kernel.types import Grid, Int, Real, Reals
+
+__all__ = [
+    "danger_zones", "distances_driven", "occupancy_boxes", "occupied_intervals", "reachable_intervals",
+]  # fmt: skip
+
+Row = Annotated[Reals, "n"]
+Times = Annotated[Reals, "times"]
+Motions = Annotated[Grid, "vehicles", 8]
+VehicleTimes = Annotated[Grid, "vehicles", "times"]
+Zones = Annotated[Grid, "vehicles", 2]
+BoxRows = Annotated[Grid, "n", 5]
+
+BELIEVED_BRAKING = -1.0  # harder braking lasts until standstill [m/s^2]
+SMALLEST = 1e-300  # no denormal deceleration overflows a division [m/s^2]
+WINDOW = 15.0  # bodies farther away do not matter, with both half lengths [m]
+
+# columns of the motion of a vehicle
+REAR = 0  # smallest station of its body now [m]
+FRONT = 1
+SPEED = 2  # along the road [m/s]
+AGE = 3  # [s]
+RATE = 4  # reported rate of change of the magnitude of the speed [m/s^2]
+BRAKING = 5  # assumed maximum deceleration [m/s^2]
+ACCELERATION = 6
+A_X = 7  # reported acceleration, of a vehicle that keeps its motion [m/s^2]
+
+
+def distance_driven(v: Real, a_x: Real, t: Real) -> Real:
+    """Distance driven in a time; braking lasts until standstill, any other acceleration ends now."""
+    if a_x >= BELIEVED_BRAKING or v <= 0.0:
+        return v * t
+    braking = min(max(t, 0.0), v / -a_x)
+    return v * (braking + min(t, 0.0)) + 0.5 * a_x * braking * braking
+
+
+def measured_speed(speed: Real, age: Real, rate: Real) -> Real:
+    """Speed at the time of the measurement, before it was dead-reckoned."""
+    return max(speed - rate * min(age, STALE_AGE), 0.0)
+
+
+def distance_counted(speed: Real, t: Real, age: Real, rate: Real) -> Real:
+    """Distance that was driven before now or before t, or that dead reckoning has counted."""
+    if t < 0.0:
+        return speed * t
+    counted = min(age, STALE_AGE)
+    return -(speed * age - 0.5 * rate * counted * counted)
+
+
+def shortest(speed: Real, t: Real, braking: Real, age: Real, rate: Real) -> Real:
+    """Smallest distance driven, as if forwards."""
+    known = distance_counted(speed, t, age, rate)
+    if t < 0.0:
+        return known
+    measured = measured_speed(speed, age, rate)
+    slows = t + age
+    if braking > 0.0:
+        slows = min(slows, measured / max(braking, SMALLEST))
+    return measured * slows - 0.5 * braking * slows * slows + known
+
+
+def longest(speed: Real, t: Real, acceleration: Real, age: Real, rate: Real) -> Real:
+    """Largest distance driven, as if forwards."""
+    known = distance_counted(speed, t, age, rate)
+    if t < 0.0:
+        return known
+    since = t + age
+    return measured_speed(speed, age, rate) * since + 0.5 * acceleration * since * since + known
+
+
+def reach_low(v: Real, t: Real, braking: Real, acceleration: Real, age: Real, rate: Real) -> Real:
+    """Smallest displacement along the road within assumed limits."""
+    creeping = STANDSTILL_SPEED if acceleration > 0.0 else 0.0
+    if v < creeping:
+        return -longest(abs(v), t, acceleration, age, rate)
+    return shortest(abs(v), t, braking, age, rate)
+
+
+def reach_high(v: Real, t: Real, braking: Real, acceleration: Real, age: Real, rate: Real) -> Real:
+    """Largest displacement along the road within assumed limits."""
+    creeping = STANDSTILL_SPEED if acceleration > 0.0 else 0.0
+    if v > -creeping:
+        return longest(abs(v), t, acceleration, age, rate)
+    return -shortest(abs(v), t, braking, age, rate)
+
+
+def distances_driven(n: Int, t: Row, v: Real, a_x: Real, distance: Row) -> None:
+    """Distance driven at many times."""
+    for i in range(n):
+        distance[i] = distance_driven(v, a_x, t[i])
+
+
+def reachable_intervals(
+    n: Int, v: Row, t: Row, age: Row, rate: Row, braking: Real, acceleration: Real, low: Row, high: Row
+) -> None:
+    """Displacements that vehicles can reach, one time for each."""
+    for i in range(n):
+        low[i] = reach_low(v[i], t[i], braking, acceleration, age[i], rate[i])
+        high[i] = reach_high(v[i], t[i], braking, acceleration, age[i], rate[i])
+
+
+def occupied_intervals(
+    vehicles: Int, times: Int, motion: Motions, t: Times, rear: VehicleTimes, front: VehicleTimes
+) -> None:
+    """Stations that the bodies of vehicles may cover at common times."""
+    for k in range(vehicles):
+        v = motion[k, SPEED]
+        braking = motion[k, BRAKING]
+        acceleration = motion[k, ACCELERATION]
+        for i in range(times):
+            low = math.copysign(1.0, v) * distance_driven(abs(v), motion[k, A_X], t[i])
+            high = low
+            if not (braking == 0.0 and acceleration == 0.0):
+                low = reach_low(v, t[i], braking, acceleration, motion[k, AGE], motion[k, RATE])
+                high = reach_high(v, t[i], braking, acceleration, motion[k, AGE], motion[k, RATE])
+            rear[k, i] = motion[k, REAR] + low
+            front[k, i] = motion[k, FRONT] + high
+
+
+def danger_zones(vehicles: Int, times: Int, motion: Motions, t: Times, travel: Times, zone: Zones) -> None:
+    """Intervals of the road in which vehicles of the adjacent lane block a maneuver, relative to the ego."""
+    for k in range(vehicles):
+        low = math.inf
+        high = -math.inf
+        for i in range(times):
+            first = reach_low(
+                motion[k, SPEED],
+                t[i],
+                motion[k, BRAKING],
+                motion[k, ACCELERATION],
+                motion[k, AGE],
+                motion[k, RATE],
+            )
+            last = reach_high(
+                motion[k, SPEED],
+                t[i],
+                motion[k, BRAKING],
+                motion[k, ACCELERATION],
+                motion[k, AGE],
+                motion[k, RATE],
+            )
+            if first - travel[i] <= last - travel[i]:
+                low = min(low, first - travel[i])
+                high = max(high, last - travel[i])
+            else:  # not a number: all of the road is blocked
+                low = -math.inf
+                high = math.inf
+        zone[k, 0] = motion[k, REAR] + low
+        zone[k, 1] = motion[k, FRONT] + high
+
+
+def occupancy_boxes(
+    curve: Curve, n: Int, s: Row, rear: Row, front: Row, d: Row, half_width: Row, boxes: BoxRows
+) -> None:
+    """Boxes that cover occupied intervals near given stations: x, y, heading, length and width of each."""
+    for i in range(n):
+        first = min(max(rear[i], s[i] - WINDOW), front[i])
+        last = max(min(front[i], s[i] + WINDOW), rear[i])
+        length = abs(last - first)
+        x, y, dx, dy, ddx, ddy = curve_point(curve, 0.5 * (first + last))
+        speed = max(norm(dx, dy), SMALLEST_SPEED)
+        boxes[i, 0] = x - d[i] * dy / speed
+        boxes[i, 1] = y + d[i] * dx / speed
+        boxes[i, 2] = math.atan2(dy, dx)
+        boxes[i, 3] = length
+        # wider by the deviation of the road from a straight line
+        boxes[i, 4] = 2.0 * half_width[i] + 0.25 * abs(curvature_of(dx, dy, ddx, ddy)) * length * length

@@ -1,0 +1,88 @@
+"""Prediction in the kernel: both forms have the same bits; what is not a number never passes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cca_core.kernel import bind
+from cca_core.kernel.reach import (
+    danger_zones,
+    distances_driven,
+    occupancy_boxes,
+    occupied_intervals,
+    reachable_intervals,
+)
+from tests.support.kernel_curves import random_curve
+from tests.support.kernel_forms import FULL, QUICK, check_forms, needs_c
+
+
+def motions(random: np.random.Generator, vehicles: int) -> np.ndarray:
+    """Rear, front, speed, age, rate, assumed braking and acceleration, reported acceleration."""
+    given = random.normal(0.0, 20.0, (vehicles, 8))
+    given[:, 1] = given[:, 0] + 5.0
+    given[:, 3] = np.abs(given[:, 3]) * 0.05 * random.integers(0, 2, vehicles)
+    given[:, 4] *= 0.2
+    given[:, 5:7] = np.abs(given[:, 5:7]) * random.integers(0, 2, (vehicles, 2))
+    given[:, 7] *= 0.2
+    return given
+
+
+def distances(random: np.random.Generator) -> tuple[object, ...]:
+    n = int(random.integers(0, 9))
+    return n, random.normal(2.0, 3.0, n), float(random.normal(8, 12)), float(random.normal(0, 4)), np.empty(n)
+
+
+def reached(random: np.random.Generator) -> tuple[object, ...]:
+    n = int(random.integers(0, 9))
+    v, t, age, rate = random.normal(0.0, 3.0, (4, n))
+    braking, acceleration = np.abs(random.normal(0.0, 4.0, 2)) * random.integers(0, 2, 2)
+    return n, v, t, np.abs(age), rate, float(braking), float(acceleration), np.empty(n), np.empty(n)
+
+
+def occupied(random: np.random.Generator) -> tuple[object, ...]:
+    k, n = random.integers(0, 5, 2).tolist()
+    return k, n, motions(random, k), random.normal(3.0, 4.0, n), np.empty((k, n)), np.empty((k, n))
+
+
+def zones(random: np.random.Generator) -> tuple[object, ...]:
+    k, n = random.integers(0, 5, 2).tolist()
+    return k, n, motions(random, k), random.uniform(0.0, 9.0, n), random.uniform(0, 200, n), np.empty((k, 2))
+
+
+def covered(random: np.random.Generator) -> tuple[object, ...]:
+    path, curve = random_curve(random)
+    n = int(random.integers(0, 9))
+    s = random.uniform(path.start - 20.0, path.end + 20.0, n)
+    rear = s + random.normal(0.0, 20.0, n)
+    front = rear + random.normal(8.0, 10.0, n)
+    return curve, n, s, rear, front, random.normal(0, 4, n), random.uniform(0.5, 3, n), np.empty((n, 5))
+
+
+@needs_c
+@pytest.mark.parametrize("count", [QUICK, pytest.param(FULL, marks=pytest.mark.slow)])
+def test_prediction_in_c_equals_python(count: int) -> None:
+    check_forms(distances_driven, distances, count)
+    check_forms(reachable_intervals, reached, count)
+    check_forms(occupied_intervals, occupied, count)
+    check_forms(danger_zones, zones, count)
+    check_forms(occupancy_boxes, covered, count)
+
+
+@pytest.mark.parametrize("column", range(7))
+def test_zone_of_what_is_no_number_blocks_the_road(column: int) -> None:
+    """A lane is free only where it is known to be free."""
+    motion = np.array([[50.0, 55.0, 10.0, 0.2, -1.0, 8.0, 3.0, 0.0]])
+    motion[0, column] = math.nan
+    zone = np.empty((1, 2))
+    bind(danger_zones)(1, 2, motion, np.array([0.0, 4.0]), np.array([0.0, 80.0]), zone)
+    assert not (zone[0, 0] > -1e9 and zone[0, 1] < 1e9)
+    assert not zone[0, 0] > -1e9 or column == 1
+    assert not zone[0, 1] < 1e9 or column == 0
+
+
+def test_zone_without_known_travel_blocks_the_road() -> None:
+    motion = np.array([[50.0, 55.0, 10.0, 0.2, -1.0, 8.0, 3.0, 0.0]])
+    zone = np.empty((1, 2))
+    bind(danger_zones)(1, 2, motion, np.array([0.0, 4.0]), np.array([0.0, math.nan]), zone)
+    assert zone.tolist() == [[-math.inf, math.inf]]
