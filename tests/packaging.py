@@ -113,7 +113,7 @@ def check_sdist(sdist: Path, folder: Path) -> Path:
         "cca_core/py.typed",
         "tests/conftest.py",
         "docs/conf.py",
-        "examples/bend_a_band.py",
+        "examples/deform_a_band.py",
     ):
         expect(name in names, f"{name} is not in the sdist")
     unwanted = {name for name in names if re.search(r"__pycache__|\.pyc$|_build|^out/|\.hypothesis", name)}
@@ -130,7 +130,7 @@ def use_core(wheel: Path, folder: Path, source: Path) -> None:
     listed = run(python, "-m", "pip", "list", "--format=freeze").split()
     names = {line.partition("==")[0].replace("_", "-") for line in listed} - {"pip", "setuptools"}
     expect(names == {"cca-planner", "numpy", "scipy"}, f"the core installs {names}")
-    print(run(python, source / "examples" / "bend_a_band.py", cwd=folder).splitlines()[-1])
+    print(run(python, source / "examples" / "deform_a_band.py", cwd=folder).splitlines()[-1])
     output = run(python, "-c", EXTRA, fails=True)
     expect("pip install 'cca-planner[qp]'" in output, f"the extra is not named: {output}")
     times = [float(run(python, "-c", IMPORT)) for _ in range(7)]

@@ -29,7 +29,7 @@ def fit_path(
         Waypoints [m], in driving order, no two neighbors equal.
     tolerance : float, optional
         Largest distance between a waypoint and the path [m]. The path is as smooth as this allows; 0
-        interpolates. By default it is chosen from the noise of the waypoints, and the path has no bend that
+        interpolates. By default it is chosen from the noise of the waypoints, and the path has no curve that
         an ordinary car cannot drive.
     points_per_segment : int
         Waypoints in each segment of the equal segmentation [-]; halved until the tolerance is feasible.
@@ -79,16 +79,16 @@ def fit_path(
 
     The tolerance is rounded down to one of nine values in each decade: 1, 1.5, 2, 2.5, 3, 4, 5, 6 and 8.
     If the path has a radius below 200 m or fails, lower values are tried too. A larger tolerance therefore
-    never fails where a smaller one works, and never gives a sharper bend (by more than 2 %).
+    never fails where a smaller one works, and never gives a sharper curve (by more than 2 %).
 
     The chosen tolerance is 3.3 standard deviations of the noise, at least 0.3 m and at most 10 m. The noise
     is the median, over all windows of six (or eight) waypoints, of the scatter about a cubic (a quintic).
     One waypoint in fifty, and one more, may be an outlier: it is ignored if its neighbors are near the
-    path. If a bend has a radius below 6 m, 1.5 and 2 tolerances are tried, and then the limit of 1/6 m is
+    path. If a curve has a radius below 6 m, 1.5 and 2 tolerances are tried, and then the limit of 1/6 m is
     imposed.
 
     With a curvature limit the tolerance holds for the waypoints that a curve within the limit can reach.
-    Bends are cut where that suffices. Others, such as a narrow U-turn, are replaced by arcs and lines of
+    Curves are cut where that suffices. Others, such as a narrow U-turn, are replaced by arcs and lines of
     1.25 times the least radius that deviate least.
 
     Examples

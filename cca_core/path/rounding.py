@@ -1,4 +1,4 @@
-"""Bends beyond a curvature limit, replaced by arcs and lines that a car can drive."""
+"""Curves beyond a curvature limit, replaced by arcs and lines that a car can drive."""
 
 import math
 
@@ -12,11 +12,11 @@ __all__ = ["round_bends"]
 
 _SPACING = 1.0  # of positions on arcs; a tenth of a radius where that is less [m]
 _FAR_SPACING, _FAR_TURN = 8.0, 0.05  # of positions elsewhere [m], and turn between them [rad]
-_MARGINS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)  # of path replaced next to a bend [radii]
+_MARGINS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)  # of path replaced next to a curve [radii]
 
 
 def round_bends(path: Path, limit: float, radius: float) -> Array:
-    """Positions along a path in which bends beyond the limit are arcs of a radius, shape (n, 2)."""
+    """Positions along a path in which curves beyond the limit are arcs of a radius, shape (n, 2)."""
     spacing = min(_SPACING, 0.1 * radius)
     length = np.diff(path.breaks)
     fine = path.breaks[:-1, None] + length[:, None] * np.linspace(0.0, 1.0, 9)
@@ -26,12 +26,12 @@ def round_bends(path: Path, limit: float, radius: float) -> Array:
     if not len(sharp):
         return path.position(s)
     borders = np.flatnonzero(np.diff(sharp) > 3.0 * radius)
-    bends = list(
+    curves = list(
         zip(sharp[np.append(0, borders + 1)].tolist(), sharp[np.append(borders, -1)].tolist(), strict=True)
     )
     pieces, done = [path.position(s[:1])], path.start
-    for i, (first, last) in enumerate(bends):
-        following = bends[i + 1][0] if i + 1 < len(bends) else path.end
+    for i, (first, last) in enumerate(curves):
+        following = curves[i + 1][0] if i + 1 < len(curves) else path.end
         start, end, arcs = _nearest_arcs(path, first, last, done, following, radius, spacing)
         pieces += [path.position(s[(s > done) & (s < start)]), arcs]
         done = max(end, done)
@@ -43,7 +43,7 @@ def round_bends(path: Path, limit: float, radius: float) -> Array:
 
 
 def _stations(path: Path, turn: Array) -> Array:
-    """Stations from the start to the end, closer in bends, from the turn of each segment."""
+    """Stations from the start to the end, closer in curves, from the turn of each segment."""
     length = np.diff(path.breaks)
     parts = np.ceil(np.maximum(length / _FAR_SPACING, np.minimum(turn / _FAR_TURN, 50.0))).astype(np.intp)
     index = np.repeat(np.arange(len(parts)), parts)

@@ -23,7 +23,7 @@ _TOLERANCES = (
     ),
 )  # tolerances that are tried [m]
 _GENTLE = 1.0 / 200.0  # curvature up to which paths of smaller tolerances are not compared [1/m]
-_CAR_RADIUS = 6.0  # of the sharpest bend of a path with chosen tolerance: a turning circle of 12 m [m]
+_CAR_RADIUS = 6.0  # of the sharpest curve of a path with chosen tolerance: a turning circle of 12 m [m]
 _MIN_TOLERANCE = 0.3  # that is chosen [m]
 _MAX_DEVIATION = 10.0  # of a waypoint that contradicts the curvature limit [m]
 
@@ -75,7 +75,7 @@ class RouteFit:
         raise errors[0]
 
     def from_noise(self, limit: float) -> Path:
-        """Fit within a tolerance chosen from the noise of the waypoints, with bends that a car can drive."""
+        """Fit within a tolerance chosen from the noise of the waypoints, with curves that a car can drive."""
         noise = estimate_noise(self._points)
         tolerance = min(max(_MIN_TOLERANCE, 3.3 * noise), _MAX_DEVIATION)
         limit = min(limit, 1.0 / _CAR_RADIUS)
@@ -140,11 +140,11 @@ class RouteFit:
         return path
 
     def _flattened(self, tolerance: float, limit: float) -> Path:
-        """Fit with the second derivative reduced to the limit, which cuts bends."""
+        """Fit with the second derivative reduced to the limit, which cuts curves."""
         return self._smooth(tolerance).limited(limit, self._per_segment)
 
     def _rounded(self, tolerance: float, limit: float) -> Path:
-        """Fit to the free path with arcs for its sharp bends."""
+        """Fit to the free path with arcs for its sharp curves."""
         if self._closed:
             raise InfeasibleError(f"no closed path with a curvature of at most {limit:g} 1/m was found")
         path = self._smooth(tolerance).nearest(self._per_segment)

@@ -115,11 +115,11 @@ def check_arguments(
 
 
 def warn_of_tight_bend(path: Path, vehicle: VehicleParams) -> None:
-    """Warn of a bend that the vehicle cannot drive at any speed."""
+    """Warn of a curve that the vehicle cannot drive at any speed."""
     radius = vehicle.wheelbase / math.tan(min(vehicle.delta_max, 1.5))
     if path.min_radius < radius:
         warnings.warn(
-            f"the path has a bend of radius {path.min_radius:.2g} m at s={path.s_min_radius:.1f} m, "
+            f"the path has a curve of radius {path.min_radius:.2g} m at s={path.s_min_radius:.1f} m, "
             f"the vehicle turns with {radius:.2g} m at least; fit_path with curvature_limit widens it",
             stacklevel=3,
         )  # fmt: skip

@@ -13,12 +13,12 @@ NOISE = 1.0  # [m]
 
 
 def recording() -> np.ndarray:
-    """Return a street with a bend, a stop with jitter, an outlier and a U-turn of 4 m."""
+    """Return a street with a curve, a stop with jitter, an outlier and a U-turn of 4 m."""
     rng = np.random.default_rng(4)
     phi = np.arange(0.1, 1.0, 0.1)
-    bend = np.column_stack((120.0 + 70.0 * np.sin(phi), 70.0 * (1.0 - np.cos(phi))))
-    end = bend[-1] + np.arange(8.0, 80.0, 8.0)[:, None] * [np.cos(0.95), np.sin(0.95)]
-    out = np.vstack((np.column_stack((np.arange(0.0, 121.0, 8.0), np.zeros(16))), bend, end))
+    curve = np.column_stack((120.0 + 70.0 * np.sin(phi), 70.0 * (1.0 - np.cos(phi))))
+    end = curve[-1] + np.arange(8.0, 80.0, 8.0)[:, None] * [np.cos(0.95), np.sin(0.95)]
+    out = np.vstack((np.column_stack((np.arange(0.0, 121.0, 8.0), np.zeros(16))), curve, end))
     back = end[::-1] + 4.0 * np.array([-np.sin(0.95), np.cos(0.95)])
     xy = np.vstack((out, back)) + rng.normal(0.0, NOISE, (len(out) + len(back), 2))
     xy[5, 1] += 12.0

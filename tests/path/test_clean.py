@@ -35,9 +35,9 @@ def roundabout() -> np.ndarray:
 def hairpin() -> np.ndarray:
     phi = np.arange(-0.5 * math.pi, 0.5 * math.pi, 5.0 / 8.0)
     out = np.arange(0.0, 100.0, 5.0)
-    bend = np.column_stack((100.0 + 8.0 * np.cos(phi), 8.0 * np.sin(phi)))
+    curve = np.column_stack((100.0 + 8.0 * np.cos(phi), 8.0 * np.sin(phi)))
     return np.vstack(
-        (np.column_stack((out, np.full(20, -8.0))), bend, np.column_stack((out[::-1], np.full(20, 8.0))))
+        (np.column_stack((out, np.full(20, -8.0))), curve, np.column_stack((out[::-1], np.full(20, 8.0))))
     )
 
 

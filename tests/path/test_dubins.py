@@ -1,4 +1,4 @@
-"""Paths of arcs and lines between two poses, and bends replaced by them."""
+"""Paths of arcs and lines between two poses, and curves replaced by them."""
 
 import math
 
@@ -26,7 +26,7 @@ def test_dubins_paths_join_poses_with_radius(seed: int) -> None:
         assert turn.max() <= 0.1 / 6.0 + 1e-3
 
 
-def test_only_sharp_bend_is_replaced() -> None:
+def test_only_sharp_curve_is_replaced() -> None:
     path = interpolate_path([*[(5.0 * i, 0.0) for i in range(20)], *[(95.0, 5.0 * i) for i in range(1, 20)]])
     xy = round_bends(path, 1.0 / 8.0, 10.0)
     on = path.sample(0.1)

@@ -106,7 +106,7 @@ def any_points(max_n: int) -> st.SearchStrategy[np.ndarray]:
 @settings(max_examples=8, deadline=None)
 @given(any_points(16), st.floats(0.05, 2.0), st.floats(1.05, 8.0))
 def test_larger_tolerance_is_no_worse(xy: np.ndarray, tolerance: float, factor: float) -> None:
-    """It works where the smaller one does, with no sharper bend, and both keep their tolerance."""
+    """It works where the smaller one does, with no sharper curve, and both keep their tolerance."""
     try:
         before = fit_path(xy, tolerance=tolerance)
     except InfeasibleError:

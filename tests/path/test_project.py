@@ -16,9 +16,9 @@ def hairpin() -> Path:
     """Two legs 16 m apart, joined by a half circle of radius 8 m."""
     phi = np.arange(-0.5 * math.pi, 0.5 * math.pi, 0.2)
     out = np.arange(0.0, 200.0, 5.0)
-    bend = np.column_stack((200.0 + 8.0 * np.cos(phi), 8.0 * np.sin(phi)))
+    curve = np.column_stack((200.0 + 8.0 * np.cos(phi), 8.0 * np.sin(phi)))
     legs = np.column_stack((out, 0.0 * out - 8.0)), np.column_stack((out[::-1], 0.0 * out + 8.0))
-    return fit_path(np.vstack((legs[0], bend, legs[1])), tolerance=0.05)
+    return fit_path(np.vstack((legs[0], curve, legs[1])), tolerance=0.05)
 
 
 def roundabout() -> Path:

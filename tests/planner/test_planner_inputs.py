@@ -235,7 +235,7 @@ def test_steering_rate_follows_time_between_steps(dt: float) -> None:
     ).delta - before == pytest.approx(CAR.delta_rate_max * dt)
 
 
-def test_bend_beyond_turning_circle_is_warned_of_once() -> None:
+def test_curve_beyond_turning_circle_is_warned_of_once() -> None:
     phi = np.arange(0.0, 3.0, 0.2)
     sharp, wide = (
         interpolate_path(radius * np.column_stack((np.sin(phi), 1.0 - np.cos(phi)))) for radius in (2.0, 8.0)

@@ -8,10 +8,10 @@ from cca_core.sim import demo_route, longest_stretch
 def winding_road() -> Path:
     """A straight, a curve of radius 80 m, and a longer straight."""
     turn = np.linspace(0.0, np.pi / 2.0, 60)
-    bend = np.column_stack((300.0 + 80.0 * np.sin(turn), 80.0 - 80.0 * np.cos(turn)))
+    curve = np.column_stack((300.0 + 80.0 * np.sin(turn), 80.0 - 80.0 * np.cos(turn)))
     before = np.column_stack((np.arange(0.0, 300.0, 5.0), np.zeros(60)))
     after = np.column_stack((np.full(100, 380.0), 85.0 + np.arange(0.0, 500.0, 5.0)))
-    return fit_path(np.vstack((before, bend, after)), tolerance=0.05)
+    return fit_path(np.vstack((before, curve, after)), tolerance=0.05)
 
 
 def longest_by_hand(path: Path, radius: float) -> tuple[float, float]:

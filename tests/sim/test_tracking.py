@@ -56,8 +56,8 @@ def test_error_is_lateral_offset() -> None:
 
 
 def test_run_that_leaves_path_is_unfinished() -> None:
-    bend = lane_change_path(30.0, 80.0)
-    run = track_path(plant(), straight_on, bend, 20.0)
+    curve = lane_change_path(30.0, 80.0)
+    run = track_path(plant(), straight_on, curve, 20.0)
     assert not run.finished
     assert run.peak == run.rms == math.inf
     assert np.abs(run.d).max() < 6.0

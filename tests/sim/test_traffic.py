@@ -107,8 +107,8 @@ def test_road_user_on_own_route() -> None:
 
 def test_yaw_rate_on_curve() -> None:
     s = np.linspace(0.0, 600.0, 61)
-    bend = interpolate_path(np.column_stack((500.0 * np.sin(s / 500.0), 500.0 - 500.0 * np.cos(s / 500.0))))
-    log = run(car(s=100.0, route=bend), duration=3.0)
+    curve = interpolate_path(np.column_stack((500.0 * np.sin(s / 500.0), 500.0 - 500.0 * np.cos(s / 500.0))))
+    log = run(car(s=100.0, route=curve), duration=3.0)
     assert log.user_motion[:, 0, 1] == pytest.approx(np.full(len(log.t), 20.0 / 500.0), rel=0.01)
 
 

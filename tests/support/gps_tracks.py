@@ -105,8 +105,8 @@ def hairpins(rng: np.random.Generator) -> Points:
         x = np.arange(0.0, 120.0, 6.0)
         leg = np.column_stack((x if k % 2 == 0 else 120.0 - x, 0.0 * x + y))
         side = 1.0 if k % 2 == 0 else -1.0
-        bend = _arc(0.0, 0.0, 9.0, -0.5 * math.pi, 0.5 * math.pi, 4.0)[1:-1] * np.array([side, 1.0])
-        parts += [leg, bend + np.array([120.0 if k % 2 == 0 else 0.0, y + 9.0])]
+        curve = _arc(0.0, 0.0, 9.0, -0.5 * math.pi, 0.5 * math.pi, 4.0)[1:-1] * np.array([side, 1.0])
+        parts += [leg, curve + np.array([120.0 if k % 2 == 0 else 0.0, y + 9.0])]
         y += 18.0
     return np.vstack(parts)
 
