@@ -3,7 +3,9 @@
 `python tests/packaging.py all` also installs every extra (1.5 GB) and runs an example of them.
 """
 
+import os
 import re
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -26,6 +28,8 @@ EXCLUDED = [f"tests/test_{name}.py" for name in ("docs", "docstrings", "examples
 # a batch of bands equals single bands bitwise only with the BLAS of SciPy 1.13 and newer, before to 1e-12 m
 NOT_OLDEST = "tests/band/test_batch.py::test_obstacles_and_edges_broadcast"
 IMPORT = "from time import perf_counter as now; t = now(); import cca_core; print(now() - t)"
+BACKEND = "from cca_core import kernel; print(kernel.backend(), kernel.backend_reason(), sep=': ')"
+NO_COMPILER = "there-is-no-compiler"
 EXTRA = """
 from cca_core import VehicleParams, relax_band, smooth_band
 
@@ -66,27 +70,40 @@ def main() -> None:
         folder = Path(name)
         builder = environment(folder / "builder", "build")
         run(builder, "-m", "build", "--outdir", folder, ROOT)
-        wheel, sdist = folder / f"{NAME}-py3-none-any.whl", folder / f"{NAME}.tar.gz"
-        check_wheel(wheel)
+        (wheel,), sdist = folder.glob(f"{NAME}-*.whl"), folder / f"{NAME}.tar.gz"
+        run(builder, "-m", "build", "--wheel", "--outdir", folder, sdist, CC=NO_COMPILER)
+        pure = folder / f"{NAME}-py3-none-any.whl"
+        has_compiler = wheel != pure
+        expect(
+            has_compiler == (shutil.which("cc") is not None),
+            f"{wheel.name} in spite of the compiler, or none",
+        )
+        expect(not has_compiler or wheel.name.startswith(f"{NAME}-cp311-abi3-"), f"the wheel is {wheel.name}")
+        for each in {wheel, pure}:
+            check_wheel(each, is_pure=each == pure)
         source = check_sdist(sdist, folder)
-        use_core(wheel, folder, source)
+        use_core(wheel, folder, source, "c" if has_compiler else "python")
         check_types(wheel, folder)
+        check_editable(sdist, folder, has_compiler)
         if sys.version_info[:2] == (3, 11):  # newer ones need newer versions of the dependencies
             floor = (requirement.replace(">=", "==") for requirement in PROJECT["dependencies"])
-            run_tests("oldest", wheel, folder, source, *floor)
+            run_tests("oldest", pure, folder, source, *floor)
         run_tests("newest", wheel, folder, source)
         if "all" in sys.argv[1:]:
             use_all(wheel, folder, source)
 
 
-def check_wheel(wheel: Path) -> None:
+def check_wheel(wheel: Path, is_pure: bool) -> None:
     """Check that the wheel holds the package with its data files, its license and nothing else."""
     with zipfile.ZipFile(wheel) as file:
         names = set(file.namelist())
         metadata = Parser().parsestr(file.read(f"{NAME}.dist-info/METADATA").decode())
     own = {name for name in names if not name.startswith(f"{NAME}.dist-info/")}
+    compiled = {name for name in own if name.startswith("cca_core/kernel/_compiled")}
+    expect(len(compiled) == (0 if is_pure else 1), f"compiled kernel in {wheel.name}: {compiled}")
     files = {path.relative_to(ROOT).as_posix() for path in (ROOT / "cca_core").rglob("*") if path.is_file()}
-    expect(own == {name for name in files if "__pycache__" not in name}, f"wheel differs: {own ^ files}")
+    files = {name for name in files if "__pycache__" not in name and "/_compiled" not in name}
+    expect(own - compiled == files, f"wheel differs: {own ^ files}")
     kinds = {Path(name).suffix for name in own}
     expect({".html", ".css", ".js"} <= kinds, f"pages of the report are missing, there are {kinds}")
     expect("cca_core/py.typed" in own, "py.typed is missing")
@@ -94,7 +111,7 @@ def check_wheel(wheel: Path) -> None:
     expect(metadata["License-Expression"] == "Apache-2.0", "no license expression")
     expect(metadata["Requires-Python"] == PROJECT["requires-python"], "another Python")
     expect(len(metadata.get_payload()) > 1000, "no readme")
-    print(f"wheel: {wheel.stat().st_size / 1e3:.0f} kB, {len(own)} files")
+    print(f"{wheel.name}: {wheel.stat().st_size / 1e3:.0f} kB, {len(own)} files")
 
 
 def check_sdist(sdist: Path, folder: Path) -> Path:
@@ -110,13 +127,16 @@ def check_sdist(sdist: Path, folder: Path) -> Path:
         "CHANGELOG.md",
         "CONTRIBUTING.md",
         "Makefile",
+        "build_kernel.py",
         "cca_core/py.typed",
         "tests/conftest.py",
         "docs/conf.py",
         "examples/deform_a_band.py",
     ):
         expect(name in names, f"{name} is not in the sdist")
-    unwanted = {name for name in names if re.search(r"__pycache__|\.pyc$|_build|^out/|\.hypothesis", name)}
+    unwanted = {
+        name for name in names if re.search(r"__pycache__|_compiled|\.pyc$|_build|^out/|\.hypothesis", name)
+    }
     expect(not unwanted, f"the sdist holds {unwanted}")
     print(f"sdist: {sdist.stat().st_size / 1e3:.0f} kB, {len(names)} files")
     source = folder / NAME
@@ -124,9 +144,12 @@ def check_sdist(sdist: Path, folder: Path) -> Path:
     return source
 
 
-def use_core(wheel: Path, folder: Path, source: Path) -> None:
+def use_core(wheel: Path, folder: Path, source: Path, backend: str) -> None:
     """Install without extras, run an example, measure time and size."""
     python = environment(folder / "core", wheel)
+    found = run(python, "-c", BACKEND).strip()
+    expect(found.partition(":")[0] == backend, f"the kernel runs in {found}")
+    expect(run(python, "-c", BACKEND, CCA_KERNEL="python").startswith("python:"), "CCA_KERNEL has no effect")
     listed = run(python, "-m", "pip", "list", "--format=freeze").split()
     names = {line.partition("==")[0].replace("_", "-") for line in listed} - {"pip", "setuptools"}
     expect(names == {"cca-planner", "numpy", "scipy"}, f"the core installs {names}")
@@ -146,6 +169,21 @@ def use_all(wheel: Path, folder: Path, source: Path) -> None:
     run(python, source / "examples" / "design_gains.py", cwd=folder)
     run(python, "-c", "import casadi, control, matplotlib, ompl, osqp, piqp, qpsolvers, tqdm, vehiclemodels")
     print(f"installed with all extras: {size(python):.0f} MB")
+
+
+def check_editable(sdist: Path, folder: Path, has_compiler: bool) -> None:
+    """Check that an editable install compiles in place, and works without a compiler."""
+    for name, compiler, backend in (("here", "cc", "c"), ("none", NO_COMPILER, "python")):
+        if name == "here" and not has_compiler:
+            continue
+        with tarfile.open(sdist) as file:
+            file.extractall(folder / f"editable_{name}", filter="data")
+        checkout = folder / f"editable_{name}" / NAME
+        python = environment(folder / f"environment_{name}")
+        run(python, "-m", "pip", "install", "--quiet", "--editable", checkout, CC=compiler)
+        found = run(python, "-c", BACKEND).strip()
+        expect(found.partition(":")[0] == backend, f"the kernel of an editable install runs in {found}")
+    print("editable: compiles in place, works without a compiler")
 
 
 def check_types(wheel: Path, folder: Path) -> None:
@@ -174,7 +212,8 @@ def environment(folder: Path, *packages: str | Path) -> Path:
     """Make a virtual environment with packages; return its Python."""
     venv.create(folder, with_pip=True)
     python = folder / ("Scripts" if sys.platform == "win32" else "bin") / "python"
-    run(python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages)
+    if packages:
+        run(python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages)
     return python
 
 
@@ -186,10 +225,15 @@ def size(python: Path, package: str = "") -> float:
     return sum(path.stat().st_size for path in files if not tools & set(path.parts)) / 1e6
 
 
-def run(python: Path, *arguments: str | Path, cwd: Path | None = None, fails: bool = False) -> str:
-    """Output of Python with arguments; it must succeed, or fail if `fails`."""
+def run(
+    python: Path, *arguments: str | Path, cwd: Path | None = None, fails: bool = False, **variables: str
+) -> str:
+    """Output of Python with arguments and environment variables; it must succeed, or fail if `fails`."""
     command = [str(python), *map(str, arguments)]
-    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=1800, check=False)
+    env = os.environ | variables
+    done = subprocess.run(
+        command, cwd=cwd, env=env, capture_output=True, text=True, timeout=1800, check=False
+    )
     report = f"{' '.join(command)}\n{done.stdout[-6000:]}\n{done.stderr[-4000:]}"
     expect(bool(done.returncode) == fails, report)
     return report if fails else done.stdout

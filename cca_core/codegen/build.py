@@ -7,12 +7,12 @@ from pathlib import Path
 
 KERNEL = Path(__file__).resolve().parents[1] / "kernel"
 # no contraction of products and sums: the same bits as in Python; errno is not read
-UNIX = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno"]
+UNIX = ["-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno", "-g0"]
 WINDOWS = ["/O2", "/fp:precise"]
 
 
-def compile_kernel(folder: Path = KERNEL) -> Path:
-    """Compile the C in a folder and put the module there; return its file."""
+def compile_kernel(folder: Path = KERNEL, target: Path = KERNEL) -> Path:
+    """Compile the C in a folder to a module of Python in another; return its file."""
     from setuptools import Distribution, Extension
     from setuptools.command.build_ext import build_ext
 
@@ -23,13 +23,13 @@ def compile_kernel(folder: Path = KERNEL) -> Path:
         py_limited_api=True,
     )
     command = build_ext(Distribution({"ext_modules": [extension]}))
-    with tempfile.TemporaryDirectory(dir=folder) as scratch:
+    with tempfile.TemporaryDirectory(dir=target) as scratch:
         command.build_lib = command.build_temp = scratch
         command.ensure_finalized()
         command.run()
         (made,) = (Path(scratch) / name for name in os.listdir(scratch) if name.startswith("_compiled"))
         # a process that has the old one loaded keeps it
-        return made.replace(folder / made.name)
+        return made.replace(target / made.name)
 
 
 if __name__ == "__main__":
