@@ -5,6 +5,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
+KERNEL := $(wildcard cca_core/kernel/c/*) cca_core/codegen/build.py
+
 export MPLBACKEND ?= Agg
 
 .DELETE_ON_ERROR:
@@ -30,17 +32,17 @@ demo: .venv/demo.stamp
 	$(BIN)/python examples/paper_scenarios.py --out out
 
 # the documentation runs the notebooks
-test: .venv/dev.stamp
+test: .venv/kernel.stamp
 	@echo "make test: about 6 minutes on two processors"
 	@$(call editable,[all])
 	$(MAKE) --no-print-directory lint docs
 	$(ONE_THREAD) $(BIN)/python -m pytest --numprocesses auto --doctest-modules cca_core tests
 
-# PY=python uses the one on the path
+# with the developer's Python, or another: make kernel PY=python
 PY ?= $(BIN)/python
 kernel:
 	CCA_KERNEL=python $(PY) -m cca_core.codegen
-	CCA_KERNEL=python $(PY) -m cca_core.codegen.build
+	$(PY) cca_core/codegen/build.py
 
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .
@@ -48,23 +50,23 @@ lint: .venv/dev.stamp
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-docs: .venv/dev.stamp
+docs: .venv/kernel.stamp
 	$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --fresh-env --jobs auto docs docs/_build/html
 
-bench: .venv/bench.stamp
+bench: .venv/bench.stamp .venv/kernel.stamp
 	@mkdir -p out
 	@status=0; \
 	$(ONE_THREAD) $(BIN)/python -m pytest --benchmark-sort=name --benchmark-columns=median,min,rounds \
 	    --benchmark-json=out/bench.json --junitxml=out/bench.xml -o junit_family=xunit1 tests/bench || status=$$?; \
 	$(BIN)/python -m tests.bench.speed_page out/bench.json out/bench.xml && exit $$status
 
-table1: .venv/bench.stamp
+table1: .venv/bench.stamp .venv/kernel.stamp
 	$(ONE_THREAD) $(BIN)/python -m cca_core.baselines.table1
 
-validate: .venv/dev.stamp
+validate: .venv/kernel.stamp
 	$(BIN)/python tests/validate.py
 
-trials: .venv/dev.stamp
+trials: .venv/kernel.stamp
 	$(ONE_THREAD) $(BIN)/python -m tests.trials.faults
 	$(ONE_THREAD) $(BIN)/python -m tests.trials.closed_loop --seeds 0:60
 
@@ -84,7 +86,7 @@ editable = $(BIN)/python -P -c 'import pathlib, sys, cca_core; \
     $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".$(1)"; }
 
 # The stamps make installation happen once, and again when pyproject.toml changes.
-.venv/demo.stamp: pyproject.toml
+.venv/demo.stamp: pyproject.toml $(KERNEL)
 	@echo "installing into .venv: about a minute, 500 MB"
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,plant]"
@@ -96,6 +98,11 @@ editable = $(BIN)/python -P -c 'import pathlib, sys, cca_core; \
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
 	@$(BIN)/python -m pip install --quiet --editable ".[all]" --group dev
+	@touch $@
+
+# the installation compiles the kernel too; this does when it changes
+.venv/kernel.stamp: .venv/dev.stamp $(KERNEL)
+	@$(BIN)/python cca_core/codegen/build.py || echo "no compiler: the kernel runs in Python, slower"
 	@touch $@
 
 .venv/bench.stamp: .venv/dev.stamp

@@ -4,6 +4,7 @@
 #define Py_LIMITED_API 0x030B0000
 #include <Python.h>
 #include <limits.h>
+#include <stdint.h>
 
 /* behind each workspace's fields: which structure it is, and who uses it (-1: a call that changes it) */
 typedef struct Owner {
@@ -66,6 +67,10 @@ static inline void *lend_array(const char *name, PyObject *given, Lent *lent, in
     (*count)++;
     if (view->format == NULL || view->format[0] != type || view->format[1] != '\0') {
         PyErr_Format(PyExc_TypeError, "%s must be an array of %s", name, type == 'd' ? "float64" : "int32");
+        return NULL;
+    }
+    if ((uintptr_t)view->buf % (type == 'd' ? sizeof(double) : sizeof(int)) != 0) {
+        PyErr_Format(PyExc_ValueError, "%s must be aligned", name);
         return NULL;
     }
     if (view->ndim != axes) {
