@@ -94,7 +94,7 @@ VALUES, MARKS = np.ones(3), np.ones(3, dtype=np.int32)
         ((3, VALUES, MARKS.astype(np.int64)), "marks must be an array of int32"),
         ((3, VALUES.reshape(3, 1), MARKS), "values must be a row"),
         ((3, np.ones(6)[::2], MARKS), "contiguous"),
-        ((3, np.zeros(25, dtype=np.uint8)[1:].view(np.float64), MARKS), "values must be aligned"),
+        ((3, memoryview(bytearray(25))[1:].cast("d"), MARKS), "values must be aligned"),
         ((3.0, VALUES, MARKS), "integer"),
         ((2**40, VALUES, MARKS), "32 bits"),
         ((3, [1.0, 1.0, 1.0], MARKS), "bytes-like"),
