@@ -8,9 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, Complex, as_array
+from cca_core.kernel import bind
+from cca_core.kernel.box_gaps import box_gaps
 
 __all__ = ["Boxes", "box_gap", "boxes", "wrap_angle"]
 
+_box_gaps = bind(box_gaps)
 # signs along and across of the corners, counter-clockwise from the front left
 _CORNERS = np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])
 
@@ -136,7 +139,7 @@ def box_gap(a: Boxes, b: Boxes) -> Array:
     -------
     gap : ndarray, shape (...)
         Distance of the closest points [m]. For boxes that overlap it is negative: the least displacement
-        along an axis of either box that separates them.
+        along an axis of either box that separates them. It is NaN for a box that is not finite.
 
     Notes
     -----
@@ -148,10 +151,23 @@ def box_gap(a: Boxes, b: Boxes) -> Array:
     >>> float(box_gap(boxes(0, 0, 0, 4, 2), boxes(7, 0, 0, 4, 2)))
     3.0
     """
-    ahead_a, ahead_b = np.exp(1j * a.psi), np.exp(1j * b.psi)
-    offset = (b.x - a.x) + 1j * (b.y - a.y)
-    halves = (0.5 * a.length, 0.5 * a.width, 0.5 * b.length, 0.5 * b.width)
-    return gap_between(offset, ahead_a, ahead_b, *halves)
+    first, second = _rows(a), _rows(b)
+    shape = np.broadcast_shapes(first.shape, second.shape)
+    one, other = (
+        np.ascontiguousarray(np.broadcast_to(rows, shape)).reshape(-1, 5) for rows in (first, second)
+    )
+    gap = np.empty(shape[:-1])
+    _box_gaps(len(one), len(one), one, other, gap.reshape(-1))
+    return gap
+
+
+def _rows(boxes: Boxes) -> Array:
+    """Boxes as the kernel takes them, shape (..., 5)."""
+    fields = (boxes.x, boxes.y, boxes.psi, boxes.length, boxes.width)
+    rows = np.empty((*np.broadcast_shapes(*map(np.shape, fields)), 5))
+    for i, field in enumerate(fields):
+        rows[..., i] = field
+    return rows
 
 
 def gap_between(

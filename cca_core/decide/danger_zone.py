@@ -5,7 +5,10 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_array, check_real
 from cca_core.errors import InputError
-from cca_core.predict import reachable_interval
+from cca_core.kernel import bind
+from cca_core.kernel.reach import danger_zones
+
+_danger_zones = bind(danger_zones)
 
 
 def danger_zone_end(
@@ -128,12 +131,12 @@ def danger_zone(
     aged = check_any("age", age)
     if (aged < 0.0).any():
         raise InputError(f"age must not be negative, was {aged.min():g}")
-    low, high = reachable_interval(
-        check_any("v_adj", v_adj)[..., None], t,
-        braking=braking, acceleration=acceleration, age=aged[..., None],
-        a_reported=check_any("a_reported", a_reported)[..., None],
-    )  # fmt: skip
     grown = x_safety + further
-    start = back - grown + (low - driven).min(axis=-1)
-    end = ahead + grown + (high - driven).max(axis=-1)
-    return np.stack((start, end), axis=-1)
+    columns = (
+        back - grown, ahead + grown, check_any("v_adj", v_adj), aged, check_any("a_reported", a_reported),
+        braking, acceleration, 0.0,
+    )  # fmt: skip
+    motion = np.stack(np.broadcast_arrays(*columns), axis=-1)
+    zone = np.empty((*motion.shape[:-1], 2))
+    _danger_zones(zone.size // 2, len(t), motion.reshape(-1, 8), t, driven, zone.reshape(-1, 2))
+    return zone

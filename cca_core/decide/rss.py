@@ -1,12 +1,19 @@
 """Safe distances of responsibility-sensitive safety (RSS): along the road, both directions, and across."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_real
 from cca_core.errors import InputError
+from cca_core.kernel import bind, rss
+from cca_core.kernel.memory import lend
+
+_same_direction, _opposite = bind(rss.same_direction_distances), bind(rss.opposite_distances)
+_lateral = bind(rss.lateral_distances)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,9 +110,7 @@ def rss_same_direction(
     behind, ahead = check_any("v_rear", v_rear), check_any("v_front", v_front)
     if min(behind.min(initial=0.0), ahead.min(initial=0.0)) < 0.0:
         raise InputError("v_rear and v_front must not be negative")
-    apart = _stopping(behind, rear, rear.b_min) - ahead * ahead / (2.0 * front.b_max)
-    distance: Array = np.maximum(apart, 0.0) + rear.standstill_gap
-    return distance
+    return _distances(_same_direction, behind, ahead, rear, front)
 
 
 def rss_opposite_direction(
@@ -141,12 +146,8 @@ def rss_opposite_direction(
     >>> round(float(rss_opposite_direction(20.0, -20.0)), 3)
     251.917
     """
-    v_own, v_other = np.abs(check_any("v_correct", v_correct)), np.abs(check_any("v_opposite", v_opposite))
-    gap = max(correct.standstill_gap, opposite.standstill_gap)
-    distance: Array = (
-        _stopping(v_own, correct, correct.b_correct) + _stopping(v_other, opposite, opposite.b_min) + gap
-    )
-    return distance
+    v_own, v_other = check_any("v_correct", v_correct), check_any("v_opposite", v_opposite)
+    return _distances(_opposite, v_own, v_other, correct, opposite)
 
 
 def rss_lateral(
@@ -182,26 +183,25 @@ def rss_lateral(
     >>> round(float(rss_lateral(0.0, 0.0)), 3)
     0.725
     """
-    inwards = (-check_any("v_left", v_left), check_any("v_right", v_right))
-    apart = _shift(inwards[0], left) + _shift(inwards[1], right)
-    margin = 0.5 * (left.fluctuation + right.fluctuation)
-    distance: Array = np.maximum(apart + margin, 0.0)
-    return distance
+    v_l, v_r = check_any("v_left", v_left), check_any("v_right", v_right)
+    return _distances(_lateral, v_l, v_r, left, right)
 
 
-def _stopping(v: Array, settings: RssSettings, braking: float) -> Array:
-    """Distance [m] of a vehicle that accelerates for its response time, up to v_max, and then brakes."""
-    rho, a = settings.response_time, settings.a_max
-    top = np.maximum(v, np.minimum(v + rho * a, settings.v_max))
-    # time at the top speed, if the vehicle reaches it within the response time
-    lost = rho - (top - v) / a if a > 0.0 else np.zeros_like(v)
-    distance: Array = 0.5 * (v + top) * (rho - lost) + top * lost + top * top / (2.0 * braking)
-    return distance
+def _distances(
+    kernel: Callable[..., None], one: Array, other: Array, first: RssSettings, second: RssSettings
+) -> Array:
+    """Compute the distances for speeds that broadcast."""
+    speeds = np.stack(np.broadcast_arrays(one, other))
+    distance = np.empty(speeds.shape[1:])
+    rows = speeds.reshape(2, -1)
+    kernel(distance.size, rows[0], rows[1], _reaction(first), _reaction(second), distance.reshape(-1))
+    return distance[()]
 
 
-def _shift(v: Array, settings: RssSettings) -> Array:
-    """Lateral distance [m] of a vehicle that accelerates toward the other and then brakes."""
-    rho, b = settings.response_time, settings.b_lateral
-    after = v + rho * settings.a_lateral
-    distance: Array = 0.5 * (v + after) * rho + np.maximum(after, 0.0) ** 2 / (2.0 * b)
-    return distance
+@lru_cache(maxsize=32)
+def _reaction(settings: RssSettings) -> rss.RssReaction:
+    """Return the settings as the kernel takes them, which it only reads."""
+    workspace = lend(rss.RssReaction).workspace
+    for field in fields(settings):
+        setattr(workspace, field.name, getattr(settings, field.name))
+    return workspace

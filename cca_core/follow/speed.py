@@ -6,8 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array, check_real
+from cca_core.kernel import bind
+from cca_core.kernel import speed as kernel
 from cca_core.path.path import Path
 from cca_core.vehicle import GRAVITY
+
+_arrival_times, _profile_acceleration = bind(kernel.arrival_times), bind(kernel.profile_acceleration)
+_squared_speed_limits = bind(kernel.squared_speed_limits)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,13 +169,12 @@ def arrival_times(v_x: float, v_target: float, distances: Array, settings: Speed
     t : ndarray, shape (n,)
         Times from now [s].
     """
-    v = max(v_x, 0.5)
-    target = max(v_target, 0.5)
-    a = settings.a_max if target > v else -settings.b_comfort
-    ramp = (target * target - v * v) / (2.0 * a)
-    on_ramp = np.minimum(np.maximum(distances, 0.0), ramp)
-    t: Array = (np.sqrt(v * v + 2.0 * a * on_ramp) - v) / a
-    return t + np.minimum(distances, 0.0) / v + np.maximum(distances - ramp, 0.0) / target
+    distances = np.asarray(distances, dtype=np.float64, order="C")
+    t = np.empty_like(distances)
+    _arrival_times(
+        t.size, v_x, v_target, distances.reshape(-1), settings.a_max, settings.b_comfort, t.reshape(-1)
+    )
+    return t
 
 
 def squared_speed_limit(
@@ -198,11 +202,8 @@ def squared_speed_limit(
         the acceleration everywhere.
     """
     s = np.linspace(path.start, path.end, max(2, math.ceil(path.length / 2.0)))
-    squared = np.minimum(cruise**2, a_y / np.maximum(np.abs(path.curvature(s)), 1e-9))
-    squared[-1] = 0.0
-    climb = 2.0 * settings.b_comfort * s
-    # v_i^2 <= v_j^2 + 2 b (s_j - s_i) for all j >= i
-    squared = np.minimum.accumulate((squared + climb)[::-1])[::-1] - climb
+    squared = np.empty_like(s)
+    _squared_speed_limits(path.curve, len(s), cruise, a_y, settings.b_comfort, s, squared)
     tail = 200.0  # [m]: the profile falls on behind the end
     return np.append(s, s[-1] + tail), np.append(squared, -2.0 * settings.b_comfort * tail)
 
@@ -229,9 +230,7 @@ def profile_acceleration(
         Acceleration [m/s^2], between -b_max and a_max. It leads to the speed of the profile about one second
         ahead, or to the speed of the profile here if that needs less.
     """
-    horizon = 2.0 + max(v_x, 0.0)
-    here, there = (
-        max(float(np.interp(at, *profile)), low) for at, low in ((s, 0.0), (s + horizon, -math.inf))
+    stations, squared = (np.ascontiguousarray(column, dtype=np.float64) for column in profile)
+    return _profile_acceleration(
+        len(stations), stations, squared, s, v_x, settings.a_max, settings.b_comfort, settings.b_max
     )
-    ahead = (there - v_x * v_x) / (2.0 * horizon)
-    return min(cruise_acceleration(v_x, math.sqrt(here), settings), max(ahead, -settings.b_max))

@@ -7,7 +7,7 @@ from cca_core.kernel.constants import STANDSTILL_SPEED
 from cca_core.kernel.curve import Curve, curvature_at
 from cca_core.kernel.types import Int, Real, Reals
 
-__all__ = ["SpeedLimits", "arrival_times", "interpolated", "profile_acceleration", "squared_speed_limits"]
+__all__ = ["arrival_times", "interpolated", "profile_acceleration", "squared_speed_limits"]
 
 Row = Annotated[Reals, "n"]
 
@@ -15,19 +15,13 @@ STRAIGHT = 1e-9  # smaller curvatures limit no speed [1/m]
 LOOKAHEAD = 2.0  # least distance to the point that decides on the acceleration [m]
 
 
-class SpeedLimits:
-    """Limits of the longitudinal acceleration."""
-
-    a_max: Real
-    b_comfort: Real
-    b_max: Real
-
-
-def arrival_times(n: Int, v_x: Real, v_target: Real, distance: Row, limits: SpeedLimits, t: Row) -> None:
+def arrival_times(
+    n: Int, v_x: Real, v_target: Real, distance: Row, a_max: Real, b_comfort: Real, t: Row
+) -> None:
     """Compute when points ahead are reached if the target speed is approached freely."""
     v = max(v_x, STANDSTILL_SPEED)
     target = max(v_target, STANDSTILL_SPEED)
-    a = limits.a_max if target > v else -limits.b_comfort
+    a = a_max if target > v else -b_comfort
     ramp = (target * target - v * v) / (2.0 * a)
     for i in range(n):
         on_ramp = min(max(distance[i], 0.0), ramp)
@@ -36,18 +30,20 @@ def arrival_times(n: Int, v_x: Real, v_target: Real, distance: Row, limits: Spee
 
 
 def squared_speed_limits(
-    curve: Curve, n: Int, cruise: Real, a_y: Real, limits: SpeedLimits, s: Row, squared: Row
+    curve: Curve, n: Int, cruise: Real, a_y: Real, b_comfort: Real, s: Row, squared: Row
 ) -> None:
     """Squares of the highest speeds at stations, with standstill at the last one."""
     squared[n - 1] = 0.0
     for i in range(n - 2, -1, -1):
         bend = max(abs(curvature_at(curve, s[i])), STRAIGHT)
         here = min(cruise * cruise, a_y / bend)
-        squared[i] = min(here, squared[i + 1] + 2.0 * limits.b_comfort * (s[i + 1] - s[i]))
+        squared[i] = min(here, squared[i + 1] + 2.0 * b_comfort * (s[i + 1] - s[i]))
 
 
 def interpolated(n: Int, at: Row, value: Row, s: Real) -> Real:
     """Value at a station, linear between the given ones and constant beyond."""
+    if math.isnan(s):
+        return s
     low = 0
     high = n
     for _ in range(32):
@@ -66,11 +62,13 @@ def interpolated(n: Int, at: Row, value: Row, s: Real) -> Real:
     return value[low - 1] + fraction * (value[low] - value[low - 1])
 
 
-def profile_acceleration(n: Int, at: Row, squared: Row, s: Real, v_x: Real, limits: SpeedLimits) -> Real:
+def profile_acceleration(
+    n: Int, at: Row, squared: Row, s: Real, v_x: Real, a_max: Real, b_comfort: Real, b_max: Real
+) -> Real:
     """Acceleration along a speed profile, with its slope as feedforward."""
     horizon = LOOKAHEAD + max(v_x, 0.0)
     here = max(interpolated(n, at, squared, s), 0.0)
     there = interpolated(n, at, squared, s + horizon)
     ahead = (there - v_x * v_x) / (2.0 * horizon)
-    cruise = min(max(math.sqrt(here) - v_x, -limits.b_comfort), limits.a_max)
-    return min(cruise, max(ahead, -limits.b_max))
+    cruise = min(max(math.sqrt(here) - v_x, -b_comfort), a_max)
+    return min(cruise, max(ahead, -b_max))

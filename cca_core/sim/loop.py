@@ -10,7 +10,8 @@ from typing import Protocol
 import numpy as np
 
 from cca_core.follow import steady_turn
-from cca_core.geometry import box_gap, boxes
+from cca_core.kernel import bind
+from cca_core.kernel.box_gaps import box_gap
 from cca_core.planner.command import Command
 from cca_core.planner.planner import Planner
 from cca_core.sim.human_driver import Driver
@@ -25,6 +26,8 @@ from cca_core.sim.world.traffic import CYCLE_TIME, Traffic
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["CYCLE_TIME", "EgoController", "make_controller", "make_driver", "make_planner", "simulate"]
+
+_box_gap = bind(box_gap)
 
 
 class EgoController(Protocol):
@@ -178,8 +181,8 @@ def _collided_with(scenario: Scenario, state: VehicleState, rows: Sequence[Seque
     x, y = vehicle.center_at(state.x, state.y, state.psi)
     for user, (x_user, y_user, psi_user, *_) in zip(scenario.road_users, rows, strict=True):
         if math.hypot(x_user - x, y_user - y) < vehicle.length + user.length:  # else certainly apart
-            ego = boxes(x, y, state.psi, vehicle.length, vehicle.width)
-            if box_gap(ego, boxes(x_user, y_user, psi_user, user.length, user.width)) <= 0.0:
+            ego = x, y, state.psi, vehicle.length, vehicle.width
+            if not _box_gap(*ego, x_user, y_user, psi_user, user.length, user.width) > 0.0:
                 return user.id
     return ""
 

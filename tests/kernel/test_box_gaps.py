@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from cca_core.geometry import box_gap, boxes
+from cca_core import geometry
+from cca_core.geometry import boxes
 from cca_core.kernel import bind
-from cca_core.kernel.box_gaps import aligned_box_gaps, oriented_box_gap
+from cca_core.kernel.box_gaps import aligned_box_gaps, box_gap, box_gaps, oriented_box_gap
+from tests.support import numpy_forms
 from tests.support.kernel_forms import FULL, QUICK, check_forms, needs_c
 
 
@@ -16,6 +18,12 @@ def pair(random: np.random.Generator) -> tuple[float, ...]:
     a, b = random.uniform(-math.pi, math.pi, 2)
     extents = random.uniform(0.2, 9.0, 4)
     return (*random.normal(0.0, 6.0, 2), math.cos(a), math.sin(a), math.cos(b), math.sin(b), *extents)
+
+
+def many(random: np.random.Generator, n: int) -> tuple[object, ...]:
+    """n pairs of boxes."""
+    a, b = np.concatenate((random.normal(0.0, 4.0, (2, n, 3)), random.uniform(0.2, 9.0, (2, n, 2))), axis=-1)
+    return n, n, a, b, np.empty(n)
 
 
 def row(random: np.random.Generator) -> tuple[object, ...]:
@@ -29,17 +37,35 @@ def row(random: np.random.Generator) -> tuple[object, ...]:
 def test_gap_in_c_equals_python(count: int) -> None:
     check_forms(oriented_box_gap, pair, count)
     check_forms(aligned_box_gaps, row, count)
+    check_forms(box_gaps, lambda random: many(random, int(random.integers(0, 9))), count)
+    check_forms(box_gap, lambda random: tuple(random.uniform(0.2, 9.0, 10).tolist()), count)
 
 
 def test_gap_equals_numpy_form() -> None:
-    gap = bind(oriented_box_gap)
-    for seed in range(QUICK):
-        dx, dy, ax, ay, bx, by, *half = pair(np.random.default_rng(seed))
-        a, b = math.atan2(ay, ax), math.atan2(by, bx)
-        expected = box_gap(
-            boxes(0, 0, a, 2 * half[0], 2 * half[1]), boxes(dx, dy, b, 2 * half[2], 2 * half[3])
-        )
-        assert gap(dx, dy, ax, ay, bx, by, *half) == pytest.approx(float(expected), abs=1e-12)
+    n, _, a, b, gap = many(np.random.default_rng(5), 500)
+    bind(box_gaps)(n, n, a, b, gap)
+    np.testing.assert_allclose(gap, numpy_forms.box_gaps(a, b), rtol=0.0, atol=1e-12)
+    assert {bool(negative) for negative in gap < 0.0} == {True, False}
+
+
+def test_gaps_of_repeated_boxes_equal_single_ones() -> None:
+    """A body at three times against two vehicles at these times."""
+    random = np.random.default_rng(6)
+    a, b, gap = random.uniform(0.5, 9.0, (3, 5)), random.uniform(0.5, 9.0, (6, 5)), np.empty(6)
+    bind(box_gaps)(6, 3, a, b, gap)
+    single = bind(box_gap)
+    assert gap.tolist() == [single(*a[i % 3].tolist(), *b[i].tolist()) for i in range(6)]
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+@pytest.mark.parametrize("field", range(10))
+def test_gap_of_box_that_is_none_is_no_number(field: int, bad: float) -> None:
+    """Wherever it stands: no comparison of it may pass for a distance."""
+    box = [0.0, 0.0, 0.1, 4.5, 1.8, 9.0, 3.0, 0.2, 4.5, 1.8]
+    box[field] = bad
+    assert not abs(bind(box_gap)(*box)) < math.inf
+    a, b = boxes(*box[:5]), boxes(*box[5:])
+    assert not abs(float(geometry.box_gap(a, b))) < math.inf
 
 
 def test_aligned_gaps_equal_oriented_gaps() -> None:

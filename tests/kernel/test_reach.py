@@ -13,6 +13,9 @@ from cca_core.kernel.reach import (
     occupied_intervals,
     reachable_intervals,
 )
+from cca_core.path import interpolate_path
+from cca_core.predict import occupancy_boxes as occupancy_of
+from tests.support import numpy_forms
 from tests.support.kernel_curves import random_curve
 from tests.support.kernel_forms import FULL, QUICK, check_forms, needs_c
 
@@ -86,3 +89,39 @@ def test_zone_without_known_travel_blocks_the_road() -> None:
     zone = np.empty((1, 2))
     bind(danger_zones)(1, 2, motion, np.array([0.0, 4.0]), np.array([0.0, math.nan]), zone)
     assert zone.tolist() == [[-math.inf, math.inf]]
+
+
+@pytest.mark.parametrize(("b", "a"), [(0.0, 0.0), (8.0, 3.0), (0.0, 2.0), (5.0, 0.0)])
+def test_intervals_equal_numpy_form(b: float, a: float) -> None:
+    random = np.random.default_rng(1)
+    v, t, age, rate = random.normal(0.0, 5.0, (4, 500))
+    age, (low, high) = np.abs(age), np.empty((2, 500))
+    bind(reachable_intervals)(500, v, t, age, rate, b, a, low, high)
+    expected = numpy_forms.reachable(v, t, age, rate, b, a)
+    np.testing.assert_allclose((low, high), expected, rtol=0.0, atol=1e-11)
+
+
+def test_occupied_and_blocked_intervals_equal_reachable_ones() -> None:
+    random = np.random.default_rng(2)
+    motion, t, travel = motions(random, 30), np.linspace(0.0, 8.0, 9), np.linspace(0.0, 160.0, 9)
+    motion[:, 5:7] = 8.0, 3.0
+    rear, front, zone = np.empty((30, 9)), np.empty((30, 9)), np.empty((30, 2))
+    bind(occupied_intervals)(30, 9, motion, t, rear, front)
+    bind(danger_zones)(30, 9, motion, t, travel, zone)
+    low, high = numpy_forms.reachable(motion[:, 2:3], t, motion[:, 3:4], motion[:, 4:5], 8.0, 3.0)
+    np.testing.assert_allclose(rear, motion[:, :1] + low, rtol=0.0, atol=1e-11)
+    np.testing.assert_allclose(front, motion[:, 1:2] + high, rtol=0.0, atol=1e-11)
+    expected = np.stack(((rear - travel).min(axis=1), (front - travel).max(axis=1)), axis=-1)
+    np.testing.assert_allclose(zone, expected, rtol=0.0, atol=1e-11)
+
+
+def test_boxes_cover_interval_of_curved_road() -> None:
+    """Points of the interval at both offsets lie inside its box."""
+    s = np.arange(0.0, 301.0, 5.0)
+    road = interpolate_path(80.0 * np.column_stack((np.sin(s / 80.0), 1.0 - np.cos(s / 80.0))))
+    boxes = occupancy_of(road, 100.0, 95.0, 112.0, 1.5, 0.9)
+    edge = road.to_cartesian(np.repeat(np.linspace(95.0, 112.0, 50), 2), np.tile([0.6, 2.4], 50))
+    turned = (edge - (float(boxes.x), float(boxes.y))) @ np.array([[1.0], [1j]]) * np.exp(-1j * boxes.psi)
+    along, across = turned.real, turned.imag
+    assert np.abs(along).max() <= 0.5 * boxes.length + 0.2
+    assert np.abs(across).max() <= 0.5 * boxes.width + 1e-6

@@ -1,37 +1,37 @@
 """Speeds and safe distances in the kernel: both forms have the same bits."""
 
+import math
+
 import numpy as np
 import pytest
 
+from cca_core.decide import RssSettings, rss_opposite_direction
+from cca_core.follow import SpeedSettings, squared_speed_limit
 from cca_core.kernel import bind
 from cca_core.kernel.rss import RssReaction, lateral_distances, opposite_distances, same_direction_distances
 from cca_core.kernel.speed import (
-    SpeedLimits,
     arrival_times,
     interpolated,
     profile_acceleration,
     squared_speed_limits,
 )
+from cca_core.path import fit_path
+from tests.support import numpy_forms
 from tests.support.kernel_curves import random_curve
 from tests.support.kernel_forms import FULL, QUICK, Filled, check_forms, needs_c
-
-
-def limits(random: np.random.Generator) -> Filled:
-    numbers = zip(("a_max", "b_comfort", "b_max"), random.uniform(0.5, 8.0, 3).tolist(), strict=True)
-    return Filled(SpeedLimits, {}, dict(numbers))
 
 
 def arrivals(random: np.random.Generator) -> tuple[object, ...]:
     n = int(random.integers(0, 9))
     v, target = random.choice([0.0, 10.0, 20.0, float(random.uniform(0.0, 40.0))], 2).tolist()
-    return n, v, target, random.normal(50.0, 60.0, n), limits(random), np.empty(n)
+    return n, v, target, random.normal(50.0, 60.0, n), 2.0, 2.5, np.empty(n)
 
 
 def profile(random: np.random.Generator) -> tuple[object, ...]:
     path, curve = random_curve(random)
     n = int(random.integers(2, 9))
     s = np.linspace(path.start, path.end, n)
-    return curve, n, float(random.uniform(5.0, 30.0)), 2.0, limits(random), s, np.empty(n)
+    return curve, n, float(random.uniform(5.0, 30.0)), 2.0, 2.5, s, np.empty(n)
 
 
 def values(random: np.random.Generator) -> tuple[int, np.ndarray, np.ndarray, float]:
@@ -40,7 +40,7 @@ def values(random: np.random.Generator) -> tuple[int, np.ndarray, np.ndarray, fl
 
 
 def accelerating(random: np.random.Generator) -> tuple[object, ...]:
-    return *values(random), float(random.uniform(-0.5, 40.0)), limits(random)
+    return *values(random), float(random.uniform(-0.5, 40.0)), 2.0, 2.5, 7.0
 
 
 def reaction(random: np.random.Generator) -> Filled:
@@ -77,3 +77,30 @@ def test_interpolation_equals_numpy() -> None:
         n, s, value, x = values(np.random.default_rng(seed))
         for point in (x, float(s[0]), float(s[-1])):
             assert at(n, s, value, point) == pytest.approx(np.interp(point, s, value), rel=1e-12, abs=1e-12)
+        assert math.isnan(at(n, s, value, math.nan))
+
+
+@pytest.mark.parametrize(("v", "target"), [(20.0, 20.0), (20.0, 8.0), (3.0, 25.0), (0.5, 0.5)])
+def test_arrival_times_equal_numpy_form(v: float, target: float) -> None:
+    distance, t = np.linspace(-30.0, 400.0, 87), np.empty(87)
+    bind(arrival_times)(87, v, target, distance, 2.0, 2.5, t)
+    expected = numpy_forms.arrival_times(v, target, distance, 2.0 if target > v else -2.5)
+    np.testing.assert_allclose(t, expected, rtol=0.0, atol=1e-11)
+
+
+def test_speed_profile_equals_numpy_form() -> None:
+    x = np.arange(0.0, 801.0, 10.0)
+    path = fit_path(np.column_stack((x, 15.0 * np.sin(x / 40.0))), tolerance=0.05)
+    s, squared = squared_speed_limit(path, 25.0, 2.0, SpeedSettings())
+    expected = numpy_forms.squared_speeds(s[:-1], path.curvature(s[:-1]), 25.0, 2.0, 2.0)
+    np.testing.assert_allclose(squared[:-1], expected, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("a", [0.0, 3.5])
+def test_stopping_distance_equals_integral(a: float) -> None:
+    """Both vehicles of opposite directions stop: the distance is the sum of two integrals of speed."""
+    settings = RssSettings(response_time=1.5, a_max=a, v_max=30.0)
+    v = np.array([0.0, 10.0, 27.0, 29.9, 30.0, 45.0])
+    expected = numpy_forms.stopping(v, 1.5, a, 3.0, 30.0) + numpy_forms.stopping(v, 1.5, a, 4.0, 30.0)
+    distance = rss_opposite_direction(v, -v, correct=settings, opposite=settings)
+    np.testing.assert_allclose(distance, expected, rtol=0.0, atol=1e-4)

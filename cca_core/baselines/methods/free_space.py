@@ -7,7 +7,7 @@ import numpy as np
 
 from cca_core._checks import Array, Complex, Index, Mask
 from cca_core.baselines.problems.problem import Problem
-from cca_core.geometry import gap_between
+from cca_core.geometry import Boxes, box_gap
 
 # fixed slopes of the lines that bound a Minkowski sum besides those along the sides of the boxes
 _SLOPES = np.array([-8.0, -2.4142, -1.0, -0.4142, 0.4142, 1.0, 2.4142, 8.0])
@@ -162,7 +162,12 @@ def clearance_shortfall(problem: Problem, at: RouteSamples, d: Array, turn: Comp
     sizes = np.hypot(at.half_length, at.half_width) + math.hypot(*half)
     other, i = (np.abs(offset) < sizes + problem.clearance).nonzero()
     if len(i):
-        sides = at.half_length[other, i], at.half_width[other, i]
-        gap = gap_between(offset[other, i], heading[i], at.other_heading[other, i], *half, *sides)
+        away = offset[other, i]
+        body = Boxes(np.array(0.0), np.array(0.0), np.angle(heading[i]), *(np.array(2.0 * h) for h in half))
+        boxes = Boxes(
+            away.real, away.imag, np.angle(at.other_heading[other, i]), 2.0 * at.half_length[other, i],
+            2.0 * at.half_width[other, i],
+        )  # fmt: skip
+        gap = box_gap(body, boxes)
         np.maximum.at(shortfall, i, problem.clearance - gap)
     return shortfall

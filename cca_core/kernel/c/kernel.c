@@ -604,12 +604,12 @@ void cca_lateral_distances(int n, const double *v_left, const double *v_right, c
 #define SPEED_LOOKAHEAD 2.0
 
 /* Compute when points ahead are reached if the target speed is approached freely. */
-void cca_arrival_times(int n, double v_x, double v_target, const double *distance, const SpeedLimits *limits,
-    double *t)
+void cca_arrival_times(int n, double v_x, double v_target, const double *distance, double a_max, double
+    b_comfort, double *t)
 {
     double v = real_max(v_x, CONSTANTS_STANDSTILL_SPEED);
     double target = real_max(v_target, CONSTANTS_STANDSTILL_SPEED);
-    double a = target > v ? limits->a_max : -limits->b_comfort;
+    double a = target > v ? a_max : -b_comfort;
     double ramp = (target * target - v * v) / (2.0 * a);
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         double on_ramp = real_min(real_max(distance[i], 0.0), ramp);
@@ -619,20 +619,23 @@ void cca_arrival_times(int n, double v_x, double v_target, const double *distanc
 }
 
 /* Squares of the highest speeds at stations, with standstill at the last one. */
-void cca_squared_speed_limits(const Curve *curve, int n, double cruise, double a_y, const SpeedLimits *limits,
-    const double *s, double *squared)
+void cca_squared_speed_limits(const Curve *curve, int n, double cruise, double a_y, double b_comfort, const
+    double *s, double *squared)
 {
     squared[n - 1] = 0.0;
     for (int i = n - 2, i_end_ = -1; i > i_end_; i -= 1) {
         double bend = real_max(fabs(cca_curvature_at(curve, s[i])), SPEED_STRAIGHT);
         double here = real_min(cruise * cruise, a_y / bend);
-        squared[i] = real_min(here, squared[i + 1] + 2.0 * limits->b_comfort * (s[i + 1] - s[i]));
+        squared[i] = real_min(here, squared[i + 1] + 2.0 * b_comfort * (s[i + 1] - s[i]));
     }
 }
 
 /* Value at a station, linear between the given ones and constant beyond. */
 double cca_interpolated(int n, const double *at, const double *value, double s)
 {
+    if (isnan(s)) {
+        return s;
+    }
     int low = 0;
     int high = n;
     for (int turn1_ = 0; turn1_ < 32; turn1_ += 1) {
@@ -657,15 +660,15 @@ double cca_interpolated(int n, const double *at, const double *value, double s)
 }
 
 /* Acceleration along a speed profile, with its slope as feedforward. */
-double cca_profile_acceleration(int n, const double *at, const double *squared, double s, double v_x, const
-    SpeedLimits *limits)
+double cca_profile_acceleration(int n, const double *at, const double *squared, double s, double v_x, double
+    a_max, double b_comfort, double b_max)
 {
     double horizon = SPEED_LOOKAHEAD + real_max(v_x, 0.0);
     double here = real_max(cca_interpolated(n, at, squared, s), 0.0);
     double there = cca_interpolated(n, at, squared, s + horizon);
     double ahead = (there - v_x * v_x) / (2.0 * horizon);
-    double cruise = real_min(real_max(sqrt(here) - v_x, -limits->b_comfort), limits->a_max);
-    return real_min(cruise, real_max(ahead, -limits->b_max));
+    double cruise = real_min(real_max(sqrt(here) - v_x, -b_comfort), a_max);
+    return real_min(cruise, real_max(ahead, -b_max));
 }
 
 /* steering.py: Preview steering: the single-track model inverted along a path, and PD control of the error

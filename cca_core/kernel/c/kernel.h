@@ -89,22 +89,16 @@ void cca_opposite_distances(int n, const double *v_correct, const double *v_oppo
 void cca_lateral_distances(int n, const double *v_left, const double *v_right, const RssReaction *left, const
     RssReaction *right, double *distance);
 
-typedef struct SpeedLimits {
-    double a_max;
-    double b_comfort;
-    double b_max;
-} SpeedLimits;
+void cca_arrival_times(int n, double v_x, double v_target, const double *distance, double a_max, double
+    b_comfort, double *t);
 
-void cca_arrival_times(int n, double v_x, double v_target, const double *distance, const SpeedLimits *limits,
-    double *t);
-
-void cca_squared_speed_limits(const Curve *curve, int n, double cruise, double a_y, const SpeedLimits *limits,
-    const double *s, double *squared);
+void cca_squared_speed_limits(const Curve *curve, int n, double cruise, double a_y, double b_comfort, const
+    double *s, double *squared);
 
 double cca_interpolated(int n, const double *at, const double *value, double s);
 
-double cca_profile_acceleration(int n, const double *at, const double *squared, double s, double v_x, const
-    SpeedLimits *limits);
+double cca_profile_acceleration(int n, const double *at, const double *squared, double s, double v_x, double
+    a_max, double b_comfort, double b_max);
 
 typedef struct IdealCar {
     double l_f;

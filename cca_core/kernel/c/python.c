@@ -867,14 +867,15 @@ static PyObject *call_arrival_times(PyObject *self_, PyObject *const *given_, Py
 {
     (void)self_;
     (void)given_;
-    if (!lend_count("arrival_times", 6, count_)) {
+    if (!lend_count("arrival_times", 7, count_)) {
         return NULL;
     }
     int n;
     double v_x;
     double v_target;
     const double *distance;
-    const SpeedLimits *limits;
+    double a_max;
+    double b_comfort;
     double *t;
     if (!lend_whole(given_[0], &n)) {
         return NULL;
@@ -885,25 +886,26 @@ static PyObject *call_arrival_times(PyObject *self_, PyObject *const *given_, Py
     if (!lend_real(given_[2], &v_target)) {
         return NULL;
     }
-    Lent lent_[3];
+    if (!lend_real(given_[4], &a_max)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &b_comfort)) {
+        return NULL;
+    }
+    Lent lent_[2];
     int held_ = 0;
     distance = lend_array("distance", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
     if (distance == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    limits = lend_workspace("limits", given_[4], &lent_[held_], &held_, sizeof(SpeedLimits), 4, 0);
-    if (limits == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    t = lend_array("t", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    t = lend_array("t", given_[6], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
     if (t == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
     Py_BEGIN_ALLOW_THREADS
-    cca_arrival_times(n, v_x, v_target, distance, limits, t);
+    cca_arrival_times(n, v_x, v_target, distance, a_max, b_comfort, t);
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     Py_RETURN_NONE;
@@ -920,7 +922,7 @@ static PyObject *call_squared_speed_limits(PyObject *self_, PyObject *const *giv
     int n;
     double cruise;
     double a_y;
-    const SpeedLimits *limits;
+    double b_comfort;
     const double *s;
     double *squared;
     if (!lend_whole(given_[1], &n)) {
@@ -932,15 +934,13 @@ static PyObject *call_squared_speed_limits(PyObject *self_, PyObject *const *giv
     if (!lend_real(given_[3], &a_y)) {
         return NULL;
     }
-    Lent lent_[4];
+    if (!lend_real(given_[4], &b_comfort)) {
+        return NULL;
+    }
+    Lent lent_[3];
     int held_ = 0;
     curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
     if (curve == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    limits = lend_workspace("limits", given_[4], &lent_[held_], &held_, sizeof(SpeedLimits), 4, 0);
-    if (limits == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
@@ -955,7 +955,7 @@ static PyObject *call_squared_speed_limits(PyObject *self_, PyObject *const *giv
         return NULL;
     }
     Py_BEGIN_ALLOW_THREADS
-    cca_squared_speed_limits(curve, n, cruise, a_y, limits, s, squared);
+    cca_squared_speed_limits(curve, n, cruise, a_y, b_comfort, s, squared);
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     Py_RETURN_NONE;
@@ -1002,7 +1002,7 @@ static PyObject *call_profile_acceleration(PyObject *self_, PyObject *const *giv
 {
     (void)self_;
     (void)given_;
-    if (!lend_count("profile_acceleration", 6, count_)) {
+    if (!lend_count("profile_acceleration", 8, count_)) {
         return NULL;
     }
     int n;
@@ -1010,7 +1010,9 @@ static PyObject *call_profile_acceleration(PyObject *self_, PyObject *const *giv
     const double *squared;
     double s;
     double v_x;
-    const SpeedLimits *limits;
+    double a_max;
+    double b_comfort;
+    double b_max;
     if (!lend_whole(given_[0], &n)) {
         return NULL;
     }
@@ -1020,7 +1022,16 @@ static PyObject *call_profile_acceleration(PyObject *self_, PyObject *const *giv
     if (!lend_real(given_[4], &v_x)) {
         return NULL;
     }
-    Lent lent_[3];
+    if (!lend_real(given_[5], &a_max)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &b_comfort)) {
+        return NULL;
+    }
+    if (!lend_real(given_[7], &b_max)) {
+        return NULL;
+    }
+    Lent lent_[2];
     int held_ = 0;
     at = lend_array("at", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
     if (at == NULL) {
@@ -1032,14 +1043,9 @@ static PyObject *call_profile_acceleration(PyObject *self_, PyObject *const *giv
         lend_end(lent_, held_);
         return NULL;
     }
-    limits = lend_workspace("limits", given_[5], &lent_[held_], &held_, sizeof(SpeedLimits), 4, 0);
-    if (limits == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
     double result_;
     Py_BEGIN_ALLOW_THREADS
-    result_ = cca_profile_acceleration(n, at, squared, s, v_x, limits);
+    result_ = cca_profile_acceleration(n, at, squared, s, v_x, a_max, b_comfort, b_max);
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
@@ -1059,7 +1065,7 @@ static PyObject *call_front_slip(PyObject *self_, PyObject *const *given_, Py_ss
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 0);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 4, 0);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1098,7 +1104,7 @@ static PyObject *call_advance(PyObject *self_, PyObject *const *given_, Py_ssize
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 4, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1125,7 +1131,7 @@ static PyObject *call_find_passed(PyObject *self_, PyObject *const *given_, Py_s
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 4, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1183,12 +1189,12 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
     }
     Lent lent_[3];
     int held_ = 0;
-    law = lend_workspace("law", given_[0], &lent_[held_], &held_, sizeof(Steering), 6, 1);
+    law = lend_workspace("law", given_[0], &lent_[held_], &held_, sizeof(Steering), 5, 1);
     if (law == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    car = lend_workspace("car", given_[1], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
+    car = lend_workspace("car", given_[1], &lent_[held_], &held_, sizeof(IdealCar), 4, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1240,13 +1246,12 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "a663336b2e5a56a2b38dd8695b1474457720b933e20a0e7ae7399838b99687de") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "ae3534dba9f0300cae3b55e641ca41a40fccf95a6760bba86fb4084565b596c2") < 0;
     failed = failed || lend_describe(structures, "Curve", 1, sizeof(Curve)) < 0;
     failed = failed || lend_describe(structures, "CurveSamples", 2, sizeof(CurveSamples)) < 0;
     failed = failed || lend_describe(structures, "RssReaction", 3, sizeof(RssReaction)) < 0;
-    failed = failed || lend_describe(structures, "SpeedLimits", 4, sizeof(SpeedLimits)) < 0;
-    failed = failed || lend_describe(structures, "IdealCar", 5, sizeof(IdealCar)) < 0;
-    failed = failed || lend_describe(structures, "Steering", 6, sizeof(Steering)) < 0;
+    failed = failed || lend_describe(structures, "IdealCar", 4, sizeof(IdealCar)) < 0;
+    failed = failed || lend_describe(structures, "Steering", 5, sizeof(Steering)) < 0;
     Py_XDECREF(structures);
     return failed ? -1 : 0;
 }
