@@ -4,6 +4,7 @@ Whatever lies outside of that part is an error that names file and line. The C d
 same order, so results are equal bit for bit if the compiler does not contract products and sums.
 """
 
+import re
 import textwrap
 from pathlib import Path
 
@@ -13,29 +14,23 @@ from cca_core.codegen.program import Program
 from cca_core.kernel import digest, sources
 
 NOTE = "/* Made from the Python of cca_core/kernel by `make kernel`: edit that. */"
-PRELUDE = """
-#include "kernel.h"
-
-#include <math.h>
-
-/* as Python's max and min: the first of equals, and the first if the second is not a number */
-static inline double real_max(double a, double b) { return b > a ? b : a; }
-static inline double real_min(double a, double b) { return b < a ? b : a; }
-static inline int int_max(int a, int b) { return b > a ? b : a; }
-static inline int int_min(int a, int b) { return b < a ? b : a; }
-
-/* as Python's // and % of a positive number: rounded down */
-static inline int int_quotient(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
-static inline int int_rest(int a, int b) { return a - b * int_quotient(a, b); }
-
-/* as cca_core.kernel.types.floor_within */
-static inline int floor_within(double value, int low, int high)
+# Python's max and min give the first of equals, and the first if the second is not a number; its // and %
+# of a positive number are rounded down
+HELPERS = {
+    "real_max": "static inline double real_max(double a, double b) { return b > a ? b : a; }",
+    "real_min": "static inline double real_min(double a, double b) { return b < a ? b : a; }",
+    "int_max": "static inline int int_max(int a, int b) { return b > a ? b : a; }",
+    "int_min": "static inline int int_min(int a, int b) { return b < a ? b : a; }",
+    "int_rest": "static inline int int_rest(int a, int b) { return a < 0 ? b - 1 - (-1 - a) % b : a % b; }",
+    "int_floor": "static inline int int_floor(int a, int b) { return a < 0 ? -1 - (-1 - a) / b : a / b; }",
+    "floor_within": """static inline int floor_within(double value, int low, int high)
 {
     if (!(value >= low)) {
         return low;
     }
     return value >= high ? high : (int)floor(value);
-}"""
+}""",
+}
 HEAD = "\n\n#ifndef CCA_KERNEL_H\n#define CCA_KERNEL_H\n\n#include <stdbool.h>"
 
 MAX_WIDTH = 110
@@ -60,10 +55,14 @@ def translate(folder: Path) -> dict[str, str]:
     program = Program(folder)
     for path in sources(folder):
         program.add(path.stem)
+    lines = [wrapped(line) for line in program.lines]
+    used = set(re.findall(r"\w+(?=\()", "\n".join(lines)))
+    helpers = [text for name, text in HELPERS.items() if name in used]
     header = "\n".join([NOTE + HEAD, *map(wrapped, program.header), "", "#endif"])
     python = binding(program.kernels, program.structures, digest(folder))
     return {
         "kernel.h": header + "\n",
-        "kernel.c": "\n".join([NOTE + PRELUDE, *map(wrapped, program.lines)]) + "\n",
+        "kernel.c": "\n".join([NOTE, '#include "kernel.h"', "", "#include <math.h>", "", *helpers, *lines])
+        + "\n",
         "python.c": "\n".join([NOTE, *python]) + "\n",
     }

@@ -50,7 +50,7 @@ class Expressions:
             case ast.Name(id=name):
                 return self.named(node, name)
             case ast.Attribute(value=ast.Name(id="math"), attr="inf" | "pi" as name):
-                return Term({"inf": "INFINITY", "pi": repr(math.pi)}[name], REAL)
+                return Term({"inf": "HUGE_VAL", "pi": repr(math.pi)}[name], REAL)
             case ast.Attribute(value=ast.Name(id=owner), attr=name):
                 return self.field(node, owner, name)
             case ast.Subscript(value=value, slice=at):
@@ -150,7 +150,7 @@ class Expressions:
         if isinstance(op, ast.FloorDiv | ast.Mod):
             if not is_whole or not b.text.isdigit() or b.text == "0":
                 self.source.fail(node, "// and % take an Int and a positive literal")
-            name = "int_quotient" if isinstance(op, ast.FloorDiv) else "int_rest"
+            name = "int_floor" if isinstance(op, ast.FloorDiv) else "int_rest"
             return Term(f"{name}({a.text}, {b.text})", INT)
         if type(op) not in BINARY:
             self.source.fail(node, f"{ast.unparse(node)} is not part of the kernel's Python")

@@ -11,7 +11,7 @@ RESERVED = MATH.keys() | set(
     """auto bool break case char const continue default do double else enum extern false float for goto if
     inline int long register restrict return short signed sizeof static struct switch true typedef union
     unsigned void volatile while I NULL EOF NAN INFINITY HUGE_VAL main floor fabs isfinite isnan real_max
-    real_min int_max int_min int_quotient int_rest floor_within""".split()
+    real_min int_max int_min int_floor int_rest floor_within""".split()
 )
 ORDERED = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 

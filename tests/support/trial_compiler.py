@@ -1,7 +1,5 @@
 """Kernels that are compiled for a test, by any compiler with any flags."""
 
-import importlib.machinery
-import importlib.util
 import os
 import shutil
 import subprocess
@@ -11,6 +9,7 @@ from types import ModuleType
 
 from cca_core.codegen import translate
 from cca_core.codegen.build import KERNEL, UNIX
+from tests.support.load_module import load
 
 TRIAL = Path(__file__).parent / "trial_kernel"
 COMPILER = shutil.which((sysconfig.get_config_var("CC") or "cc").split()[0]) if os.name == "posix" else None
@@ -26,16 +25,6 @@ def compile_to(folder: Path, sources: Path, *flags: str, compiler: str = "") -> 
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 0, done.stderr
     return target
-
-
-def load(file: Path) -> ModuleType:
-    """Load a module of Python from its file."""
-    loader = importlib.machinery.ExtensionFileLoader("_compiled", str(file))
-    spec = importlib.util.spec_from_file_location("_compiled", file, loader=loader)
-    assert spec is not None
-    module = importlib.util.module_from_spec(spec)
-    loader.exec_module(module)
-    return module
 
 
 def compile_trial(folder: Path) -> ModuleType:

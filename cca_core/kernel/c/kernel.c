@@ -3,24 +3,11 @@
 
 #include <math.h>
 
-/* as Python's max and min: the first of equals, and the first if the second is not a number */
 static inline double real_max(double a, double b) { return b > a ? b : a; }
 static inline double real_min(double a, double b) { return b < a ? b : a; }
 static inline int int_max(int a, int b) { return b > a ? b : a; }
 static inline int int_min(int a, int b) { return b < a ? b : a; }
-
-/* as Python's // and % of a positive number: rounded down */
-static inline int int_quotient(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
-static inline int int_rest(int a, int b) { return a - b * int_quotient(a, b); }
-
-/* as cca_core.kernel.types.floor_within */
-static inline int floor_within(double value, int low, int high)
-{
-    if (!(value >= low)) {
-        return low;
-    }
-    return value >= high ? high : (int)floor(value);
-}
+static inline int int_floor(int a, int b) { return a < 0 ? -1 - (-1 - a) / b : a / b; }
 
 /* box_gaps.py: Distances of oriented boxes. */
 
@@ -83,7 +70,7 @@ double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double b
 double cca_aligned_box_gaps(int n, const double *dx, const double *dy, double length, double width, double
     *gap)
 {
-    double smallest = INFINITY;
+    double smallest = HUGE_VAL;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         double along = fabs(dx[i]) - length;
         double across = fabs(dy[i]) - width;
@@ -145,7 +132,7 @@ static int curve_segment_at(const Curve *curve, double s)
         if (low >= high) {
             break;
         }
-        int middle = int_quotient(low + high, 2);
+        int middle = int_floor(low + high, 2);
         if (s < curve->breaks[middle]) {
             high = middle;
         } else {
@@ -274,7 +261,7 @@ static int curve_sample_after(const CurveSamples *samples, int i, double excess)
         if (low >= high || samples->s[low] >= s) {
             break;
         }
-        int middle = int_quotient(low + high, 2);
+        int middle = int_floor(low + high, 2);
         if (samples->s[middle] < s) {
             low = middle + 1;
         } else {
@@ -287,7 +274,7 @@ static int curve_sample_after(const CurveSamples *samples, int i, double excess)
 /* Distance of a position from the nearest sample [m]. */
 static double curve_nearest_sample_distance(const CurveSamples *samples, double x, double y)
 {
-    double distance = INFINITY;
+    double distance = HUGE_VAL;
     int i = 0;
     for (int turn1_ = 0, turn1__end_ = samples->count; turn1_ < turn1__end_; turn1_ += 1) {
         distance = real_min(distance, curve_sample_distance(samples, x, y, i));
@@ -314,8 +301,8 @@ cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double
     int n = samples->count;
     double limit = curve_nearest_sample_distance(samples, x, y) + 0.5 * samples->max_speed * samples->spacing;
     double best_s = samples->s[0];
-    double best_d = INFINITY;
-    double smallest = INFINITY;
+    double best_d = HUGE_VAL;
+    double smallest = HUGE_VAL;
     int i = 0;
     for (int turn1_ = 0, turn1__end_ = n; turn1_ < turn1__end_; turn1_ += 1) {
         double here = curve_sample_distance(samples, x, y, i);
@@ -500,8 +487,8 @@ void cca_danger_zones(int vehicles, int times, const double *motion, const doubl
     double *zone)
 {
     for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
-        double low = INFINITY;
-        double high = -INFINITY;
+        double low = HUGE_VAL;
+        double high = -HUGE_VAL;
         for (int i = 0, i_end_ = times; i < i_end_; i += 1) {
             double first = reach_reach_low(motion[k * 8 + REACH_SPEED], t[i], motion[k * 8 + REACH_BRAKING],
                 motion[k * 8 + REACH_ACCELERATION], motion[k * 8 + REACH_AGE], motion[k * 8 + REACH_RATE]);
@@ -511,8 +498,8 @@ void cca_danger_zones(int vehicles, int times, const double *motion, const doubl
                 low = real_min(low, first - travel[i]);
                 high = real_max(high, last - travel[i]);
             } else {
-                low = -INFINITY;
-                high = INFINITY;
+                low = -HUGE_VAL;
+                high = HUGE_VAL;
             }
         }
         zone[k * 2 + 0] = motion[k * 8 + REACH_REAR] + low;
@@ -642,7 +629,7 @@ double cca_interpolated(int n, const double *at, const double *value, double s)
         if (low >= high) {
             break;
         }
-        int middle = int_quotient(low + high, 2);
+        int middle = int_floor(low + high, 2);
         if (at[middle] <= s) {
             low = middle + 1;
         } else {

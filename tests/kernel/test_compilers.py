@@ -1,0 +1,138 @@
+"""The C of the kernel by other compilers: no warnings, the same bits, defined behavior, a small stack."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.support.trial_compiler import KERNEL, NO_COMPILER, UNIX, compile_to
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = KERNEL / "c"
+WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion", "-Werror"]
+# all of libm that the kernel may call; sin and cos of one angle may become one call
+SYMBOLS = set(
+    "sqrt sin cos sincos tan asin acos atan atan2 exp log pow fmod remainder floor copysign".split()
+)
+MAX_STACK = 4096  # [B]
+SANITIZERS = "-fsanitize=address,undefined,float-divide-by-zero"
+
+pytestmark = pytest.mark.skipif(bool(NO_COMPILER), reason=NO_COMPILER or "-")
+
+
+def tool(name: str) -> str:
+    """Return a program, or skip the test."""
+    found = shutil.which(name)
+    if found is None:
+        pytest.skip(f"there is no {name}")
+    return found
+
+
+def run(*command: str | Path, **variables: str) -> str:
+    """Return the output of a command that must succeed."""
+    env = os.environ | variables
+    done = subprocess.run(
+        command, env=env, cwd=ROOT, capture_output=True, text=True, check=False, timeout=1800
+    )
+    assert done.returncode == 0, done.stdout[-5000:] + done.stderr[-5000:]
+    return done.stdout
+
+
+def run_kernel_tests(file: Path, **variables: str) -> None:
+    """Run the comparisons of C with Python with another compiled kernel."""
+    command = [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "no:cacheprovider", "-p"]
+    command += [
+        "tests.support.other_kernel",
+        "-m",
+        "skipif and not slow",
+        "tests/kernel",
+        f"--ignore={__file__}",
+    ]
+    env = {"CCA_KERNEL_FILE": str(file), "CCA_KERNEL": "c", "PYTHONPATH": str(ROOT)}
+    output = run(*command, **env, **variables)
+    assert f"compiled kernel: {file}" in output
+    assert re.search(r"\d+ passed", output)
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_c_has_no_warnings(compiler: str, tmp_path: Path) -> None:
+    run(tool(compiler), *UNIX, *WARNINGS, "-c", SOURCES / "kernel.c", "-o", tmp_path / "kernel.o")
+
+
+@pytest.mark.parametrize("optimization", ["-O2", "-O3"])
+def test_stack_is_small(optimization: str, tmp_path: Path) -> None:
+    run(
+        tool("gcc"),
+        *UNIX,
+        optimization,
+        "-fstack-usage",
+        "-c",
+        SOURCES / "kernel.c",
+        "-o",
+        tmp_path / "kernel.o",
+    )
+    (usage,) = tmp_path.glob("*.su")
+    rows = [line.split("\t") for line in usage.read_text(encoding="utf-8").splitlines()]
+    assert {kind for _, _, kind in rows} <= {"static", "dynamic,bounded"}
+    frames = {place.rpartition(":")[2].partition(".")[0]: int(size) for place, size, _ in rows}
+    deepest = max(stack_of(name, frames, calls()) for name in frames)
+    assert 0 < deepest < MAX_STACK
+
+
+def calls() -> dict[str, set[str]]:
+    """Return which functions each function of the kernel names."""
+    text = (SOURCES / "kernel.c").read_text(encoding="utf-8")
+    functions = re.findall(
+        r"^[a-z]\w+(?: \w+)* \*?(\w+)\([^{;]*\)\n\{\n(.*?)^\}", text, re.MULTILINE | re.DOTALL
+    )
+    names = {name for name, _ in functions}
+    return {name: names & set(re.findall(r"\w+", body)) for name, body in functions}
+
+
+def stack_of(name: str, frames: dict[str, int], called: dict[str, set[str]]) -> int:
+    """Return the stack of a function and of the deepest that it calls [B]."""
+    return frames.get(name, 0) + max((stack_of(each, frames, called) for each in called[name]), default=0)
+
+
+def test_kernel_calls_libm_alone(tmp_path: Path) -> None:
+    run(tool("gcc"), *UNIX, "-c", SOURCES / "kernel.c", "-o", tmp_path / "kernel.o")
+    symbols = set(run(tool("nm"), "-u", "--format=posix", tmp_path / "kernel.o").split()) - {"U"}
+    assert symbols - {"_GLOBAL_OFFSET_TABLE_"} <= SYMBOLS
+
+
+def test_cppcheck_finds_nothing() -> None:
+    checks = "--enable=warning,performance,portability"
+    run(tool("cppcheck"), "--std=c99", checks, "--error-exitcode=1", "--quiet", SOURCES / "kernel.c")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("compiler", "flags"),
+    [
+        ("gcc", ["-O3"]),
+        ("gcc", ["-O3", "-march=native"]),
+        ("gcc", ["-O0"]),
+        ("clang", ["-O2"]),
+        ("clang", ["-O3", "-march=native"]),
+    ],
+)
+def test_other_compilers_give_the_same_bits(compiler: str, flags: list[str], tmp_path: Path) -> None:
+    run_kernel_tests(compile_to(tmp_path, SOURCES, *flags, compiler=tool(compiler)))
+
+
+@pytest.mark.slow
+def test_sanitizers_find_nothing(tmp_path: Path) -> None:
+    gcc = tool("gcc")
+    runtime = run(gcc, "-print-file-name=libasan.so").strip()
+    if not Path(runtime).is_absolute():
+        pytest.skip("there is no libasan")
+    flags = [SANITIZERS, "-fno-sanitize-recover=all", "-O1", "-g"]
+    file = compile_to(tmp_path, SOURCES, *flags, compiler=gcc)
+    # Python itself keeps memory until its end
+    run_kernel_tests(
+        file, LD_PRELOAD=runtime, ASAN_OPTIONS="detect_leaks=0", UBSAN_OPTIONS="print_stacktrace=1"
+    )
