@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from cca_core import InputError, VehicleParams, VehicleState
 from cca_core.follow.bicycle import steady_yaw_rate
+from cca_core.kernel.single_track import fiala_force
 from cca_core.sim import SingleTrackPlant
-from cca_core.sim.plants.single_track import fiala_force
 
 G = 9.81
 CARS = [VehicleParams.bmw_320i(), VehicleParams.ford_escort(), VehicleParams.vw_vanagon()]

@@ -586,6 +586,153 @@ void cca_lateral_distances(int n, const double *v_left, const double *v_right, c
     }
 }
 
+/* single_track.py: A single-track car on tires that can slide, integrated by the classical Runge-Kutta
+    scheme. */
+#define SINGLE_TRACK_MIN_SLIP_SPEED 1.0
+#define SINGLE_TRACK_SLOW 5.0
+#define SINGLE_TRACK_MAX_STEP 0.01
+#define SINGLE_TRACK_MAX_STEPS 1000
+#define SINGLE_TRACK_MAX_GRIP 0.99
+#define SINGLE_TRACK_MIN_SIDE 0.1
+#define SINGLE_TRACK_SMALLEST_SPEED 1e-06
+
+/* Side force for the tangent of the slip angle [N]. */
+double cca_fiala_force(double stiffness, double slip, double f_max)
+{
+    double z = stiffness * slip / f_max;
+    if (z >= 3.0 || z <= -3.0) {
+        return -copysign(f_max, z);
+    }
+    return -f_max * z * (1.0 - fabs(z) / 3.0 + z * z / 27.0);
+}
+
+/* Rates of change of the eight states; they do not depend on the position. */
+static cca_dddddddd single_track_rates(const SingleTrackCar *car, double psi, double v_x, double v_y, double
+    r, double angle, double force, double delta, double a_x)
+{
+    double grip = car->mu * CONSTANTS_GRAVITY;
+    double front = car->l_r / (car->l_f + car->l_r);
+    double hardest = SINGLE_TRACK_MAX_GRIP * grip;
+    double rate = real_min(real_max((delta - angle) / car->steering_lag, -car->delta_rate_max),
+        car->delta_rate_max);
+    double drive_rate = (real_min(real_max(a_x, -hardest), hardest) - force) / car->drive_lag;
+    double c = cos(psi);
+    double s = sin(psi);
+    if (v_x < SINGLE_TRACK_MIN_SLIP_SPEED) {
+        return (cca_dddddddd){v_x * c - v_y * s, v_x * s + v_y * c, r, force, 0.0, 0.0, rate, drive_rate};
+    }
+    double side = sqrt(real_max(grip * grip - force * force, SINGLE_TRACK_MIN_SIDE * grip *
+        (SINGLE_TRACK_MIN_SIDE * grip)));
+    double c_d = cos(angle);
+    double s_d = sin(angle);
+    double v_f = v_y + car->l_f * r;
+    double v_r = v_y - car->l_r * r;
+    double slip = (v_f * c_d - v_x * s_d) / real_max(fabs(v_x * c_d + v_f * s_d),
+        SINGLE_TRACK_SMALLEST_SPEED);
+    double f_f = cca_fiala_force(car->c_f, slip, car->m * car->l_r / (car->l_f + car->l_r) * side);
+    double f_r = cca_fiala_force(car->c_r, v_r / v_x, car->m * car->l_f / (car->l_f + car->l_r) * side);
+    double pull = car->m * front * force;
+    double front_x = pull * c_d - f_f * s_d;
+    double front_y = pull * s_d + f_f * c_d;
+    return (cca_dddddddd){v_x * c - v_y * s, v_x * s + v_y * c, r, force * (1.0 - front) + front_x / car->m +
+        v_y * r, (front_y + f_r) / car->m - v_x * r, (car->l_f * front_y - car->l_r * f_r) / car->inertia,
+        rate, drive_rate};
+}
+
+/* Remove slip and reversing at low speed. */
+static void single_track_roll(SingleTrackCar *car)
+{
+    car->v_x = real_max(car->v_x, 0.0);
+    if (car->v_x == 0.0) {
+        car->a_x = real_max(car->a_x, 0.0);
+    }
+    car->r = car->v_x * tan(car->delta) / (car->l_f + car->l_r);
+    car->v_y = car->l_r * car->r;
+}
+
+/* Advance by one step of the integration. */
+static void single_track_runge_kutta(SingleTrackCar *car, double delta, double a_x, double h)
+{
+    double psi = car->psi;
+    double v = car->v_x;
+    double w = car->v_y;
+    double r = car->r;
+    double angle = car->delta;
+    double force = car->a_x;
+    double m = 0.5 * h;
+    const cca_dddddddd result1_ = single_track_rates(car, psi, v, w, r, angle, force, delta, a_x);
+    double ax = result1_.item0;
+    double ay = result1_.item1;
+    double ap = result1_.item2;
+    double av = result1_.item3;
+    double aw = result1_.item4;
+    double ar = result1_.item5;
+    double aa = result1_.item6;
+    double af = result1_.item7;
+    const cca_dddddddd result2_ = single_track_rates(car, psi + m * ap, v + m * av, w + m * aw, r + m * ar,
+        angle + m * aa, force + m * af, delta, a_x);
+    double bx = result2_.item0;
+    double by = result2_.item1;
+    double bp = result2_.item2;
+    double bv = result2_.item3;
+    double bw = result2_.item4;
+    double br = result2_.item5;
+    double ba = result2_.item6;
+    double bf = result2_.item7;
+    const cca_dddddddd result3_ = single_track_rates(car, psi + m * bp, v + m * bv, w + m * bw, r + m * br,
+        angle + m * ba, force + m * bf, delta, a_x);
+    double cx = result3_.item0;
+    double cy = result3_.item1;
+    double cp = result3_.item2;
+    double cv = result3_.item3;
+    double cw = result3_.item4;
+    double cr = result3_.item5;
+    double ca = result3_.item6;
+    double cf = result3_.item7;
+    const cca_dddddddd result4_ = single_track_rates(car, psi + h * cp, v + h * cv, w + h * cw, r + h * cr,
+        angle + h * ca, force + h * cf, delta, a_x);
+    double dx = result4_.item0;
+    double dy = result4_.item1;
+    double dp = result4_.item2;
+    double dv = result4_.item3;
+    double dw = result4_.item4;
+    double dr = result4_.item5;
+    double da = result4_.item6;
+    double df = result4_.item7;
+    double sixth = h / 6.0;
+    car->x += sixth * (ax + 2.0 * bx + 2.0 * cx + dx);
+    car->y += sixth * (ay + 2.0 * by + 2.0 * cy + dy);
+    car->psi = psi + sixth * (ap + 2.0 * bp + 2.0 * cp + dp);
+    car->v_x = v + sixth * (av + 2.0 * bv + 2.0 * cv + dv);
+    car->v_y = w + sixth * (aw + 2.0 * bw + 2.0 * cw + dw);
+    car->r = r + sixth * (ar + 2.0 * br + 2.0 * cr + dr);
+    car->delta = angle + sixth * (aa + 2.0 * ba + 2.0 * ca + da);
+    car->a_x = force + sixth * (af + 2.0 * bf + 2.0 * cf + df);
+}
+
+/* Advance a moving car by a time step with a commanded angle and acceleration. */
+void cca_drive(SingleTrackCar *car, double delta, double a_x, double dt)
+{
+    double step = car->v_x > SINGLE_TRACK_SLOW ? SINGLE_TRACK_MAX_STEP : 0.5 * SINGLE_TRACK_MAX_STEP;
+    int n = 1;
+    for (int turn1_ = 0, turn1__end_ = SINGLE_TRACK_MAX_STEPS; turn1_ < turn1__end_; turn1_ += 1) {
+        if (n >= dt / step - 1e-09) {
+            break;
+        }
+        n += 1;
+    }
+    for (int turn1_ = 0, turn1__end_ = n; turn1_ < turn1__end_; turn1_ += 1) {
+        single_track_runge_kutta(car, delta, a_x, dt / n);
+        if (car->v_x < SINGLE_TRACK_MIN_SLIP_SPEED) {
+            single_track_roll(car);
+        }
+    }
+    const cca_dddddddd result1_ = single_track_rates(car, car->psi, car->v_x, car->v_y, car->r, car->delta,
+        car->a_x, delta, a_x);
+    double v_y_dot = result1_.item4;
+    car->a_y = v_y_dot + car->v_x * car->r;
+}
+
 /* speed.py: Speeds along a path, and times of arrival. */
 #define SPEED_STRAIGHT 1e-09
 #define SPEED_LOOKAHEAD 2.0

@@ -89,6 +89,35 @@ void cca_opposite_distances(int n, const double *v_correct, const double *v_oppo
 void cca_lateral_distances(int n, const double *v_left, const double *v_right, const RssReaction *left, const
     RssReaction *right, double *distance);
 
+typedef struct SingleTrackCar {
+    double l_f;
+    double l_r;
+    double m;
+    double inertia;
+    double c_f;
+    double c_r;
+    double mu;
+    double delta_rate_max;
+    double steering_lag;
+    double drive_lag;
+    double x;
+    double y;
+    double psi;
+    double v_x;
+    double v_y;
+    double r;
+    double delta;
+    double a_x;
+    double a_y;
+} SingleTrackCar;
+
+double cca_fiala_force(double stiffness, double slip, double f_max);
+
+typedef struct cca_dddddddd { double item0; double item1; double item2; double item3; double item4; double
+    item5; double item6; double item7; } cca_dddddddd;
+
+void cca_drive(SingleTrackCar *car, double delta, double a_x, double dt);
+
 void cca_arrival_times(int n, double v_x, double v_target, const double *distance, double a_max, double
     b_comfort, double *t);
 

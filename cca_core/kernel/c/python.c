@@ -863,6 +863,64 @@ static PyObject *call_lateral_distances(PyObject *self_, PyObject *const *given_
     Py_RETURN_NONE;
 }
 
+static PyObject *call_fiala_force(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("fiala_force", 3, count_)) {
+        return NULL;
+    }
+    double stiffness;
+    double slip;
+    double f_max;
+    if (!lend_real(given_[0], &stiffness)) {
+        return NULL;
+    }
+    if (!lend_real(given_[1], &slip)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &f_max)) {
+        return NULL;
+    }
+    double result_;
+    result_ = cca_fiala_force(stiffness, slip, f_max);
+    return PyFloat_FromDouble(result_);
+}
+
+static PyObject *call_drive(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("drive", 4, count_)) {
+        return NULL;
+    }
+    SingleTrackCar *car;
+    double delta;
+    double a_x;
+    double dt;
+    if (!lend_real(given_[1], &delta)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &a_x)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &dt)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(SingleTrackCar), 4, 1);
+    if (car == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_drive(car, delta, a_x, dt);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
 static PyObject *call_arrival_times(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1065,7 +1123,7 @@ static PyObject *call_front_slip(PyObject *self_, PyObject *const *given_, Py_ss
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 4, 0);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 0);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1104,7 +1162,7 @@ static PyObject *call_advance(PyObject *self_, PyObject *const *given_, Py_ssize
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 4, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1131,7 +1189,7 @@ static PyObject *call_find_passed(PyObject *self_, PyObject *const *given_, Py_s
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 4, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1189,12 +1247,12 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
     }
     Lent lent_[3];
     int held_ = 0;
-    law = lend_workspace("law", given_[0], &lent_[held_], &held_, sizeof(Steering), 5, 1);
+    law = lend_workspace("law", given_[0], &lent_[held_], &held_, sizeof(Steering), 6, 1);
     if (law == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    car = lend_workspace("car", given_[1], &lent_[held_], &held_, sizeof(IdealCar), 4, 1);
+    car = lend_workspace("car", given_[1], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1231,6 +1289,8 @@ static PyMethodDef methods[] = {
     {"same_direction_distances", (PyCFunction)(void (*)(void))call_same_direction_distances, METH_FASTCALL, NULL},
     {"opposite_distances", (PyCFunction)(void (*)(void))call_opposite_distances, METH_FASTCALL, NULL},
     {"lateral_distances", (PyCFunction)(void (*)(void))call_lateral_distances, METH_FASTCALL, NULL},
+    {"fiala_force", (PyCFunction)(void (*)(void))call_fiala_force, METH_FASTCALL, NULL},
+    {"drive", (PyCFunction)(void (*)(void))call_drive, METH_FASTCALL, NULL},
     {"arrival_times", (PyCFunction)(void (*)(void))call_arrival_times, METH_FASTCALL, NULL},
     {"squared_speed_limits", (PyCFunction)(void (*)(void))call_squared_speed_limits, METH_FASTCALL, NULL},
     {"interpolated", (PyCFunction)(void (*)(void))call_interpolated, METH_FASTCALL, NULL},
@@ -1246,12 +1306,13 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "ae3534dba9f0300cae3b55e641ca41a40fccf95a6760bba86fb4084565b596c2") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "734c27712744e3f550ff4c6eb078fe9fc0bc331c486b12f295b598684eb1557c") < 0;
     failed = failed || lend_describe(structures, "Curve", 1, sizeof(Curve)) < 0;
     failed = failed || lend_describe(structures, "CurveSamples", 2, sizeof(CurveSamples)) < 0;
     failed = failed || lend_describe(structures, "RssReaction", 3, sizeof(RssReaction)) < 0;
-    failed = failed || lend_describe(structures, "IdealCar", 4, sizeof(IdealCar)) < 0;
-    failed = failed || lend_describe(structures, "Steering", 5, sizeof(Steering)) < 0;
+    failed = failed || lend_describe(structures, "SingleTrackCar", 4, sizeof(SingleTrackCar)) < 0;
+    failed = failed || lend_describe(structures, "IdealCar", 5, sizeof(IdealCar)) < 0;
+    failed = failed || lend_describe(structures, "Steering", 6, sizeof(Steering)) < 0;
     Py_XDECREF(structures);
     return failed ? -1 : 0;
 }
