@@ -1,0 +1,45 @@
+"""A run is the same log, bit for bit, whether the kernel is C or Python."""
+
+import hashlib
+import os
+import subprocess
+import sys
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from cca_core.sim import Log, paper_scenarios, simulate
+from tests.support.kernel_forms import needs_c
+
+CLOCKS = ("cycle_us", "wall_s", "missed_deadlines", "scenario")  # of the machine, and the input
+NAMES = [f"{s.name}-{s.case}-{s.ego_type}" for s in paper_scenarios()]
+QUICK = ("curbside-fast-v2v", "maneuver-3-sensor")
+
+
+def digest(log: Log) -> str:
+    """SHA-256 of all that a run has produced."""
+    total = hashlib.sha256()
+    for field in fields(log):
+        value = getattr(log, field.name)
+        if field.name not in CLOCKS:
+            total.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
+    return total.hexdigest()
+
+
+def digest_of(name: str) -> str:
+    """Digest of a run of this process."""
+    return digest(simulate(paper_scenarios()[NAMES.index(name)]))
+
+
+@needs_c
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in NAMES]
+)
+def test_log_in_c_equals_log_in_python(name: str) -> None:
+    code = f"from tests.sim.test_kernel_forms import digest_of; print(digest_of({name!r}))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, "CCA_KERNEL": "python"}, capture_output=True,
+        text=True, check=True, timeout=300.0,
+    )  # fmt: skip
+    assert done.stdout.strip() == digest_of(name)
