@@ -31,8 +31,34 @@ HELPERS = {
     return value >= high ? high : (int)floor(value);
 }""",
 }
-HEAD = "\n\n#ifndef CCA_KERNEL_H\n#define CCA_KERNEL_H\n\n#include <stdbool.h>"
+HEADER = """
+#ifndef CCA_KERNEL_H
+#define CCA_KERNEL_H
 
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif"""
+HEADER_END = """
+#ifdef __cplusplus
+}
+#endif
+
+#endif"""
+SOURCE = """#include "kernel.h"
+
+#include <float.h>
+#include <math.h>
+
+/* compile with -ffp-contract=off: a fused product and sum has other bits than Python */
+#if FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1 || defined(__FAST_MATH__)
+#error "the kernel needs strict arithmetic of doubles"
+#endif
+#ifdef __clang__
+#pragma STDC FP_CONTRACT OFF
+#endif
+"""
 MAX_WIDTH = 110
 
 
@@ -58,11 +84,9 @@ def translate(folder: Path) -> dict[str, str]:
     lines = [wrapped(line) for line in program.lines]
     used = set(re.findall(r"\w+(?=\()", "\n".join(lines)))
     helpers = [text for name, text in HELPERS.items() if name in used]
-    header = "\n".join([NOTE + HEAD, *map(wrapped, program.header), "", "#endif"])
-    python = binding(program.kernels, program.structures, digest(folder))
-    return {
-        "kernel.h": header + "\n",
-        "kernel.c": "\n".join([NOTE, '#include "kernel.h"', "", "#include <math.h>", "", *helpers, *lines])
-        + "\n",
-        "python.c": "\n".join([NOTE, *python]) + "\n",
+    parts = {
+        "kernel.h": [HEADER, *map(wrapped, program.header), HEADER_END],
+        "kernel.c": [SOURCE, *helpers, *lines],
+        "python.c": binding(program.kernels, program.structures, digest(folder)),
     }
+    return {name: "\n".join([NOTE, *text]) + "\n" for name, text in parts.items()}

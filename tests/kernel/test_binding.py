@@ -10,8 +10,8 @@ import pytest
 
 from cca_core.kernel import bind
 from cca_core.kernel.memory import lend
-from tests.support.kernel_forms import QUICK, Filled, check_forms
-from tests.support.trial_kernel.trial import Trial, combine, largest_of, measure, spin, turn
+from tests.support.kernel_forms import FULL, QUICK, Filled, check_forms
+from tests.support.trial_kernel.trial import Trial, combine, functions, largest_of, measure, spin, turn
 
 pytestmark = pytest.mark.usefixtures("trial_compiled")
 FORMS = ("c", "python")
@@ -42,6 +42,17 @@ def weighed(random: np.random.Generator) -> tuple[Any, ...]:
     workspace = filled(random)
     n = workspace.sizes["n"]
     return workspace, filled(random), n, random.normal(size=n), np.zeros(n)
+
+
+def scattered(random: np.random.Generator) -> tuple[Any, ...]:
+    """Numbers of all sizes."""
+    x, y = random.normal(size=2) * 10.0 ** random.uniform(-8, 8, 2)
+    return x, y, np.zeros(16)
+
+
+@pytest.mark.parametrize("count", [QUICK, pytest.param(FULL, marks=pytest.mark.slow)])
+def test_functions_of_libm_equal_those_of_python(count: int) -> None:
+    check_forms(functions, scattered, count)
 
 
 def test_forms_of_trial_kernels_are_equal() -> None:

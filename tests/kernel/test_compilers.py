@@ -44,7 +44,7 @@ def run(*command: str | Path, **variables: str) -> str:
 
 def run_kernel_tests(file: Path, **variables: str) -> None:
     """Run the comparisons of C with Python with another compiled kernel."""
-    command = [sys.executable, "-m", "pytest", "-q", "-n0", "-p", "no:cacheprovider", "-p"]
+    command = [sys.executable, "-m", "pytest", "-q", "-s", "-n0", "-p", "no:cacheprovider", "-p"]
     command += [
         "tests.support.other_kernel",
         "-m",
@@ -78,7 +78,7 @@ def test_stack_is_small(optimization: str, tmp_path: Path) -> None:
     (usage,) = tmp_path.glob("*.su")
     rows = [line.split("\t") for line in usage.read_text(encoding="utf-8").splitlines()]
     assert {kind for _, _, kind in rows} <= {"static", "dynamic,bounded"}
-    frames = {place.rpartition(":")[2].partition(".")[0]: int(size) for place, size, _ in rows}
+    frames = {spot.rpartition(":")[2].partition(".")[0]: int(size) for spot, size, _ in rows}
     deepest = max(stack_of(name, frames, calls()) for name in frames)
     assert 0 < deepest < MAX_STACK
 

@@ -1,7 +1,16 @@
 /* Made from the Python of cca_core/kernel by `make kernel`: edit that. */
 #include "kernel.h"
 
+#include <float.h>
 #include <math.h>
+
+/* compile with -ffp-contract=off: a fused product and sum has other bits than Python */
+#if FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD > 1 || defined(__FAST_MATH__)
+#error "the kernel needs strict arithmetic of doubles"
+#endif
+#ifdef __clang__
+#pragma STDC FP_CONTRACT OFF
+#endif
 
 static inline double real_max(double a, double b) { return b > a ? b : a; }
 static inline double real_min(double a, double b) { return b < a ? b : a; }

@@ -5,6 +5,10 @@
 
 #include <stdbool.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by, double length_a,
     double width_a, double length_b, double width_b);
 
@@ -176,5 +180,9 @@ cca_dd cca_find_passed(IdealCar *car, double s);
 
 double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_guess, double x, double y, double
     psi, double v_x, double v_y, double r, double dt);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

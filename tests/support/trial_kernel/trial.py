@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cca_core.kernel.types import Flag, Grid, Int, Ints, Real, Reals, floor_within
 
-__all__ = ["combine", "largest_of", "measure", "spin", "turn"]
+__all__ = ["combine", "functions", "largest_of", "measure", "spin", "turn"]
 
 STEP = 0.5
 LIMIT = 3
@@ -95,6 +95,28 @@ def combine(w: Trial, other: Trial, n: Int, weights: Row, result: Row) -> None:
     for i in range(n):
         result[i] = weights[i] * measure(other)
         w.x[i] += result[i]
+
+
+def functions(x: Real, y: Real, out: Annotated[Reals, 16]) -> None:
+    """Every function of libm that a kernel may call, within its domain."""
+    positive = abs(x) + 1e-9
+    unit = x / (1.0 + abs(x))
+    out[0] = math.sqrt(positive)
+    out[1] = math.sin(x)
+    out[2] = math.cos(x)
+    out[3] = math.tan(x)
+    out[4] = math.asin(unit)
+    out[5] = math.acos(unit)
+    out[6] = math.atan(x)
+    out[7] = math.atan2(x, y)
+    out[8] = math.exp(min(x, 700.0))
+    out[9] = math.log(positive)
+    out[10] = math.pow(positive, min(max(y, -9.0), 9.0))
+    out[11] = math.copysign(x, y)
+    out[12] = math.fmod(x, positive * 0.3)
+    out[13] = math.remainder(x, positive * 0.3)
+    out[14] = float(floor_within(x, -100, 100))
+    out[15] = 1.0 if math.isfinite(x) and not math.isnan(y) else 0.0
 
 
 def spin(w: Trial, turns: Int) -> None:
