@@ -230,6 +230,7 @@ def run(
 ) -> str:
     """Output of Python with arguments and environment variables; it must succeed, or fail if `fails`."""
     command = [str(python), *map(str, arguments)]
+    cwd = cwd or python.parent  # in the checkout, Python would import that instead of what is installed
     env = os.environ | variables
     done = subprocess.run(
         command, cwd=cwd, env=env, capture_output=True, text=True, timeout=1800, check=False
