@@ -83,9 +83,9 @@ class MessageRates:
         index, total = math.floor(10.0 * t), Counter[str]()
         for at, counts in self._bins:
             if index - 10 < at <= index + 5:  # messages may be processed ahead of the time of a cycle
-                total.update(counts)
-        for kind in UNCOUNTED_KINDS:
-            total.pop(kind, None)
+                for kind, n in counts.items():
+                    if kind not in UNCOUNTED_KINDS:
+                        total[kind] += n
         return total
 
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from cca_core._checks import check_real
 from cca_core.path.local_frame import LocalFrame
+from cca_core.v2x._projection import unprojector
 from cca_core.v2x.bsm import Bsm, PositionalAccuracy, encode_bsm
-from cca_core.vehicle import RemoteVehicle
+from cca_core.vehicle import MAX_COORDINATE, RemoteVehicle
 
 __all__ = ["Sender", "SenderSettings"]
 
@@ -89,12 +90,12 @@ class Sender:
         self, id: str, frame: LocalFrame, settings: SenderSettings, rng: np.random.Generator
     ) -> None:
         self.id, self.settings = id, settings
-        self._frame, self._rng = frame, rng
+        self._frame, self._rng, self._unproject = frame, rng, unprojector(frame)
         self._due: float | None = None
         self._count = int(rng.integers(128))
         self._phase = float(rng.random()) * settings.interval
         self._last: tuple[float, float, float] | None = None  # time, latitude, longitude
-        self._noise = np.zeros(2)
+        self._noise = 0.0, 0.0
         error = min(settings.position_noise, 12.7) or None  # [m], the largest code
         self._accuracy = PositionalAccuracy(semi_major=error, semi_minor=error)
         self._is_frozen = False
@@ -128,7 +129,7 @@ class Sender:
             return None
         settings = self.settings
         spread, begins, ends_by = self._rng.random(3).tolist()
-        shock = self._rng.standard_normal(2)
+        shock = self._rng.standard_normal(2).tolist()
         while self._due <= t + 1e-9:
             self._due += settings.interval + settings.interval_spread * (2.0 * spread - 1.0)
         last = self._last
@@ -149,15 +150,16 @@ class Sender:
             )
         )  # fmt: skip
 
-    def _position(self, t: float, vehicle: RemoteVehicle, shock: np.ndarray) -> tuple[float, float]:
+    def _position(self, t: float, vehicle: RemoteVehicle, shock: list[float]) -> tuple[float, float]:
         """Return the latitude and longitude that the sender measures [deg]."""
         settings = self.settings
         correlation = 0.0
         if self._last is not None and settings.noise_time_constant > 0.0:
             correlation = math.exp(-(t - self._last[0]) / settings.noise_time_constant)
-        self._noise = (
-            correlation * self._noise
-            + math.sqrt(1.0 - correlation * correlation) * settings.position_noise * shock
-        )
-        lat, lon = self._frame.to_geodetic((vehicle.x + self._noise[0], vehicle.y + self._noise[1]))
-        return float(lat), float(lon)
+        size = math.sqrt(1.0 - correlation * correlation) * settings.position_noise
+        east, north = (correlation * last + size * new for last, new in zip(self._noise, shock, strict=True))
+        self._noise = east, north
+        x, y = vehicle.x + east, vehicle.y + north
+        if not (abs(x) <= MAX_COORDINATE and abs(y) <= MAX_COORDINATE):
+            self._frame.to_geodetic((x, y))  # raises, and says why
+        return self._unproject(x, y)

@@ -10,10 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core import InputError, RemoteVehicle
+from cca_core.path import LocalFrame
 from cca_core.predict import predict_ctra
 from cca_core.v2x import (
     PlausibilitySettings,
     PositionalAccuracy,
+    Sender,
+    SenderSettings,
     Tracker,
     TrackerSettings,
     decode_bsm,
@@ -71,6 +74,18 @@ def test_projection_equals_local_frame() -> None:
         assert tracker.update(bsm(T0, x, y, id=f"{i:08x}"), T0).accepted
     positions = [(v.x, v.y) for v in tracker.vehicles(T0)]
     np.testing.assert_allclose(positions, xy, atol=1e-6)
+
+
+@pytest.mark.parametrize("origin", [(45.0, 14.0), (0.0, 0.0), (-60.0, 179.9), (89.0, -30.0)])
+def test_sender_position_equals_local_frame(origin: tuple[float, float]) -> None:
+    """What a sender measures is the position of the frame, to the digits of a message."""
+    frame = LocalFrame(*origin)
+    for x, y in np.random.default_rng(2).uniform(-1e5, 1e5, (50, 2)).tolist():
+        sender = Sender("00c0ffee", frame, SenderSettings(), np.random.default_rng(0))
+        data = sender.poll(T0 + 1.0, RemoteVehicle(id="A", x=x, y=y, psi=0.0, v_x=10.0))
+        assert data is not None
+        sent = decode_bsm(data)
+        assert (sent.latitude_deg, sent.longitude_deg) == pytest.approx(frame.to_geodetic((x, y)), abs=6e-8)
 
 
 def test_duplicate_and_late_messages_are_rejected() -> None:
