@@ -1,26 +1,24 @@
 """Band: the deformed route with its certificate and status."""
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from importlib import import_module
 from typing import Annotated, Any, Self
 
 import numpy as np
 
-from cca_core._checks import Array, Index, Mask
-from cca_core.band.certificate import Certificate
+from cca_core._checks import Array, Mask
 from cca_core.band.corridor import Side
 from cca_core.band.energy import kkt_residual
-from cca_core.band.problem import MAX_DISPLACEMENT, BandProblem
+from cca_core.band.outcome import Outcome, outcome_of
+from cca_core.band.problem import BandProblem
+from cca_core.band.solver import Relaxed, measure
 from cca_core.errors import InfeasibleError, InputError, Status
+from cca_core.kernel import bind
+from cca_core.kernel.band_cubics import join_cubics
+from cca_core.kernel.band_workspace import REALS
 from cca_core.path import Path
-from cca_core.path.interpolate import cubics_along
 
-_ROUNDING = 1e-9  # violations up to here are rounding errors [m]
-
-Failure = tuple[Status, str, int | str]
-"""Status, message and active constraint (obstacles by index) of a band that was not solved."""
+_join_cubics = bind(join_cubics)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -118,7 +116,7 @@ class Band:
             elif value is None:
                 chosen[f.name] = None
             elif f.name == "problem":
-                chosen[f.name] = value.select(np.arange(len(value.route_nodes)).reshape(n_bands, -1)[at])
+                chosen[f.name] = value.select(np.arange(len(value.nodes)).reshape(n_bands, -1)[at])
             else:
                 item = value[at]
                 chosen[f.name] = item.item() if not others and isinstance(item, np.generic) else item
@@ -144,7 +142,7 @@ class Band:
     def residual(self) -> float:
         """KKT residual of a single band: largest unbalanced force, as the violation of a bound [m]."""
         band = self._single()
-        free = band.problem.free_displacement[0]
+        free = measure(band.problem).free
         return float(
             kkt_residual(
                 band.displacement - free, lower=band.lower - free, upper=band.upper - free,
@@ -166,7 +164,10 @@ class Band:
             Reference path.
         """
         band = self._single()
-        return cubics_along(band.nodes, band.moment_over_6, float(start))
+        segments = len(band) - 1
+        breaks, coefficients = np.empty(segments + 1), np.empty((segments, 8))
+        _join_cubics(segments, band.nodes, band.moment_over_6, float(start), breaks, coefficients)
+        return Path._trusted(breaks, coefficients.reshape(segments, 2, 4))
 
     def require(self) -> Self:
         """Return this band if its status is OK.
@@ -192,67 +193,30 @@ class Band:
         return self
 
 
-def assemble_band(
-    problem: BandProblem,
-    batch_shape: tuple[int, ...],
-    u: Array,
-    certificate: Certificate,
-    *,
-    passes_left: Mask,
-    lower: Array,
-    upper: Array,
-    solves: Index,
-    failures: Mapping[int, Failure],
-) -> Band:
-    """Return the bands of displacements (bands, n), with the status that their certificate gives them."""
-    results = [failures.get(i) or _compare(problem, i, u[i], certificate) for i in range(len(u))]
-    nodes = problem.route_nodes + 1j * problem.tangents * u
-    shaped: dict[str, Any] = {
-        "nodes": nodes.view(np.float64).reshape(*batch_shape, -1, 2),
-        "displacement": u.reshape(*batch_shape, -1),
-        "moment_over_6": certificate.moment_over_6.view(np.float64).reshape(*batch_shape, -1, 2),
-        "lower": lower.reshape(*batch_shape, -1), "upper": upper.reshape(*batch_shape, -1),
-        "passes_left": passes_left.reshape(-1, *batch_shape),
+def assemble_band(problem: BandProblem, batch_shape: tuple[int, ...], found: Relaxed) -> Band:
+    """Return the bands that the kernel has found."""
+    arrays: dict[str, Any] = {
+        "nodes": found.points(0).reshape(*batch_shape, -1, 2),
+        "moment_over_6": found.points(2).reshape(*batch_shape, -1, 2),
+        "displacement": found.row(4).reshape(*batch_shape, -1),
+        "lower": found.row(5).reshape(*batch_shape, -1), "upper": found.row(6).reshape(*batch_shape, -1),
+        "passes_left": found.passes_left.reshape(-1, *batch_shape),
     }  # fmt: skip
-    for array in shaped.values():
+    for array in arrays.values():
         array.setflags(write=False)
-    values = {
-        "clearance": certificate.min_gap, "edge_clearance": certificate.min_edge_clearance,
-        "curvature": np.abs(certificate.curvature).max(axis=1), "spacing": problem.h, "n_solves": solves,
-    }  # fmt: skip
-    for name, value in values.items():
-        shaped[name] = value.reshape(batch_shape) if batch_shape else value.item()
-    status, message, active = zip(*results, strict=True)
-    columns: dict[str, tuple[Any, ...]] = {
-        "status": status, "message": message,
-        "active_constraint": tuple(f"obstacle {a}" if isinstance(a, int) else a for a in active),
-        "active_obstacle": tuple(a if isinstance(a, int) else None for a in active),
-    }  # fmt: skip
-    for name, column in columns.items():
-        shaped[name] = np.array(column, dtype=object).reshape(batch_shape) if batch_shape else column[0]
-    return Band(problem=problem, **shaped)
-
-
-def _compare(problem: BandProblem, i: int, u: Array, certificate: Certificate) -> Failure:
-    """Return status, message and active constraint of band `i`."""
-    gap, edge = float(certificate.min_gap[i]), float(certificate.min_edge_clearance[i])
-    excess = gap - problem.clearance
-    nearest = int(certificate.gaps[:, i].min(axis=1).argmin()) if excess < math.inf else ""
-    closest: int | str = nearest
-    if edge < excess:
-        closest = f"{'right' if certificate.right_margin[i].min() == edge else 'left'} edge"
-    displacement = float(np.abs(u).max())
-    if excess < -_ROUNDING:
-        reason = f"clearance to obstacle {nearest} is {gap:.3f} m (limit {problem.clearance:.3f} m)"
-        return Status.INFEASIBLE, reason, nearest
-    if edge < -_ROUNDING:
-        return Status.INFEASIBLE, f"the body crosses the {closest} by {-edge:.3f} m", closest
-    if displacement > MAX_DISPLACEMENT:
-        reason = f"displacement is {displacement:.0f} m (limit {MAX_DISPLACEMENT:.0f} m)"
-        return Status.INFEASIBLE, reason, nearest
-    if certificate.curvature_ratio[i] > 1.0 + _ROUNDING:
-        curvature, limit = np.abs(certificate.curvature[i]), problem.curvature_limit[i]
-        node = int((curvature / limit).argmax())
-        reason = f"curvature is {curvature[node]:.4f} 1/m (limit {limit[node]:.4f} 1/m)"
-        return Status.INFEASIBLE, reason, "curvature"
-    return Status.OK, "clearance and limits satisfied", closest
+    reals, codes = found.reals[:, :REALS].tolist(), found.codes.tolist()
+    results = [outcome_of(*rows, problem.clearance) for rows in zip(reals, codes, strict=True)]
+    if not batch_shape:
+        clearance, edge_clearance, curvature, spacing = reals[0][:4]
+        return Band(
+            problem=problem, clearance=clearance, edge_clearance=edge_clearance, curvature=curvature,
+            spacing=spacing, n_solves=codes[0][5], **results[0]._asdict(), **arrays,
+        )  # fmt: skip
+    shaped: dict[str, Any] = {
+        name: np.array(column, dtype=object).reshape(batch_shape)
+        for name, column in zip(Outcome._fields, zip(*results, strict=True), strict=True)
+    }
+    for i, name in enumerate(("clearance", "edge_clearance", "curvature", "spacing")):
+        shaped[name] = found.reals[:, i].reshape(batch_shape)
+    shaped["n_solves"] = found.codes[:, 5].astype(np.intp).reshape(batch_shape)
+    return Band(problem=problem, **shaped, **arrays)

@@ -5,15 +5,17 @@ from collections.abc import Sequence
 
 from numpy.typing import ArrayLike
 
-from cca_core.band.band import Band
+from cca_core.band.band import Band, assemble_band
 from cca_core.band.corridor import Side
 from cca_core.band.problem import make_problem
 from cca_core.band.settings import BandSettings
-from cca_core.band.sides import choose_sides, parse_sides
+from cca_core.band.sides import former_sides, parse_sides
+from cca_core.band.solver import relax
 from cca_core.band.stiffness import BandStiffness
-from cca_core.band.tightening import relax_with_sides
 from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
+
+_STIFFNESS, _SETTINGS = BandStiffness(), BandSettings()
 
 
 def relax_band(
@@ -30,6 +32,7 @@ def relax_band(
     start: ArrayLike = 0.0,
     previous: Band | None = None,
     settings: BandSettings | None = None,
+    threads: int = 1,
 ) -> Band:
     """Deform a stretch of the route around obstacles.
 
@@ -66,6 +69,8 @@ def relax_band(
         Band of the previous cycle. If sides are chosen, its sides stay unless others cost much less.
     settings : BandSettings, optional
         Effort and tolerances of the search.
+    threads : int
+        Threads that share a batch [-]. The result does not depend on it.
 
     Returns
     -------
@@ -103,9 +108,11 @@ def relax_band(
         lead_distance=lead_distance,
         edges=corridor,
         curvature_limit=curvature_limit,
-        stiffness=BandStiffness() if stiffness is None else stiffness,
+        stiffness=_STIFFNESS if stiffness is None else stiffness,
         start=start,
-        settings=BandSettings() if settings is None else settings,
+        settings=_SETTINGS if settings is None else settings,
     )
-    sides = choose_sides(problem, previous) if side is None else parse_sides(side, problem)
-    return relax_with_sides(problem, batch_shape, sides)
+    bands, m = len(problem.nodes), problem.boxes.shape[1]
+    rule, sides = parse_sides(side, m, bands)
+    former = former_sides(previous, m, bands) if side is None else None
+    return assemble_band(problem, batch_shape, relax(problem, rule, sides, former, threads))

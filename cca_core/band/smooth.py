@@ -7,8 +7,8 @@ import numpy as np
 
 from cca_core._checks import Array, Mask, check_array, check_real
 from cca_core.band.band import Band, assemble_band
-from cca_core.band.certificate import Certificate, certify
 from cca_core.band.qp import QPSolver, solve_smoothing_qp
+from cca_core.band.solver import Measured, measure
 from cca_core.errors import InputError, Status
 
 _MAX_PASSES = 8
@@ -64,9 +64,8 @@ def smooth_band(
     """
     _check(band, weights)
     rate_limit = check_real("curvature_rate_limit", curvature_rate_limit, gt=0.0, allow_inf=True)
-    problem, passes_left = band.problem, band.passes_left[:, None]
-    h, route_curvature = float(problem.h[0]), problem.curvature[0]
-    lower, upper = (bound[0].copy() for bound in problem.corridor.bounds(passes_left))
+    problem, h, start = band.problem, band.spacing, measure(band.problem, passes_left=band.passes_left)
+    route_curvature, lower, upper = start.route_curvature, start.lower, start.upper
     error, margin = np.zeros(len(band)), _MARGIN
     u, message = band.displacement, ""
     for _ in range(_MAX_PASSES):
@@ -81,21 +80,22 @@ def smooth_band(
             break
         if result.solved:
             u = result.u
-        found = certify(problem, u[None])
-        curvature = found.curvature[0]
+        found = measure(problem, u, band.passes_left)
+        curvature = found.curvature
         wide = np.pad(u, 1)
         linear = route_curvature + route_curvature**2 * u + (wide[2:] - 2.0 * u + wide[:-2]) / h**2
         error = curvature - linear
-        shortfall = max(problem.clearance - found.min_gap[0], -found.min_edge_clearance[0])
-        excess = found.curvature_ratio[0] - 1.0
+        shortfall = max(problem.clearance - found.min_gap, -found.min_edge_clearance)
+        excess = found.curvature_ratio - 1.0
         rate_excess = np.abs(np.diff(curvature)).max() / h - rate_limit
         if result.solved and shortfall <= 0.0 and excess <= 0.0 and rate_excess <= 0.0:
-            smooth = assemble_band(
-                problem, (), u[None], found, passes_left=passes_left, lower=lower[None], upper=upper[None],
-                solves=np.array([band.n_solves]), failures={},
-            )  # fmt: skip
+            for bound in (lower, upper):
+                bound.setflags(write=False)
             residual = max(result.primal_residual, result.dual_residual, result.gap)
-            return replace(smooth, qp_residual=residual)
+            return replace(
+                assemble_band(problem, (), found.found), lower=lower, upper=upper, n_solves=band.n_solves,
+                qp_residual=residual,
+            )  # fmt: skip
         margin = min(margin + max(excess, 0.0), 0.05)  # corners of the curvature overshoot in the cubic
         lower, upper = _safe_displacement_bounds(found, u, band.passes_left, problem.clearance)
         missing = (
@@ -114,7 +114,7 @@ def _check(band: Band, weights: tuple[float, float]) -> None:
         raise InputError(f"band must be a Band, was {type(band).__name__}")
     if band.nodes.ndim != 2:
         raise InputError("band must be a single band; choose one, as in band[0]")
-    if band.problem.free_displacement.any():
+    if band.problem.start.any():
         raise InputError("band must begin on its route to be smoothed")
     pair = check_array("weights", weights, (2,))
     if pair.min() < 0.0 or not pair.any():
@@ -122,14 +122,14 @@ def _check(band: Band, weights: tuple[float, float]) -> None:
 
 
 def _safe_displacement_bounds(
-    found: Certificate, u: Array, passes_left: Mask, clearance: float
+    found: Measured, u: Array, passes_left: Mask, clearance: float
 ) -> tuple[Array, Array]:
     """Return bounds of u that keep gaps above the clearance: no gap changes faster than u."""
-    excess = found.gaps[:, 0] - (clearance + _MARGIN)
+    excess = found.gaps - (clearance + _MARGIN)
     left = passes_left[:, None]
     low = np.min(excess, axis=0, where=left, initial=math.inf)
     up = np.min(excess, axis=0, where=~left, initial=math.inf)
-    lower = u - np.minimum(low, found.right_margin[0] - _MARGIN)
-    upper = u + np.minimum(up, found.left_margin[0] - _MARGIN)
+    lower = u - np.minimum(low, found.right_margin - _MARGIN)
+    upper = u + np.minimum(up, found.left_margin - _MARGIN)
     lower[[0, 1, -2, -1]], upper[[0, 1, -2, -1]] = -math.inf, math.inf
     return lower, upper

@@ -1,7 +1,6 @@
 """Loops of the kernel over many problems, in threads if asked."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 
 def in_chunks(call: Callable[[int, int, int], object], count: int, threads: int = 1) -> None:
@@ -13,6 +12,8 @@ def in_chunks(call: Callable[[int, int, int], object], count: int, threads: int 
     if threads <= 1 or count <= 1:
         call(0, 0, count)
         return
+    from concurrent.futures import ThreadPoolExecutor  # few batches ask for threads
+
     chunks = min(threads, count)
     edges = [count * k // chunks for k in range(chunks + 1)]
     with ThreadPoolExecutor(chunks) as pool:

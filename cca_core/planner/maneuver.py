@@ -11,6 +11,7 @@ import numpy as np
 from cca_core._checks import Array, Mask
 from cca_core.band import Band, Side, relax_band
 from cca_core.band.problem import MAX_DISPLACEMENT, offset_curve
+from cca_core.band.solver import measure
 from cca_core.decide import Candidate, Rejection, RejectionKind
 from cca_core.errors import Status
 from cca_core.frenet import FrenetEgo, FrenetVehicle
@@ -221,8 +222,8 @@ def _reject_band(band: Band, side: Side, vehicles: Sequence[FrenetVehicle], ahea
     if band.active_constraint in ("left edge", "right edge"):
         return Rejection(kind=kinds.ROAD_EDGE, side=side, value=max(-band.edge_clearance, 0.0))
     vehicle_id = "" if obstacle is None else vehicles[obstacle].id
-    lower, upper = band.problem.corridor.bounds(band.passes_left[:, None])
-    overlap = (lower - upper)[0]
+    measured = measure(band.problem, passes_left=band.passes_left)
+    overlap = measured.lower - measured.upper
     if (overlap > 0.0).any():
         distance = float(ahead[int(np.argmax(overlap))])
         return Rejection(kind=kinds.NO_SPACE, side=side, vehicle_id=vehicle_id, distance=distance)

@@ -10,6 +10,7 @@ import numpy as np
 
 from cca_core._checks import Array, Complex
 from cca_core.band import Band
+from cca_core.band.solver import measure
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
 from cca_core.path import Path, Road
@@ -99,20 +100,17 @@ def _(item: Band) -> str:
 
 def _band_marks(band: Band) -> list[Mark]:
     """Route, edges, obstacles, and the band as wide as the ego."""
-    problem, nodes = band.problem, band.nodes.view(np.complex128)[:, 0]
-    route, left, corridor = problem.route_nodes[0], 1j * problem.tangents[0], problem.corridor
+    problem, route = band.problem, band.problem.nodes[0]
     width = problem.vehicle.width
-    marks = [Mark(xy=_rows(route), color=COLORS.route, kind="dashes", width=1.0)]
-    if corridor.has_edges:
-        edges = (
-            route + left * (corridor.lower[0] - 0.5 * width),
-            route + left * (corridor.upper[0] + 0.5 * width),
-        )
-        marks += [Mark(xy=_rows(edge), color=COLORS.ink) for edge in edges]
-    for i, center in enumerate(corridor.center[:, 0]):
-        k = int(np.abs(center - nodes).argmin())
-        size = 2.0 * corridor.half_length[i, 0, k], 2.0 * corridor.half_width[i, 0, k]
-        box = boxes(center[k].real, center[k].imag, np.angle(corridor.ahead[i, 0, k]), *size)
+    marks = [Mark(xy=route, color=COLORS.route, kind="dashes", width=1.0)]
+    if problem.edges is not None:
+        tangents = measure(problem).tangents
+        left = np.stack((-tangents[:, 1], tangents[:, 0]), axis=-1)
+        for edge in problem.edges[:, 0]:
+            marks.append(Mark(xy=route + edge[:, None] * left, color=COLORS.ink))
+    for x, y, psi, length, wide in problem.boxes[:, :, 0].swapaxes(0, 1):
+        k = int(np.hypot(x - band.nodes[:, 0], y - band.nodes[:, 1]).argmin())
+        box = boxes(x[k], y[k], psi[k], length[k], wide[k])
         marks.append(Mark(xy=box.corners(), color=COLORS.second, kind="area"))
     color = COLORS.ego if band.ok else COLORS.failed
     marks.append(Mark(xy=band.nodes, color=color, kind="swath", width=width))

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 
 from cca_core.errors import InputError
+from cca_core.serial.band_problem import stated_problem
 from cca_core.serial.fields import VERSION, field_types, required_fields
 from cca_core.serial.version_1 import CLASSES, updated_fields, updated_value
 
@@ -71,6 +72,8 @@ def _object(kind: type, data: Any, where: str, old: bool) -> Any:
         raise InputError(f"{prefix}type must be {_name(kind, old)}, was {data['type']!r}")
     if old:
         data = updated_fields(kind.__name__, data)
+    if kind.__name__ == "BandProblem":
+        data = stated_problem(data)
     hints = field_types(kind) or {}
     for name in data:
         if name not in hints and name != "type" and (name != "version" or where):

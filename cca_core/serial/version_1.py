@@ -24,10 +24,6 @@ FIELDS = {
     "Band": {
         "binding": "active_constraint", "solves": "n_solves", "sixth": "moment_over_6", "task": "problem",
     },
-    "BandProblem": {
-        "base": "route_nodes", "ahead": "end_headings", "ends": "end_moments", "free": "free_displacement",
-        "before": "previous_displacement",
-    },
     "ChannelSettings": {
         "loss": "loss_probability", "burst": "mean_burst_length", "edge_loss": "loss_at_range",
         "reordered": "reorder_probability", "reordering": "reorder_delay",
@@ -38,7 +34,6 @@ FIELDS = {
         "remote": "vehicle_id", "s_in": "s_enter", "s_out": "s_exit", "ego": "t_ego", "other": "t_other",
         "expected": "t_other_nominal", "margin": "min_pet",
     },
-    "Corridor": {"centre": "center", "moves": "max_step", "abeam": "alongside", "edged": "has_edges"},
     "CrossingSettings": {"margin": "min_pet", "least_angle": "min_angle", "standing": "standstill_speed"},
     "Decision": {"leader": "lead_id", "zone": "danger_zone"},
     "EvasionSettings": {

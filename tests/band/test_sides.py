@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cca_core.band import Band, band_energy
+from cca_core.band.solver import measure
 from cca_core.errors import InputError, Status
 from cca_core.geometry import boxes
 from tests.support.band_cases import Case
@@ -17,12 +18,12 @@ from tests.support.band_scenes import CAR, assert_certified, bend, moving, relax
 
 def energy(band: Band) -> float:
     """Energy of the band between the bounds of its sides, before tightening."""
-    lower, upper = (bound[0] for bound in band.problem.corridor.bounds(band.passes_left[:, None]))
+    found = measure(band.problem, passes_left=band.passes_left)
     return float(
         band_energy(
             band.displacement,
-            lower=lower,
-            upper=upper,
+            lower=found.lower,
+            upper=found.upper,
             spacing=band.spacing,
             stiffness=band.problem.stiffness,
         )

@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 
 from cca_core import Path, VehicleParams
 from cca_core.band import Band, BandStiffness, equilibrium, relax_band, smooth_band
-from cca_core.band.corridor import Corridor, make_corridor
+from cca_core.band.solver import measure
 from cca_core.band.stiffness import deformed
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import interpolate_path
@@ -106,11 +106,12 @@ def within(benchmark: Any, slowness: float, budget: Budget) -> Within:
     return check
 
 
-def corridor_of(problem: Problem, nodes: np.ndarray, obstacles: list[Boxes]) -> Callable[[], Corridor]:
-    """Computation of the corridor of a straight road, from what a planner has at hand."""
-    base = nodes.view(np.complex128).reshape(-1, nodes.shape[-2])
-    tangents, batch_shape = np.ones_like(base), nodes.shape[:-2]
-    return lambda: make_corridor(base, tangents, obstacles, None, CAR, problem.clearance, 0.0, batch_shape)
+def bounds_of(problem: Problem, nodes: np.ndarray, obstacles: list[Boxes]) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds that the corridor leaves each band of a batch, on the sides of the problem."""
+    relaxed = relax_band(nodes, obstacles, side=problem.sides, vehicle=CAR, clearance=problem.clearance)
+    lefts = np.array(problem.lefts)
+    found = [measure(relaxed.problem.select([i]), passes_left=lefts) for i in range(len(nodes))]
+    return np.array([each.lower for each in found]), np.array([each.upper for each in found])
 
 
 def stencil_and_penalty(stiffness: BandStiffness, spacing: float) -> tuple[np.ndarray, float]:
@@ -124,7 +125,7 @@ def stencil_and_penalty(stiffness: BandStiffness, spacing: float) -> tuple[np.nd
 def test_string(benchmark: Any, problem: Problem, within: Within) -> None:
     """Equilibrium under tension alone, between given bounds."""
     nodes = problem.nodes
-    bounds = corridor_of(problem, nodes, problem.obstacles)().bounds(np.array(problem.lefts)[:, None])
+    bounds = bounds_of(problem, nodes[None], problem.obstacles)
     row, force = stencil_and_penalty(STRING, nodes[1, 0])
     u, solves, converged = benchmark(equilibrium, row, force, *bounds)
     assert converged.all()
@@ -135,11 +136,11 @@ def test_string(benchmark: Any, problem: Problem, within: Within) -> None:
 
 @EACH
 def test_drivable(benchmark: Any, problem: Problem, within: Within) -> None:
-    """Equilibrium of the relaxed band, with its corridor."""
+    """Equilibrium of the relaxed band, between given bounds."""
     nodes = problem.nodes
-    find, lefts = corridor_of(problem, nodes, problem.obstacles), np.array(problem.lefts)[:, None]
+    bounds = bounds_of(problem, nodes[None], problem.obstacles)
     row, force = stencil_and_penalty(DRIVABLE, nodes[1, 0])
-    u, solves, converged = benchmark(lambda: equilibrium(row, force, *find().bounds(lefts)))
+    u, solves, converged = benchmark(equilibrium, row, force, *bounds)
     assert converged.all()
     moved = deformed(nodes, np.column_stack((0.0 * u[0], u[0])))
     flat = {"start_tangent": (1.0, 0.0), "end_tangent": (1.0, 0.0)}
@@ -196,8 +197,7 @@ def test_smoothed(benchmark: Any, problem: Problem, within: Within) -> None:
 @TWO
 def test_batch_of_strings(benchmark: Any, problem: Problem, within: Within) -> None:
     nodes, obstacles = problem.batch()
-    lefts = np.repeat(np.array(problem.lefts)[:, None], BATCH, axis=1)
-    bounds = corridor_of(problem, nodes, obstacles)().bounds(lefts)
+    bounds = bounds_of(problem, nodes, obstacles)
     row, force = stencil_and_penalty(STRING, nodes[0, 1, 0])
     _, _, converged = benchmark(equilibrium, row, force, *bounds)
     assert converged.all()
@@ -207,12 +207,9 @@ def test_batch_of_strings(benchmark: Any, problem: Problem, within: Within) -> N
 @TWO
 def test_batch_of_drivable_bands(benchmark: Any, problem: Problem, within: Within) -> None:
     nodes, obstacles = problem.batch()
-    find, lefts = (
-        corridor_of(problem, nodes, obstacles),
-        np.repeat(np.array(problem.lefts)[:, None], BATCH, 1),
-    )
+    bounds = bounds_of(problem, nodes, obstacles)
     row, force = stencil_and_penalty(DRIVABLE, nodes[0, 1, 0])
-    _, _, converged = benchmark(lambda: equilibrium(row, force, *find().bounds(lefts)))
+    _, _, converged = benchmark(equilibrium, row, force, *bounds)
     assert converged.all()
     within(40.0, BATCH)
 

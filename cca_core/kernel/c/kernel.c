@@ -18,6 +18,42 @@ static inline int int_max(int a, int b) { return b > a ? b : a; }
 static inline int int_min(int a, int b) { return b < a ? b : a; }
 static inline int int_floor(int a, int b) { return a < 0 ? -1 - (-1 - a) / b : a / b; }
 
+/* band_batch.py: Bands of a batch one after the other: from the caller's arrays into the workspace, and back.
+    */
+
+/* band_certificate.py: Certificate of a band: gaps of the ego's swept box to obstacles and edges, and
+    curvature. */
+
+/* band_gaps.py: Gaps of the ego's swept box to obstacles, between nodes too: lower bounds, tight where they
+    limit. */
+
+/* band_workspace.py: Memory of a band in the kernel: codes, the equilibrium, one band, and a batch of bands.
+    */
+#define BAND_WORKSPACE_OK 0
+#define BAND_WORKSPACE_INFEASIBLE 1
+#define BAND_WORKSPACE_NOT_CONVERGED 2
+#define BAND_WORKSPACE_UNEVEN_SPACING 3
+#define BAND_WORKSPACE_TOO_LONG 4
+#define BAND_WORKSPACE_SATISFIED 0
+#define BAND_WORKSPACE_CLEARANCE 1
+#define BAND_WORKSPACE_EDGE 2
+#define BAND_WORKSPACE_DISPLACEMENT 3
+#define BAND_WORKSPACE_CURVATURE 4
+#define BAND_WORKSPACE_EMPTY_INTERVAL 5
+#define BAND_WORKSPACE_BLOCKED_END 6
+#define BAND_WORKSPACE_ACTIVE_SET 7
+#define BAND_WORKSPACE_NO_CONSTRAINT (-1)
+#define BAND_WORKSPACE_LEFT_EDGE (-2)
+#define BAND_WORKSPACE_RIGHT_EDGE (-3)
+#define BAND_WORKSPACE_CURVATURE_LIMIT (-4)
+#define BAND_WORKSPACE_GIVEN_SIDES 0
+#define BAND_WORKSPACE_BLOCKING_RIGHT 1
+#define BAND_WORKSPACE_BLOCKING_LEFT 2
+#define BAND_WORKSPACE_CHEAPEST_SIDES 3
+#define BAND_WORKSPACE_REALS 6
+#define BAND_WORKSPACE_REALS_PER_NODE 7
+#define BAND_WORKSPACE_CODES 6
+
 /* box_gaps.py: Distances of oriented boxes. */
 
 /* Length of a vector; `math.hypot` has other bits in Python than in C. */
@@ -115,6 +151,1891 @@ void cca_box_gaps(int n, int k, const double *a, const double *b, double *gap)
         j += 1;
         if (j == k) {
             j = 0;
+        }
+    }
+}
+
+/* circles.py: Circles through three points. */
+#define CIRCLES_TINY 1e-12
+
+/* Return the signed curvature [1/m] of the circle through three points. */
+static double circles_circle_curvature(double x0, double y0, double x1, double y1, double x2, double y2)
+{
+    double ax = x1 - x0;
+    double ay = y1 - y0;
+    double bx = x2 - x1;
+    double by = y2 - y1;
+    return 2.0 * (ax * by - ay * bx) / (box_gaps_norm(ax, ay) * box_gaps_norm(bx, by) * box_gaps_norm(x2 - x0,
+        y2 - y0));
+}
+#define BAND_GAPS_CURVE_ERROR 0.002
+#define BAND_GAPS_LOOSE 0.004
+#define BAND_GAPS_DECISIVE 0.01
+#define BAND_GAPS_PARTS 16
+#define BAND_GAPS_LEVER 0.6
+
+/* Return the gap to an obstacle with the ego at a node. */
+static double band_gaps_gap_at(const BandWork *w, int o, int i)
+{
+    double dx = w->box_x[o * w->max_n + i] - w->x[i] - w->box_offset * w->ahead_x[i];
+    double dy = w->box_y[o * w->max_n + i] - w->y[i] - w->box_offset * w->ahead_y[i];
+    return cca_oriented_box_gap(dx, dy, w->ahead_x[i], w->ahead_y[i], w->box_ahead_x[o * w->max_n + i],
+        w->box_ahead_y[o * w->max_n + i], 0.5 * w->length, 0.5 * w->width, w->half_length[o * w->max_n + i],
+        w->half_width[o * w->max_n + i]);
+}
+
+/* Compute the gap to an obstacle at equal parts from a node to the next. */
+static void band_gaps_sample_between(BandWork *w, int o, int i)
+{
+    int j = i + 1;
+    double cx = w->x[j] - w->x[i];
+    double cy = w->y[j] - w->y[i];
+    double chord = box_gaps_norm(cx, cy);
+    double ax = w->ahead_x[i] * chord - cx;
+    double ay = w->ahead_y[i] * chord - cy;
+    double bx = cx - w->ahead_x[j] * chord;
+    double by = cy - w->ahead_y[j] * chord;
+    for (int k = 0, k_end_ = BAND_GAPS_PARTS + 1; k < k_end_; k += 1) {
+        double f = k / 16.0;
+        double e = 1.0 - f;
+        double tx = cx + e * (1.0 - 3.0 * f) * ax + f * (2.0 - 3.0 * f) * bx;
+        double ty = cy + e * (1.0 - 3.0 * f) * ay + f * (2.0 - 3.0 * f) * by;
+        double speed = real_max(box_gaps_norm(tx, ty), CIRCLES_TINY);
+        tx /= speed;
+        ty /= speed;
+        double hx = w->box_ahead_x[o * w->max_n + i] + f * (w->box_ahead_x[o * w->max_n + j] -
+            w->box_ahead_x[o * w->max_n + i]);
+        double hy = w->box_ahead_y[o * w->max_n + i] + f * (w->box_ahead_y[o * w->max_n + j] -
+            w->box_ahead_y[o * w->max_n + i]);
+        double heading = real_max(box_gaps_norm(hx, hy), CIRCLES_TINY);
+        double dx = w->box_x[o * w->max_n + i] + f * (w->box_x[o * w->max_n + j] - w->box_x[o * w->max_n +
+            i]);
+        double dy = w->box_y[o * w->max_n + i] + f * (w->box_y[o * w->max_n + j] - w->box_y[o * w->max_n +
+            i]);
+        dx -= w->x[i] + f * cx + f * e * (e * ax + f * bx);
+        dy -= w->y[i] + f * cy + f * e * (e * ay + f * by);
+        double half_length = w->half_length[o * w->max_n + i] + f * (w->half_length[o * w->max_n + j] -
+            w->half_length[o * w->max_n + i]);
+        double half_width = w->half_width[o * w->max_n + i] + f * (w->half_width[o * w->max_n + j] -
+            w->half_width[o * w->max_n + i]);
+        w->parts[k] = cca_oriented_box_gap(dx - w->box_offset * tx, dy - w->box_offset * ty, tx, ty, hx /
+            heading, hy / heading, 0.5 * w->length, 0.5 * w->width, half_length, half_width);
+    }
+}
+
+/* Return a lower bound of the gap to an obstacle from a node to the next, ends included. */
+static double band_gaps_min_between(BandWork *w, int o, int i)
+{
+    const double *gap = w->parts;
+    band_gaps_sample_between(w, o, i);
+    double bound = gap[0];
+    for (int k = 1, k_end_ = BAND_GAPS_PARTS + 1; k < k_end_; k += 1) {
+        bound = real_min(bound, gap[k]);
+    }
+    if (w->max_step[o] > 0.0) {
+        bound -= 0.5 * real_max(fabs(gap[1] - gap[0]), fabs(gap[BAND_GAPS_PARTS] - gap[BAND_GAPS_PARTS - 1]));
+    } else {
+        bound = real_min(bound, gap[1] - real_max(gap[2] - gap[1], 0.0));
+        bound = real_min(bound, gap[BAND_GAPS_PARTS - 1] + real_min(gap[BAND_GAPS_PARTS - 1] -
+            gap[BAND_GAPS_PARTS - 2], 0.0));
+    }
+    for (int k = 1, k_end_ = BAND_GAPS_PARTS - 1; k < k_end_; k += 1) {
+        double before = gap[k] - gap[k - 1];
+        double here = gap[k + 1] - gap[k];
+        double after = gap[k + 2] - gap[k + 1];
+        if (before < 0.0 && after > 0.0) {
+            bound = real_min(bound, gap[k] + before * (here - after) / (after - before));
+        }
+    }
+    return bound;
+}
+
+/* Return by how much a gap to a stationary obstacle changes at most from node to node. */
+static double band_gaps_max_change(const BandWork *w)
+{
+    return w->spacing * (1.0 + BAND_GAPS_LEVER * w->length * w->max_curvature);
+}
+
+/* Sample the gaps of the obstacles and nodes that may be near each other; return their number. */
+static int band_gaps_sample_near(BandWork *w)
+{
+    double half = 0.5 * box_gaps_norm(w->length, w->width);
+    double upper = HUGE_VAL;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            double dx = w->box_x[o * w->max_n + i] - w->x[i] - w->box_offset * w->ahead_x[i];
+            double dy = w->box_y[o * w->max_n + i] - w->y[i] - w->box_offset * w->ahead_y[i];
+            double distance = box_gaps_norm(dx, dy);
+            w->gaps[o * w->max_n + i] = distance - (w->radius[o * w->max_n + i] + half);
+            upper = real_min(upper, distance - w->half_width[o * w->max_n + i]);
+        }
+    }
+    double near = real_max(w->clearance, upper - 0.5 * w->width);
+    double change = band_gaps_max_change(w);
+    int count = 0;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        double moves = w->max_step[o] + change;
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            if (!(w->gaps[o * w->max_n + i] > near + 2.0 * moves)) {
+                w->pair_obstacle[count] = o;
+                w->pair_node[count] = i;
+                w->sampled[count] = band_gaps_gap_at(w, o, i);
+                w->bulge[count] = w->spacing * fabs(w->curvature[i]) * (0.125 * w->spacing + 0.5 * moves);
+                count += 1;
+            }
+        }
+    }
+    return count;
+}
+
+/* Return whether the band is straight at the sampled nodes, and every obstacle stationary. */
+static bool band_gaps_is_straight(const BandWork *w, int count)
+{
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        if (w->max_step[o] != 0.0) {
+            return false;
+        }
+    }
+    for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
+        if (w->curvature[w->pair_node[k]] != 0.0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Bound the gaps between sampled nodes from below, by the samples around. */
+static void band_gaps_bound_between(BandWork *w, int count)
+{
+    const double *sampled = w->sampled;
+    double *bulge = w->bulge;
+    double *bound = w->bound;
+    double error = band_gaps_is_straight(w, count) ? 0.0 : BAND_GAPS_CURVE_ERROR;
+    for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
+        bulge[k] += error;
+        bound[k] = sampled[k];
+    }
+    for (int k = 0, k_end_ = count - 1; k < k_end_; k += 1) {
+        if (w->pair_node[k + 1] - w->pair_node[k] == 1) {
+            bound[k] = real_min(sampled[k], sampled[k + 1]) - real_max(bulge[k], bulge[k + 1]);
+        }
+    }
+    for (int k = 1, k_end_ = count - 2; k < k_end_; k += 1) {
+        double before = sampled[k] - sampled[k - 1];
+        double after = sampled[k + 2] - sampled[k + 1];
+        if (before < 0.0 && after > 0.0 && w->pair_node[k + 2] - w->pair_node[k - 1] == 3) {
+            double dip = sampled[k] + before * (sampled[k + 1] - sampled[k] - after) / (before - after);
+            bound[k] = real_min(bound[k], dip - bulge[k]);
+        }
+    }
+    double change = band_gaps_max_change(w);
+    for (int k = 0, k_end_ = count - 1; k < k_end_; k += 1) {
+        int i = w->pair_node[k];
+        if (w->pair_node[k + 1] - i == 1 && (i == 0 || i == w->n - 2)) {
+            bound[k] -= 0.5 * (w->max_step[w->pair_obstacle[k]] + change);
+        }
+    }
+}
+
+/* Sample closely where a bound is below the clearance, or loose next to a stationary obstacle. */
+static void band_gaps_refine_between(BandWork *w, int count)
+{
+    const double *sampled = w->sampled;
+    double *bound = w->bound;
+    double min_sample = HUGE_VAL;
+    for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
+        min_sample = real_min(min_sample, sampled[k]);
+    }
+    for (int k = 0, k_end_ = count - 1; k < k_end_; k += 1) {
+        int o = w->pair_obstacle[k];
+        int i = w->pair_node[k];
+        if (w->pair_node[k + 1] - i != 1 || real_min(sampled[k], sampled[k + 1]) < w->clearance) {
+            continue;
+        }
+        bool loose = bound[k] < min_sample - BAND_GAPS_LOOSE && bound[k] < w->clearance + BAND_GAPS_DECISIVE
+            && w->max_step[o] == 0.0;
+        if (bound[k] < w->clearance || loose) {
+            bound[k] = band_gaps_min_between(w, o, i);
+        }
+    }
+}
+
+/* Compute the least gap to each obstacle between each node and the next, and the least of all. */
+static void band_gaps_measure_gaps(BandWork *w)
+{
+    int count = band_gaps_sample_near(w);
+    band_gaps_bound_between(w, count);
+    band_gaps_refine_between(w, count);
+    for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
+        w->gaps[w->pair_obstacle[k] * w->max_n + w->pair_node[k]] = w->bound[k];
+    }
+    w->min_gap = HUGE_VAL;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            w->min_gap = real_min(w->min_gap, w->gaps[o * w->max_n + i]);
+            if (!(w->gaps[o * w->max_n + i] > -HUGE_VAL)) {
+                w->finite = false;
+            }
+        }
+    }
+}
+
+/* Return the lesser of the gaps to an obstacle at the pinned ends, which no deformation changes. */
+static double band_gaps_end_gap(const BandWork *w, int o)
+{
+    int e = w->n - 1;
+    double x = w->route_x[0] - w->tangent_y[0] * w->free[0] + w->box_offset * w->heading_x0;
+    double y = w->route_y[0] + w->tangent_x[0] * w->free[0] + w->box_offset * w->heading_y0;
+    double first = cca_oriented_box_gap(w->box_x[o * w->max_n + 0] - x, w->box_y[o * w->max_n + 0] - y,
+        w->heading_x0, w->heading_y0, w->box_ahead_x[o * w->max_n + 0], w->box_ahead_y[o * w->max_n + 0], 0.5
+        * w->length, 0.5 * w->width, w->half_length[o * w->max_n + 0], w->half_width[o * w->max_n + 0]);
+    x = w->route_x[e] - w->tangent_y[e] * w->free[e] + w->box_offset * w->heading_x1;
+    y = w->route_y[e] + w->tangent_x[e] * w->free[e] + w->box_offset * w->heading_y1;
+    double last = cca_oriented_box_gap(w->box_x[o * w->max_n + e] - x, w->box_y[o * w->max_n + e] - y,
+        w->heading_x1, w->heading_y1, w->box_ahead_x[o * w->max_n + e], w->box_ahead_y[o * w->max_n + e], 0.5
+        * w->length, 0.5 * w->width, w->half_length[o * w->max_n + e], w->half_width[o * w->max_n + e]);
+    return real_min(first, last);
+}
+
+/* band_spline.py: The C2 cubic through the displaced nodes: unit tangents, curvature, and moments divided by
+    6. */
+
+/* Displace the nodes of the route to their left. */
+static void band_spline_displace_nodes(BandWork *w)
+{
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->x[i] = w->route_x[i] - w->tangent_y[i] * w->u[i];
+        w->y[i] = w->route_y[i] + w->tangent_x[i] * w->u[i];
+    }
+}
+
+/* Solve the tridiagonal system of the moments, whose ends are known, with slopes in `ahead`. */
+static void band_spline_solve_moments(BandWork *w)
+{
+    int n = w->n;
+    const double *h = w->chord;
+    double *mx = w->moment_x;
+    double *my = w->moment_y;
+    double *diagonal = w->diagonal;
+    mx[0] = w->moment_x0;
+    my[0] = w->moment_y0;
+    mx[n - 1] = w->moment_x1;
+    my[n - 1] = w->moment_y1;
+    for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
+        mx[i] = w->ahead_x[i] - w->ahead_x[i - 1];
+        my[i] = w->ahead_y[i] - w->ahead_y[i - 1];
+        diagonal[i] = 2.0 * (h[i] + h[i - 1]);
+    }
+    mx[1] -= h[0] * mx[0];
+    my[1] -= h[0] * my[0];
+    mx[n - 2] -= h[n - 2] * mx[n - 1];
+    my[n - 2] -= h[n - 2] * my[n - 1];
+    for (int i = 2, i_end_ = n - 1; i < i_end_; i += 1) {
+        double factor = h[i - 1] / diagonal[i - 1];
+        diagonal[i] -= factor * h[i - 1];
+        mx[i] -= factor * mx[i - 1];
+        my[i] -= factor * my[i - 1];
+    }
+    mx[n - 2] /= diagonal[n - 2];
+    my[n - 2] /= diagonal[n - 2];
+    for (int i = n - 3; i > 0; i -= 1) {
+        mx[i] = (mx[i] - h[i] * mx[i + 1]) / diagonal[i];
+        my[i] = (my[i] - h[i] * my[i + 1]) / diagonal[i];
+    }
+}
+
+/* Fit the curve through the displaced nodes. */
+static void band_spline_fit_spline(BandWork *w)
+{
+    int n = w->n;
+    double *h = w->chord;
+    double *ax = w->ahead_x;
+    double *ay = w->ahead_y;
+    const double *mx = w->moment_x;
+    const double *my = w->moment_y;
+    for (int i = 0, i_end_ = n - 1; i < i_end_; i += 1) {
+        double dx = w->x[i + 1] - w->x[i];
+        double dy = w->y[i + 1] - w->y[i];
+        h[i] = real_max(box_gaps_norm(dx, dy), CIRCLES_TINY);
+        ax[i] = dx / h[i];
+        ay[i] = dy / h[i];
+    }
+    band_spline_solve_moments(w);
+    ax[n - 1] = ax[n - 2] + h[n - 2] * (2.0 * mx[n - 1] + mx[n - 2]);
+    ay[n - 1] = ay[n - 2] + h[n - 2] * (2.0 * my[n - 1] + my[n - 2]);
+    for (int i = 0, i_end_ = n - 1; i < i_end_; i += 1) {
+        ax[i] -= h[i] * (2.0 * mx[i] + mx[i + 1]);
+        ay[i] -= h[i] * (2.0 * my[i] + my[i + 1]);
+    }
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        double speed = real_max(box_gaps_norm(ax[i], ay[i]), CIRCLES_TINY);
+        ax[i] /= speed;
+        ay[i] /= speed;
+        w->curvature[i] = 6.0 * (ax[i] * my[i] - ay[i] * mx[i]) / (speed * speed);
+    }
+}
+
+/* Lower the margins to the distance of one cross section of the body from the edges there. */
+static void band_certificate_measure_edges_at(BandWork *w, double x, int ahead)
+{
+    double half = 0.5 * w->width;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        double turn_cos = w->ahead_x[i] * w->tangent_x[i] + w->ahead_y[i] * w->tangent_y[i];
+        double turn_sin = w->ahead_y[i] * w->tangent_x[i] - w->ahead_x[i] * w->tangent_y[i];
+        double reach = half * turn_cos + 0.125 * fabs(w->curvature[i]) * (w->spacing * w->spacing);
+        double middle = w->u[i] + x * turn_sin - 0.5 * w->route_curvature[i] * (x * x);
+        int at = int_min(int_max(i + ahead, 0), w->n - 1);
+        w->right_margin[i] = real_min(w->right_margin[i], middle - reach - w->right_edge[at]);
+        w->left_margin[i] = real_min(w->left_margin[i], w->left_edge[at] - middle - reach);
+    }
+}
+
+/* Return whether both edges keep their lateral offset. */
+static bool band_certificate_has_straight_edges(const BandWork *w)
+{
+    for (int i = 1, i_end_ = w->n; i < i_end_; i += 1) {
+        if (w->right_edge[i] != w->right_edge[0] || w->left_edge[i] != w->left_edge[0]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Compute the distance of the body from both edges, over its length. */
+static void band_certificate_measure_edges(BandWork *w)
+{
+    w->min_edge_clearance = HUGE_VAL;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->right_margin[i] = HUGE_VAL;
+        w->left_margin[i] = HUGE_VAL;
+    }
+    if (!w->has_edges) {
+        return;
+    }
+    double front = w->box_offset + 0.5 * w->length;
+    double rear = w->box_offset - 0.5 * w->length;
+    double h = w->spacing;
+    if (band_certificate_has_straight_edges(w)) {
+        band_certificate_measure_edges_at(w, front, 0);
+        band_certificate_measure_edges_at(w, w->box_offset, 0);
+        band_certificate_measure_edges_at(w, rear, 0);
+    } else {
+        for (int k = -w->n, k_end_ = w->n + 1; k < k_end_; k += 1) {
+            if (rear - h < k * h && k * h < front + h) {
+                band_certificate_measure_edges_at(w, real_min(real_max(k * h, rear), front), k);
+            }
+        }
+    }
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        double margin = real_min(w->right_margin[i], w->left_margin[i]);
+        w->min_edge_clearance = real_min(w->min_edge_clearance, margin);
+        if (!(margin > -HUGE_VAL)) {
+            w->finite = false;
+        }
+    }
+}
+
+/* Sweep the ego's box along the displaced band. */
+static void band_certificate_certify(BandWork *w)
+{
+    w->finite = true;
+    band_spline_displace_nodes(w);
+    band_spline_fit_spline(w);
+    w->max_curvature = 0.0;
+    w->curvature_ratio = 0.0;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        double curvature = fabs(w->curvature[i]);
+        w->max_curvature = real_max(w->max_curvature, curvature);
+        w->curvature_ratio = real_max(w->curvature_ratio, curvature / w->curvature_limit[i]);
+        double size = fabs(w->u[i]) + fabs(w->moment_x[i]) + fabs(w->moment_y[i]) + curvature;
+        if (!(size < HUGE_VAL)) {
+            w->finite = false;
+        }
+    }
+    band_gaps_measure_gaps(w);
+    band_certificate_measure_edges(w);
+}
+
+/* Return the shortfall [m] of clearance or at an edge, negative if there is none. */
+static double band_certificate_shortfall_of(const BandWork *w)
+{
+    return real_max(w->clearance - w->min_gap, -w->min_edge_clearance);
+}
+
+/* Return whether clearance, edges and curvature limit are kept. */
+static bool band_certificate_is_satisfied(const BandWork *w)
+{
+    return w->finite && band_certificate_shortfall_of(w) <= 0.0 && w->curvature_ratio <= 1.0;
+}
+
+/* Return the violation [-] of clearance and limits; a meter counts as 5. */
+static double band_certificate_violation_of(const BandWork *w)
+{
+    if (!w->finite) {
+        return HUGE_VAL;
+    }
+    return 5.0 * real_max(band_certificate_shortfall_of(w), 0.0) + real_max(w->curvature_ratio - 1.0, 0.0);
+}
+
+/* band_corridor.py: Bounds of a band: road edges, and obstacles on the side on which they are passed. */
+#define BAND_CORRIDOR_ALIGNED 0.02
+#define BAND_CORRIDOR_END_SLOPE 0.5
+#define BAND_CORRIDOR_MIN_DROP 1e-09
+
+/* Compute headings, radii and steps of the obstacles; return whether all are parallel to the route. */
+static bool band_corridor_set_headings(BandWork *w)
+{
+    double max_sine = 0.0;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        w->max_step[o] = 0.0;
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            if (i > 0 && w->box_psi[o * w->max_n + i] == w->box_psi[o * w->max_n + i - 1]) {
+                w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + i - 1];
+                w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + i - 1];
+            } else {
+                w->box_ahead_x[o * w->max_n + i] = cos(w->box_psi[o * w->max_n + i]);
+                w->box_ahead_y[o * w->max_n + i] = sin(w->box_psi[o * w->max_n + i]);
+            }
+            w->radius[o * w->max_n + i] = box_gaps_norm(w->half_length[o * w->max_n + i], w->half_width[o *
+                w->max_n + i]);
+            double sine = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n +
+                i] * w->tangent_y[i];
+            max_sine = real_max(max_sine, fabs(sine));
+            if (i > 0) {
+                double step = box_gaps_norm(w->box_x[o * w->max_n + i] - w->box_x[o * w->max_n + i - 1],
+                    w->box_y[o * w->max_n + i] - w->box_y[o * w->max_n + i - 1]);
+                double turn_x = w->box_ahead_x[o * w->max_n + i] - w->box_ahead_x[o * w->max_n + i - 1];
+                double turn = box_gaps_norm(turn_x, w->box_ahead_y[o * w->max_n + i] - w->box_ahead_y[o *
+                    w->max_n + i - 1]);
+                w->max_step[o] = real_max(w->max_step[o], step + turn * w->radius[o * w->max_n + i]);
+            }
+        }
+    }
+    return max_sine < BAND_CORRIDOR_ALIGNED;
+}
+
+/* Compute how far an obstacle overlaps the ego along the route, and its lateral range there. */
+static void band_corridor_measure_overlap(BandWork *w, int o, int i, bool aligned)
+{
+    double reach = 0.5 * w->length;
+    double lead = w->lead_distance[o];
+    double dx = w->box_x[o * w->max_n + i] - w->route_x[i];
+    double dy = w->box_y[o * w->max_n + i] - w->route_y[i];
+    double x = dx * w->tangent_x[i] + dy * w->tangent_y[i] - w->box_offset;
+    double y = dy * w->tangent_x[i] - dx * w->tangent_y[i];
+    double turn_cos = w->box_ahead_x[o * w->max_n + i] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n + i] *
+        w->tangent_y[i];
+    double turn_sin = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n + i] *
+        w->tangent_y[i];
+    double cosine = fabs(turn_cos);
+    double sine = fabs(turn_sin);
+    double along = w->half_length[o * w->max_n + i] + w->clearance;
+    double across = w->half_width[o * w->max_n + i] + w->clearance;
+    double half_x = along * cosine + across * sine;
+    double half_y = along * sine + across * cosine;
+    double upper = half_y;
+    double lower = half_y;
+    if (!aligned) {
+        bool counter = turn_cos * turn_sin >= 0.0;
+        double ridge = counter ? along * cosine - across * sine : across * sine - along * cosine;
+        double along_edge = sine / real_max(cosine, BAND_CORRIDOR_ALIGNED);
+        double across_edge = cosine / real_max(sine, BAND_CORRIDOR_ALIGNED);
+        double rise = counter ? along_edge : across_edge;
+        double fall = counter ? across_edge : along_edge;
+        double before = -reach - x;
+        double behind = reach + lead - x;
+        upper = half_y - real_max(ridge - behind, 0.0) * rise - real_max(before - ridge, 0.0) * fall;
+        lower = half_y - real_max(ridge + before, 0.0) * rise - real_max(-behind - ridge, 0.0) * fall;
+    }
+    w->overlap[o * w->max_n + i] = half_x + reach - real_max(-x, x - lead);
+    w->passing_right[o * w->max_n + i] = y - real_max(lower, -half_y) - 0.5 * w->width;
+    w->passing_left[o * w->max_n + i] = y + real_max(upper, -half_y) + 0.5 * w->width;
+}
+
+/* Compute the displacements at which the ego passes obstacles; infinite where one is not alongside. */
+static void band_corridor_set_passing(BandWork *w)
+{
+    bool aligned = band_corridor_set_headings(w);
+    double slope = BAND_CORRIDOR_END_SLOPE * box_gaps_norm(w->route_x[1] - w->route_x[0], w->route_y[1] -
+        w->route_y[0]);
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            band_corridor_measure_overlap(w, o, i, aligned);
+        }
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            double overlap = w->overlap[o * w->max_n + i];
+            if (overlap >= 0.0) {
+                continue;
+            }
+            double near = real_max(w->overlap[o * w->max_n + int_max(i - 1, 0)], w->overlap[o * w->max_n +
+                int_min(i + 1, w->n - 1)]);
+            if (near >= 0.0) {
+                double relief = slope * (overlap / real_min(overlap - near, -BAND_CORRIDOR_MIN_DROP));
+                w->passing_right[o * w->max_n + i] += relief;
+                w->passing_left[o * w->max_n + i] -= relief;
+            } else {
+                w->passing_right[o * w->max_n + i] = HUGE_VAL;
+                w->passing_left[o * w->max_n + i] = -HUGE_VAL;
+            }
+        }
+    }
+}
+
+/* Compute the bounds for the sides; return the node where they overlap most, or -1. */
+static int band_corridor_set_bounds(BandWork *w)
+{
+    double half = 0.5 * w->width;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->lower[i] = w->right_edge[i] + half;
+        w->upper[i] = w->left_edge[i] - half;
+    }
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            if (w->passes_left[o] != 0) {
+                w->lower[i] = real_max(w->lower[i], w->passing_left[o * w->max_n + i]);
+            } else {
+                w->upper[i] = real_min(w->upper[i], w->passing_right[o * w->max_n + i]);
+            }
+        }
+    }
+    double worst = 0.0;
+    int node = -1;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        if (w->lower[i] - w->upper[i] > worst) {
+            worst = w->lower[i] - w->upper[i];
+            node = i;
+        }
+    }
+    return node;
+}
+
+/* band_relaxation.py: Relaxation of a band with given sides, and of a band whose sides follow a rule. */
+
+/* band_frame.py: The route in the frame of each node: spacing, tangents, curvature, and how the band begins
+    and ends. */
+
+/* equilibrium.py: Equilibrium of a band against one-sided bounds, by a semi-smooth Newton iteration on the
+    active set.  The energy is ``1/2 u K u`` and ``1/2 contact`` times the squared violations of the bounds:
+    convex and piecewise quadratic. A step that reproduces its active set is the minimum. */
+
+/* stiffness.py: Stiffness of a band between pinned ends: internal forces, factors of its matrix, solutions.
+    */
+
+/* Take stiffnesses in units of the outermost coefficient, in which row sums keep their digits. */
+static void stiffness_set_stiffness(Equilibrium *e, double rate, double bending, double tension, double
+    contact, double of_curvature)
+{
+    double unit = rate;
+    if (unit == 0.0) {
+        unit = bending != 0.0 ? bending : tension;
+    }
+    if (!(unit > 0.0)) {
+        unit = 1.0;
+    }
+    e->rate = rate / unit;
+    e->bending = bending / unit;
+    e->tension = tension / unit;
+    e->contact = contact / unit;
+    e->curvature_contact = of_curvature / unit;
+}
+
+/* Return the diagonal of the stiffness matrix without contacts. */
+static double stiffness_row_diagonal(const Equilibrium *e)
+{
+    return 20.0 * e->rate + 6.0 * e->bending + 2.0 * e->tension;
+}
+
+/* Return the second difference of an inner node. */
+static double stiffness_second_difference(const double *u, int i)
+{
+    return u[i - 1] - 2.0 * u[i] + u[i + 1];
+}
+
+/* Compute the internal forces at the nodes that are not pinned. */
+static void stiffness_apply_stiffness(Equilibrium *e, const double *u, double *to)
+{
+    int n = e->n;
+    double *bend = e->difference;
+    double *moment = e->moment;
+    bend[0] = 0.0;
+    bend[n - 1] = 0.0;
+    for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
+        bend[i] = u[i + 1] - u[i] - (u[i] - u[i - 1]);
+    }
+    for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
+        moment[i] = e->bending * bend[i] - e->rate * (bend[i + 1] - bend[i] - (bend[i] - bend[i - 1]));
+    }
+    double shear = e->tension * (u[2] - u[1]) - (moment[2] - moment[1]);
+    for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+        double next_shear = e->tension * (u[i + 1] - u[i]) - (moment[i + 1] - moment[i]);
+        to[i] = shear - next_shear;
+        shear = next_shear;
+    }
+}
+
+/* Compute LDL' of the stiffness matrix with the active set held; return whether it is definite. */
+static bool stiffness_factorize(Equilibrium *e)
+{
+    int n = e->n;
+    double *l1 = e->factor_1;
+    double *l2 = e->factor_2;
+    double *l3 = e->factor_3;
+    double *inverse = e->inverse;
+    const int *active = e->active;
+    const int *sharp = e->sharp;
+    double row_0 = stiffness_row_diagonal(e);
+    double row_1 = -15.0 * e->rate - 4.0 * e->bending - e->tension;
+    double row_2 = 6.0 * e->rate + e->bending;
+    bool definite = true;
+    for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+        double d = active[i] == 0 ? row_0 : row_0 + e->contact;
+        double c1 = row_1;
+        double c2 = row_2;
+        double c3 = -e->rate;
+        if (e->bounded) {
+            double before = sharp[i - 1] != 0 ? e->curvature_contact : 0.0;
+            double here = sharp[i] != 0 ? e->curvature_contact : 0.0;
+            double after = sharp[i + 1] != 0 ? e->curvature_contact : 0.0;
+            d += 4.0 * here + before + after;
+            c1 -= 2.0 * (before + here);
+            c2 += before;
+        }
+        l1[i] = 0.0;
+        l2[i] = 0.0;
+        l3[i] = 0.0;
+        if (i > 4) {
+            l3[i] = c3 * inverse[i - 3];
+            d -= c3 * l3[i];
+            c2 -= c3 * l1[i - 2];
+            c1 -= c3 * l2[i - 1];
+        }
+        if (i > 3) {
+            l2[i] = c2 * inverse[i - 2];
+            d -= c2 * l2[i];
+            c1 -= c2 * l1[i - 1];
+        }
+        if (i > 2) {
+            l1[i] = c1 * inverse[i - 1];
+            d -= c1 * l1[i];
+        }
+        if (!(d > 0.0)) {
+            definite = false;
+            d = 1.0;
+        }
+        inverse[i] = 1.0 / d;
+    }
+    l1[n - 2] = 0.0;
+    l2[n - 2] = 0.0;
+    l2[n - 1] = 0.0;
+    return definite;
+}
+
+/* Solve with the factors; the pinned ends of the result stay as they are, 0. */
+static void stiffness_substitute(const Equilibrium *e, const double *force, double *to)
+{
+    int n = e->n;
+    const double *l1 = e->factor_1;
+    const double *l2 = e->factor_2;
+    const double *l3 = e->factor_3;
+    const double *inverse = e->inverse;
+    to[2] = force[2];
+    for (int i = 3, i_end_ = n - 2; i < i_end_; i += 1) {
+        to[i] = force[i] - l1[i] * to[i - 1] - l2[i] * to[i - 2] - l3[i] * to[i - 3];
+    }
+    to[n - 3] *= inverse[n - 3];
+    for (int i = n - 4; i > 1; i -= 1) {
+        to[i] = to[i] * inverse[i] - l1[i + 1] * to[i + 1] - l2[i + 2] * to[i + 2];
+        if (i < n - 5) {
+            to[i] -= l3[i + 3] * to[i + 3];
+        }
+    }
+}
+#define EQUILIBRIUM_FULL_STEPS 10
+#define EQUILIBRIUM_DAMPED_STEPS 50
+#define EQUILIBRIUM_SECANTS 12
+#define EQUILIBRIUM_FLAT_SLOPE 0.001
+#define EQUILIBRIUM_STIFF_ROW 100000.0
+#define EQUILIBRIUM_CORRECTIONS 3
+#define EQUILIBRIUM_MAX_CORRECTION 0.0001
+#define EQUILIBRIUM_END_STEP 0.05
+
+/* Return the bound that a value violates: -1 the lower one, 1 the upper one, 0 none. */
+static int equilibrium_side_of(double value, double low, double high)
+{
+    if (value < low) {
+        return -1;
+    }
+    if (value > high) {
+        return 1;
+    }
+    return 0;
+}
+
+/* Return whether the band touches a node of a bound: not an end that is bounded less than the next. */
+static bool equilibrium_touches_end(double before, double here, double after)
+{
+    bool rises_on = after - here > EQUILIBRIUM_END_STEP && before <= 0.0;
+    bool falls_off = here - before < -EQUILIBRIUM_END_STEP && after <= 0.0;
+    return !(rises_on || falls_off);
+}
+
+/* Take the bounds that zero violates: a stiff band touches a straight one at its first and last node. */
+static void equilibrium_guess_active_set(Equilibrium *e)
+{
+    int n = e->n;
+    int *active = e->active;
+    double *violation = e->step;
+    for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+        active[i] = equilibrium_side_of(0.0, e->lower[i], e->upper[i]);
+        violation[i] = real_max(e->lower[i], 0.0) + real_min(e->upper[i], 0.0);
+    }
+    if (e->bounded) {
+        for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
+            e->sharp[i] = equilibrium_side_of(0.0, e->lower_difference[i], e->upper_difference[i]);
+        }
+    }
+    if (e->rate == 0.0 && e->bending == 0.0 && !e->bounded) {
+        return;
+    }
+    for (int i = 3, i_end_ = n - 3; i < i_end_; i += 1) {
+        if (active[i] != 0) {
+            double sign = -active[i] * 1.0;
+            if (!equilibrium_touches_end(sign * violation[i - 1], sign * violation[i], sign * violation[i +
+                1])) {
+                active[i] = 0;
+            }
+        }
+    }
+    int before = active[2];
+    for (int i = 3, i_end_ = n - 3; i < i_end_; i += 1) {
+        int here = active[i];
+        if (here != 0 && before == here && active[i + 1] == here) {
+            active[i] = 0;
+        }
+        before = here;
+    }
+}
+
+/* Take the bounds that a displacement violates; return whether they are those before. */
+static bool equilibrium_update_active_set(Equilibrium *e, const double *u)
+{
+    bool same = true;
+    for (int i = 2, i_end_ = e->n - 2; i < i_end_; i += 1) {
+        int now = equilibrium_side_of(u[i], e->lower[i], e->upper[i]);
+        if (now != e->active[i]) {
+            same = false;
+        }
+        e->active[i] = now;
+    }
+    if (e->bounded) {
+        for (int i = 1, i_end_ = e->n - 1; i < i_end_; i += 1) {
+            int now = equilibrium_side_of(stiffness_second_difference(u, i), e->lower_difference[i],
+                e->upper_difference[i]);
+            if (now != e->sharp[i]) {
+                same = false;
+            }
+            e->sharp[i] = now;
+        }
+    }
+    return same;
+}
+
+/* Compute the forces of the bounds that are held. */
+static void equilibrium_hold_active_set(Equilibrium *e)
+{
+    int n = e->n;
+    double *force = e->force;
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        force[i] = 0.0;
+    }
+    for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+        if (e->active[i] != 0) {
+            force[i] = e->contact * (e->active[i] < 0 ? e->lower[i] : e->upper[i]);
+        }
+    }
+    if (e->bounded) {
+        for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
+            if (e->sharp[i] != 0) {
+                double bound = e->sharp[i] < 0 ? e->lower_difference[i] : e->upper_difference[i];
+                double push = e->curvature_contact * bound;
+                force[i - 1] += push;
+                force[i] -= 2.0 * push;
+                force[i + 1] += push;
+            }
+        }
+    }
+}
+
+/* Regain digits of a solution: solve for the forces that it leaves. */
+static void equilibrium_refine(Equilibrium *e)
+{
+    int n = e->n;
+    double *rest = e->residual;
+    double *target = e->target;
+    double *step = e->step;
+    stiffness_apply_stiffness(e, target, rest);
+    for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+        double held = e->active[i] != 0 ? e->contact * target[i] : 0.0;
+        rest[i] = e->force[i] - held - rest[i];
+    }
+    if (e->bounded) {
+        for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
+            if (e->sharp[i] != 0) {
+                double push = e->curvature_contact * stiffness_second_difference(target, i);
+                rest[i - 1] -= push;
+                rest[i] += 2.0 * push;
+                rest[i + 1] -= push;
+            }
+        }
+    }
+    stiffness_substitute(e, rest, step);
+    for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+        target[i] += step[i];
+    }
+}
+
+/* Solve to `target` with the active set held; return whether that is the active set there. */
+static bool equilibrium_solve_held(Equilibrium *e)
+{
+    equilibrium_hold_active_set(e);
+    e->solves += 1;
+    if (!stiffness_factorize(e)) {
+        e->definite = false;
+    }
+    stiffness_substitute(e, e->force, e->target);
+    if (stiffness_row_diagonal(e) > EQUILIBRIUM_STIFF_ROW * e->contact) {
+        for (int turn2_ = 0, turn2__end_ = EQUILIBRIUM_CORRECTIONS; turn2_ < turn2__end_; turn2_ += 1) {
+            equilibrium_refine(e);
+        }
+    }
+    return equilibrium_update_active_set(e, e->target);
+}
+
+/* Return the slope of the energy along `step` from `u`; elastic forces change linearly. */
+static double equilibrium_slope_along(const Equilibrium *e, double fraction, double at_start, double change)
+{
+    const double *u = e->u;
+    const double *step = e->step;
+    double slope = at_start + fraction * change;
+    for (int i = 2, i_end_ = e->n - 2; i < i_end_; i += 1) {
+        double moved = u[i] + fraction * step[i];
+        if (moved < e->lower[i]) {
+            slope -= e->contact * step[i] * (e->lower[i] - moved);
+        } else if (moved > e->upper[i]) {
+            slope += e->contact * step[i] * (moved - e->upper[i]);
+        }
+    }
+    if (e->bounded) {
+        for (int i = 1, i_end_ = e->n - 1; i < i_end_; i += 1) {
+            double bend = stiffness_second_difference(step, i);
+            double bent = stiffness_second_difference(u, i) + fraction * bend;
+            if (bent < e->lower_difference[i]) {
+                slope -= e->curvature_contact * bend * (e->lower_difference[i] - bent);
+            } else if (bent > e->upper_difference[i]) {
+                slope += e->curvature_contact * bend * (bent - e->upper_difference[i]);
+            }
+        }
+    }
+    return slope;
+}
+
+/* Return the fraction of `step` with the least energy: the root of its slope, by the Illinois method. */
+static double equilibrium_line_search(Equilibrium *e)
+{
+    const double *step = e->step;
+    double at_start = 0.0;
+    double change = 0.0;
+    stiffness_apply_stiffness(e, e->u, e->residual);
+    for (int i = 2, i_end_ = e->n - 2; i < i_end_; i += 1) {
+        at_start += step[i] * e->residual[i];
+    }
+    stiffness_apply_stiffness(e, step, e->residual);
+    for (int i = 2, i_end_ = e->n - 2; i < i_end_; i += 1) {
+        change += step[i] * e->residual[i];
+    }
+    double a = 0.0;
+    double b = 1.0;
+    double at_a = equilibrium_slope_along(e, a, at_start, change);
+    double at_b = equilibrium_slope_along(e, b, at_start, change);
+    if (at_b <= 0.0 || at_a >= 0.0) {
+        return 1.0;
+    }
+    double flat = -EQUILIBRIUM_FLAT_SLOPE * at_a;
+    for (int turn1_ = 0, turn1__end_ = EQUILIBRIUM_SECANTS; turn1_ < turn1__end_; turn1_ += 1) {
+        double fraction = (a * at_b - b * at_a) / (at_b - at_a);
+        double value = equilibrium_slope_along(e, fraction, at_start, change);
+        if (fabs(value) < flat || b - a < 1e-06) {
+            return fraction;
+        }
+        if (value < 0.0) {
+            a = fraction;
+            at_a = value;
+            at_b = 0.5 * at_b;
+        } else {
+            b = fraction;
+            at_b = value;
+            at_a = 0.5 * at_a;
+        }
+    }
+    return a;
+}
+
+/* Set what is solved for to zero at the pinned nodes. */
+static void equilibrium_clear_ends(Equilibrium *e)
+{
+    for (int k = 0; k < 4; k += 1) {
+        int i = k < 2 ? k : e->n - k + 1;
+        e->u[i] = 0.0;
+        e->target[i] = 0.0;
+        e->step[i] = 0.0;
+        e->active[i] = 0;
+    }
+    e->sharp[0] = 0;
+    e->sharp[e->n - 1] = 0;
+}
+
+/* Find the displacement `u` of least energy; return whether the active set has converged.
+
+With `warm`, `u` and its active set are the initial guess. It takes at most 60 solves. If full steps do
+not converge, a line search damps the next ones: the energy falls with every step. */
+static bool equilibrium_find_equilibrium(Equilibrium *e, bool warm)
+{
+    int n = e->n;
+    double *u = e->u;
+    e->definite = true;
+    equilibrium_clear_ends(e);
+    if (warm) {
+        equilibrium_update_active_set(e, u);
+    } else {
+        equilibrium_guess_active_set(e);
+        for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+            u[i] = 0.0;
+        }
+    }
+    for (int turn1_ = 0, turn1__end_ = EQUILIBRIUM_FULL_STEPS; turn1_ < turn1__end_; turn1_ += 1) {
+        if (equilibrium_solve_held(e)) {
+            for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+                u[i] = e->target[i];
+            }
+            return e->definite;
+        }
+    }
+    for (int turn1_ = 0, turn1__end_ = EQUILIBRIUM_DAMPED_STEPS; turn1_ < turn1__end_; turn1_ += 1) {
+        equilibrium_update_active_set(e, u);
+        bool converged = equilibrium_solve_held(e);
+        for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+            e->step[i] = e->target[i] - u[i];
+        }
+        double fraction = converged ? 1.0 : equilibrium_line_search(e);
+        for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+            u[i] = converged ? e->target[i] : u[i] + fraction * e->step[i];
+        }
+        if (converged) {
+            return e->definite;
+        }
+    }
+    return false;
+}
+
+/* Compute the displacement without contacts from its first three nodes; return whether digits suffice. */
+static bool equilibrium_respond_to_start(Equilibrium *e, double before, double start_0, double start_1, double
+    *to)
+{
+    int n = e->n;
+    double *force = e->force;
+    double row_1 = -15.0 * e->rate - 4.0 * e->bending - e->tension;
+    double row_2 = 6.0 * e->rate + e->bending;
+    double row_3 = -e->rate;
+    equilibrium_clear_ends(e);
+    e->bounded = false;
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        force[i] = 0.0;
+        to[i] = 0.0;
+        e->active[i] = 0;
+    }
+    force[2] = -(row_1 * start_1 + row_2 * start_0 + row_3 * before);
+    if (n > 5) {
+        force[3] = -(row_2 * start_1 + row_3 * start_0);
+    }
+    if (n > 6) {
+        force[4] = -(row_3 * start_1);
+    }
+    if (!stiffness_factorize(e)) {
+        return false;
+    }
+    stiffness_substitute(e, force, to);
+    double change = 0.0;
+    for (int turn1_ = 0, turn1__end_ = EQUILIBRIUM_CORRECTIONS; turn1_ < turn1__end_; turn1_ += 1) {
+        stiffness_apply_stiffness(e, to, e->residual);
+        for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+            e->residual[i] = force[i] - e->residual[i];
+        }
+        stiffness_substitute(e, e->residual, e->target);
+        change = 0.0;
+        for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+            to[i] += e->target[i];
+            change = real_max(change, fabs(e->target[i]));
+        }
+    }
+    to[0] = start_0;
+    to[1] = start_1;
+    return change <= EQUILIBRIUM_MAX_CORRECTION;
+}
+#define BAND_FRAME_MIN_EVENNESS 0.8
+#define BAND_FRAME_MIN_SPACING 1e-06
+#define BAND_FRAME_MAX_SPACING 1000000.0
+
+/* Compute spacing, tangents and curvature of the route. */
+static int band_frame_measure_route(BandWork *w)
+{
+    int n = w->n;
+    const double *x = w->route_x;
+    const double *y = w->route_y;
+    double total = 0.0;
+    double shortest = HUGE_VAL;
+    double longest = 0.0;
+    for (int i = 0, i_end_ = n - 1; i < i_end_; i += 1) {
+        double step = box_gaps_norm(x[i + 1] - x[i], y[i + 1] - y[i]);
+        total += step;
+        shortest = real_min(shortest, step);
+        longest = real_max(longest, step);
+    }
+    w->spacing = total / (n - 1);
+    if (!(shortest > BAND_FRAME_MIN_EVENNESS * w->spacing && w->spacing > BAND_FRAME_MIN_EVENNESS * longest))
+        {
+        return BAND_WORKSPACE_UNEVEN_SPACING;
+    }
+    if (!(BAND_FRAME_MIN_SPACING <= w->spacing && w->spacing <= BAND_FRAME_MAX_SPACING)) {
+        return BAND_WORKSPACE_UNEVEN_SPACING;
+    }
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        int a = int_max(i - 1, 0);
+        int b = int_min(i + 1, n - 1);
+        double dx = x[b] - x[a];
+        double dy = y[b] - y[a];
+        double length = box_gaps_norm(dx, dy);
+        if (!(length > 0.0)) {
+            return BAND_WORKSPACE_UNEVEN_SPACING;
+        }
+        w->tangent_x[i] = dx / length;
+        w->tangent_y[i] = dy / length;
+    }
+    for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
+        w->route_curvature[i] = circles_circle_curvature(x[i - 1], y[i - 1], x[i], y[i], x[i + 1], y[i + 1]);
+    }
+    w->route_curvature[0] = w->route_curvature[1];
+    w->route_curvature[n - 1] = w->route_curvature[n - 2];
+    return BAND_WORKSPACE_OK;
+}
+
+/* Compute the stiffness of the band for its spacing. */
+static void band_frame_set_elasticity(const BandWork *w, Equilibrium *e)
+{
+    double h = w->spacing;
+    double squared = h * h;
+    double rate = w->k_c / (squared * squared * h);
+    double bending = w->k_b / (squared * h);
+    double of_curvature = (0.25 * w->k_c + 10.0 * w->k_b) / (squared * h);
+    stiffness_set_stiffness(e, rate, bending, w->k_s / h, w->k_e * h, of_curvature);
+}
+
+/* Turn the first heading as the start asks; return the curvature of the band there. */
+static double band_frame_leave_route(BandWork *w, double end_curvature)
+{
+    double cosine = cos(-0.5 * w->spacing * end_curvature);
+    double sine = sin(-0.5 * w->spacing * end_curvature);
+    double tx = w->tangent_x[0] * cosine - w->tangent_y[0] * sine;
+    double ty = w->tangent_x[0] * sine + w->tangent_y[0] * cosine;
+    w->tangent_x[0] = tx;
+    w->tangent_y[0] = ty;
+    double slope = 0.5 * (w->start_1 - w->start_before) / w->spacing;
+    double change = (w->start_1 - 2.0 * w->start_0 + w->start_before) / (w->spacing * w->spacing);
+    double along = 1.0 - end_curvature * w->start_0;
+    double speed = real_max(box_gaps_norm(along, slope), CIRCLES_TINY);
+    w->heading_x0 = (tx * along - ty * slope) / speed;
+    w->heading_y0 = (tx * slope + ty * along) / speed;
+    double turn = along * (change + end_curvature * along) + 2.0 * end_curvature * (slope * slope);
+    return turn / (speed * speed * speed);
+}
+
+/* Compute headings and spline moments at both ends, and the response to the start alone. */
+static int band_frame_set_ends(BandWork *w, Equilibrium *e)
+{
+    int last = w->n - 1;
+    double first_curvature = 2.0 * w->route_curvature[1] - w->route_curvature[2];
+    double last_curvature = 2.0 * w->route_curvature[last - 1] - w->route_curvature[last - 2];
+    w->heading_x0 = w->tangent_x[0];
+    w->heading_y0 = w->tangent_y[0];
+    w->heading_x1 = w->tangent_x[last];
+    w->heading_y1 = w->tangent_y[last];
+    if (w->start_before != 0.0 || w->start_0 != 0.0 || w->start_1 != 0.0) {
+        if (!equilibrium_respond_to_start(e, w->start_before, w->start_0, w->start_1, w->free)) {
+            return BAND_WORKSPACE_TOO_LONG;
+        }
+        first_curvature = band_frame_leave_route(w, first_curvature);
+    } else {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            w->free[i] = 0.0;
+        }
+    }
+    w->moment_x0 = -first_curvature * w->heading_y0 / 6.0;
+    w->moment_y0 = first_curvature * w->heading_x0 / 6.0;
+    w->moment_x1 = -last_curvature * w->heading_y1 / 6.0;
+    w->moment_y1 = last_curvature * w->heading_x1 / 6.0;
+    return BAND_WORKSPACE_OK;
+}
+
+/* band_result.py: Result of a band: its status, the reason and the active constraint, from its certificate.
+    */
+#define BAND_RESULT_ROUNDING 1e-09
+
+/* Return the obstacle with the least gap, the first of equals. */
+static int band_result_nearest_obstacle(const BandWork *w)
+{
+    double gap = HUGE_VAL;
+    int nearest = BAND_WORKSPACE_NO_CONSTRAINT;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            if (w->gaps[o * w->max_n + i] < gap) {
+                gap = w->gaps[o * w->max_n + i];
+                nearest = o;
+            }
+        }
+    }
+    return nearest;
+}
+
+/* Return the edge with the least margin, the right one of equals. */
+static int band_result_closest_edge(const BandWork *w)
+{
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        if (w->right_margin[i] == w->min_edge_clearance) {
+            return BAND_WORKSPACE_RIGHT_EDGE;
+        }
+    }
+    return BAND_WORKSPACE_LEFT_EDGE;
+}
+
+/* Return the largest displacement [m], without sign. */
+static double band_result_largest_displacement(const BandWork *w)
+{
+    double largest = 0.0;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        largest = real_max(largest, fabs(w->u[i]));
+    }
+    return largest;
+}
+
+/* Report the curvature that exceeds its limit by the largest factor. */
+static void band_result_report_curvature(BandWork *w)
+{
+    double ratio = -1.0;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        double here = fabs(w->curvature[i]) / w->curvature_limit[i];
+        if (here > ratio) {
+            ratio = here;
+            w->value = fabs(w->curvature[i]);
+            w->limit = w->curvature_limit[i];
+        }
+    }
+}
+
+/* Report that a band is infeasible. */
+static void band_result_fail(BandWork *w, int reason, int active)
+{
+    w->status = BAND_WORKSPACE_INFEASIBLE;
+    w->reason = reason;
+    w->active = active;
+}
+
+/* Report that the active set has not converged. */
+static void band_result_report_stall(BandWork *w)
+{
+    w->status = BAND_WORKSPACE_NOT_CONVERGED;
+    w->reason = BAND_WORKSPACE_ACTIVE_SET;
+    w->active = BAND_WORKSPACE_NO_CONSTRAINT;
+}
+
+/* Compare the certificate with the limits; what is not a number satisfies none. */
+static void band_result_compare(BandWork *w)
+{
+    double excess = w->min_gap - w->clearance;
+    int nearest = band_result_nearest_obstacle(w);
+    int closest = w->min_edge_clearance < excess ? band_result_closest_edge(w) : nearest;
+    double displacement = band_result_largest_displacement(w);
+    w->status = BAND_WORKSPACE_OK;
+    w->reason = BAND_WORKSPACE_SATISFIED;
+    w->active = closest;
+    w->other = BAND_WORKSPACE_NO_CONSTRAINT;
+    w->node = -1;
+    w->value = 0.0;
+    w->limit = 0.0;
+    if (!(excess >= -BAND_RESULT_ROUNDING)) {
+        band_result_fail(w, BAND_WORKSPACE_CLEARANCE, nearest);
+    } else if (!(w->min_edge_clearance >= -BAND_RESULT_ROUNDING)) {
+        band_result_fail(w, BAND_WORKSPACE_EDGE, closest);
+    } else if (!(displacement <= w->max_displacement)) {
+        band_result_fail(w, BAND_WORKSPACE_DISPLACEMENT, nearest);
+        w->value = displacement;
+    } else if (!(w->curvature_ratio <= 1.0 + BAND_RESULT_ROUNDING)) {
+        band_result_fail(w, BAND_WORKSPACE_CURVATURE, BAND_WORKSPACE_CURVATURE_LIMIT);
+        band_result_report_curvature(w);
+    }
+}
+
+/* Report the two constraints that leave no displacement at a node; of equals the last obstacle. */
+static void band_result_report_empty_interval(BandWork *w, int node)
+{
+    band_result_fail(w, BAND_WORKSPACE_EMPTY_INTERVAL, BAND_WORKSPACE_RIGHT_EDGE);
+    w->node = node;
+    w->other = BAND_WORKSPACE_LEFT_EDGE;
+    double low = w->right_edge[node] + 0.5 * w->width;
+    double high = w->left_edge[node] - 0.5 * w->width;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        if (w->passes_left[o] != 0 && w->passing_left[o * w->max_n + node] >= low) {
+            low = w->passing_left[o * w->max_n + node];
+            w->active = o;
+        }
+        if (w->passes_left[o] == 0 && w->passing_right[o * w->max_n + node] <= high) {
+            high = w->passing_right[o * w->max_n + node];
+            w->other = o;
+        }
+    }
+}
+
+/* Return the nearest obstacle that is too close to a pinned end, if a bound is violated there. */
+static int band_result_find_blocked_end(const BandWork *w)
+{
+    int e = w->n - 1;
+    if ((w->lower[0] <= w->free[0] && w->free[0] <= w->upper[0]) && (w->lower[e] <= w->free[e] && w->free[e]
+        <= w->upper[e])) {
+        return BAND_WORKSPACE_NO_CONSTRAINT;
+    }
+    double gap = w->clearance - w->max_end_shortfall;
+    int nearest = BAND_WORKSPACE_NO_CONSTRAINT;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        double here = band_gaps_end_gap(w, o);
+        if (here < gap) {
+            gap = here;
+            nearest = o;
+        }
+    }
+    return nearest;
+}
+
+/* Report the obstacle that is too close to a pinned end, with its gap. */
+static void band_result_report_blocked_end(BandWork *w, int o)
+{
+    band_result_fail(w, BAND_WORKSPACE_BLOCKED_END, o);
+    w->value = HUGE_VAL;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->value = real_min(w->value, w->gaps[o * w->max_n + i]);
+    }
+}
+
+/* band_tightening.py: Constraint tightening: solve, certify, move the bounds by the shortfall, solve again.
+    */
+#define BAND_TIGHTENING_MAX_FRACTION 0.8
+
+/* Move the bounds by the shortfall of clearance, to `low` and `high`; return whether they leave any. */
+static bool band_tightening_tighten_positions(BandWork *w, double gain)
+{
+    bool fits = true;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        double short_low = -w->right_margin[i];
+        double short_up = -w->left_margin[i];
+        for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+            double shortfall = w->clearance - w->gaps[o * w->max_n + i];
+            if (w->passes_left[o] != 0) {
+                short_low = real_max(short_low, shortfall);
+            } else {
+                short_up = real_max(short_up, shortfall);
+            }
+        }
+        w->low[i] = w->lower[i];
+        w->high[i] = w->upper[i];
+        if (short_low > 0.0) {
+            w->low[i] = real_max(w->lower[i], w->u[i]) + (gain * short_low + w->clearance_margin);
+        }
+        if (short_up > 0.0) {
+            w->high[i] = real_min(w->upper[i], w->u[i]) - (gain * short_up + w->clearance_margin);
+        }
+        if (!(w->low[i] <= w->high[i])) {
+            fits = false;
+        }
+    }
+    return fits;
+}
+
+/* Return the second difference of a displacement at any node; the band continues beyond its ends. */
+static double band_tightening_bend_at(const BandWork *w, const double *u, int i)
+{
+    if (i == 0) {
+        return w->start_before - 2.0 * u[0] + u[1];
+    }
+    if (i == w->n - 1) {
+        return u[i - 1] - 2.0 * u[i];
+    }
+    return stiffness_second_difference(u, i);
+}
+
+/* Begin without bounds of the second difference. */
+static void band_tightening_release_curvature(BandWork *w, Equilibrium *e)
+{
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->lower_difference[i] = -HUGE_VAL;
+        w->upper_difference[i] = HUGE_VAL;
+        e->lower_difference[i] = -HUGE_VAL;
+        e->upper_difference[i] = HUGE_VAL;
+    }
+}
+
+/* Move the bounds of the second difference by the excess curvature. */
+static void band_tightening_tighten_curvature(BandWork *w, Equilibrium *e)
+{
+    double squared = w->spacing * w->spacing;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        if (w->curvature_limit[i] == HUGE_VAL) {
+            continue;
+        }
+        double curvature = w->curvature[i] * squared;
+        double aim = (1.0 - w->curvature_margin) * (w->curvature_limit[i] * squared);
+        double bend = band_tightening_bend_at(w, w->u, i);
+        double of_route = curvature - bend;
+        double excess = real_max(fabs(curvature) - aim, 0.0);
+        double low = real_max(w->lower_difference[i], -aim - of_route);
+        double high = real_min(w->upper_difference[i], aim - of_route);
+        if (excess > 0.0 && curvature < 0.0) {
+            low = real_max(low, bend) + excess;
+        }
+        if (excess > 0.0 && curvature > 0.0) {
+            high = real_min(high, bend) - excess;
+        }
+        double middle = 0.5 * (low + high);
+        w->lower_difference[i] = real_min(low, middle);
+        w->upper_difference[i] = real_max(high, middle);
+        double free = band_tightening_bend_at(w, w->free, i);
+        e->lower_difference[i] = w->lower_difference[i] - free;
+        e->upper_difference[i] = w->upper_difference[i] - free;
+    }
+}
+
+/* Take the bounds relative to the response to the start, from which the equilibrium counts. */
+static void band_tightening_set_relative_bounds(const BandWork *w, Equilibrium *e)
+{
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        e->lower[i] = w->lower[i] - w->free[i];
+        e->upper[i] = w->upper[i] - w->free[i];
+    }
+}
+
+/* Solve between the bounds and certify; with `warm`, begin at the displacement so far. */
+static bool band_tightening_solve_and_certify(BandWork *w, Equilibrium *e, bool warm)
+{
+    band_tightening_set_relative_bounds(w, e);
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        e->u[i] = warm ? w->u[i] - w->free[i] : 0.0;
+    }
+    bool converged = equilibrium_find_equilibrium(e, warm);
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->u[i] = w->free[i] + e->u[i];
+    }
+    band_certificate_certify(w);
+    return converged;
+}
+
+/* Take the bounds of the next round and solve, from where the last one ended. */
+static bool band_tightening_solve_tighter(BandWork *w, Equilibrium *e)
+{
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->lower[i] = w->low[i];
+        w->upper[i] = w->high[i];
+    }
+    if (w->curvature_ratio > 1.0 && !e->bounded) {
+        e->bounded = true;
+        band_tightening_release_curvature(w, e);
+    }
+    if (e->bounded) {
+        band_tightening_tighten_curvature(w, e);
+    }
+    return band_tightening_solve_and_certify(w, e, true);
+}
+
+/* Return the factor of a move; contact yields by a fraction of it, which is extrapolated to zero. */
+static double band_tightening_gain_of(double shortfall, double last_shortfall)
+{
+    if (shortfall <= 0.0) {
+        return 1.0;
+    }
+    if (!(shortfall < BAND_TIGHTENING_MAX_FRACTION * last_shortfall)) {
+        return 1.0 / (1.0 - BAND_TIGHTENING_MAX_FRACTION);
+    }
+    return 1.0 / (1.0 - shortfall / last_shortfall);
+}
+
+/* Keep the displacement as the best so far. */
+static void band_tightening_keep_displacement(BandWork *w)
+{
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->best_u[i] = w->u[i];
+    }
+}
+
+/* Move bounds until the certificate holds or there is no progress; keep the best.
+
+Return whether the active set of the last round has converged; `first` is that of the first one. */
+static bool band_tightening_tighten(BandWork *w, Equilibrium *e, bool first)
+{
+    double best = HUGE_VAL;
+    double last_shortfall = HUGE_VAL;
+    int stalls = 0;
+    bool converged = first;
+    band_tightening_keep_displacement(w);
+    for (int turn1_ = 0, turn1__end_ = w->max_tightenings; turn1_ < turn1__end_; turn1_ += 1) {
+        if (band_certificate_is_satisfied(w)) {
+            break;
+        }
+        double violation = band_certificate_violation_of(w);
+        stalls = violation < w->min_progress * best ? 0 : stalls + 1;
+        if (violation < best) {
+            best = violation;
+            band_tightening_keep_displacement(w);
+        }
+        if (stalls >= w->max_stalls || e->solves >= w->max_solves) {
+            break;
+        }
+        double shortfall = band_certificate_shortfall_of(w);
+        double gain = band_tightening_gain_of(shortfall, last_shortfall);
+        last_shortfall = real_max(shortfall, w->clearance_margin);
+        if (!band_tightening_tighten_positions(w, gain)) {
+            break;
+        }
+        converged = band_tightening_solve_tighter(w, e);
+        if (!converged) {
+            break;
+        }
+    }
+    if (!(band_certificate_violation_of(w) <= best)) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            w->u[i] = w->best_u[i];
+        }
+        band_certificate_certify(w);
+    }
+    return converged;
+}
+
+/* Put a band problem into the frame of each node; return a status. */
+static int band_relaxation_prepare_band(BandWork *w, Equilibrium *e)
+{
+    e->n = w->n;
+    e->solves = 0;
+    w->status = band_frame_measure_route(w);
+    if (w->status != BAND_WORKSPACE_OK) {
+        return w->status;
+    }
+    band_frame_set_elasticity(w, e);
+    w->status = band_frame_set_ends(w, e);
+    if (w->status == BAND_WORKSPACE_OK) {
+        band_corridor_set_passing(w);
+    }
+    return w->status;
+}
+
+/* Relax a prepared band with given sides. */
+static void band_relaxation_relax_with_sides(BandWork *w, Equilibrium *e)
+{
+    e->solves = 0;
+    e->bounded = false;
+    int empty = band_corridor_set_bounds(w);
+    int blocked = band_result_find_blocked_end(w);
+    bool solvable = empty < 0 && blocked == BAND_WORKSPACE_NO_CONSTRAINT;
+    if (!solvable) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            w->lower[i] = -HUGE_VAL;
+            w->upper[i] = HUGE_VAL;
+        }
+    }
+    bool converged = band_tightening_solve_and_certify(w, e, false);
+    if (solvable) {
+        converged = band_tightening_tighten(w, e, converged);
+    }
+    band_result_compare(w);
+    if (empty >= 0) {
+        band_result_report_empty_interval(w, empty);
+    }
+    if (blocked != BAND_WORKSPACE_NO_CONSTRAINT) {
+        band_result_report_blocked_end(w, blocked);
+    }
+    if (!(converged && w->finite)) {
+        band_result_report_stall(w);
+    }
+    w->solves = e->solves;
+}
+
+/* band_sides.py: Side assignment: by a rule, or the sides whose band has the least energy. */
+#define BAND_SIDES_RIGHT_COST 1e-06
+
+/* Find the obstacles that block the route, and the side of the others; return whether any blocks. */
+static bool band_sides_set_default_sides(BandWork *w)
+{
+    bool any_blocks = false;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        bool on_right = false;
+        bool on_left = false;
+        double offset = 0.0;
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            if (w->passing_right[o * w->max_n + i] < HUGE_VAL) {
+                offset += w->passing_left[o * w->max_n + i] + w->passing_right[o * w->max_n + i];
+                on_right = on_right || w->passing_left[o * w->max_n + i] > 0.0;
+                on_left = on_left || w->passing_right[o * w->max_n + i] < 0.0;
+            }
+        }
+        bool blocks = on_right && on_left;
+        any_blocks = any_blocks || blocks;
+        w->blocking[o] = blocks ? 1 : 0;
+        w->passes_left[o] = blocks || offset < 0.0 ? 1 : 0;
+    }
+    return any_blocks;
+}
+
+/* Pass the blocking obstacles on one side. */
+static void band_sides_set_blocking_sides(BandWork *w, bool left)
+{
+    band_sides_set_default_sides(w);
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        if (w->blocking[o] != 0) {
+            w->passes_left[o] = left ? 1 : 0;
+        }
+    }
+}
+
+/* Find the sides that the edges leave at an obstacle, and its distance from the route. */
+static void band_sides_measure_freedom(BandWork *w, int o)
+{
+    double half = 0.5 * w->width;
+    bool no_left = false;
+    bool no_right = false;
+    double distance = HUGE_VAL;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        if (w->passing_right[o * w->max_n + i] < HUGE_VAL) {
+            no_left = no_left || w->passing_left[o * w->max_n + i] > w->left_edge[i] - half;
+            no_right = no_right || w->passing_right[o * w->max_n + i] < w->right_edge[i] + half;
+            distance = real_min(distance, real_max(w->passing_right[o * w->max_n + i], -w->passing_left[o *
+                w->max_n + i]));
+        }
+    }
+    w->distance[o] = distance;
+    w->is_free[o] = no_left || no_right ? 0 : 1;
+    if (no_left && !no_right) {
+        w->passes_left[o] = 0;
+    } else if (no_right && !no_left) {
+        w->passes_left[o] = 1;
+    }
+}
+
+/* Choose the nearest obstacles whose sides are tried; return the number of assignments.
+
+The sides of the others are in `default_side`. */
+static int band_sides_count_assignments(BandWork *w)
+{
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        band_sides_measure_freedom(w, o);
+        w->default_side[o] = w->passes_left[o];
+    }
+    int count = 1;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        w->rank[o] = 0;
+        for (int other = 0, other_end_ = w->m; other < other_end_; other += 1) {
+            bool nearer = w->distance[other] < w->distance[o];
+            if (w->distance[other] == w->distance[o]) {
+                nearer = other < o;
+            }
+            if (w->is_free[other] != 0 && nearer) {
+                w->rank[o] += 1;
+            }
+        }
+    }
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        if (w->is_free[o] != 0 && w->rank[o] >= w->max_free_sides) {
+            w->is_free[o] = 0;
+        }
+        if (w->is_free[o] != 0) {
+            count += count;
+        }
+    }
+    return count;
+}
+
+/* Take the sides of an assignment, 0 for all on the left; return how many are passed on the right. */
+static int band_sides_assign_sides(BandWork *w, int code)
+{
+    int rest = code;
+    int right = 0;
+    for (int o = w->m - 1, o_end_ = -1; o > o_end_; o -= 1) {
+        w->passes_left[o] = w->default_side[o];
+        if (w->is_free[o] != 0) {
+            int half = int_floor(rest, 2);
+            w->passes_left[o] = 1 - (rest - 2 * half);
+            rest = half;
+        }
+        right += 1 - w->passes_left[o];
+    }
+    return right;
+}
+
+/* Return whether the sides are those of the previous band. */
+static bool band_sides_is_former(const BandWork *w)
+{
+    if (!w->has_former) {
+        return false;
+    }
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        if (w->passes_left[o] != w->former[o]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Return the energy of the equilibrium, in its units. */
+static double band_sides_energy_of(Equilibrium *e)
+{
+    double energy = 0.0;
+    stiffness_apply_stiffness(e, e->u, e->residual);
+    for (int i = 2, i_end_ = e->n - 2; i < i_end_; i += 1) {
+        double violation = real_max(e->u[i] - e->upper[i], 0.0) - real_max(e->lower[i] - e->u[i], 0.0);
+        energy += e->u[i] * e->residual[i] + e->contact * (violation * violation);
+    }
+    return 0.5 * energy;
+}
+
+/* Return the cost of the sides between their bounds. */
+static double band_sides_cost_of(const BandWork *w, Equilibrium *e, int right)
+{
+    band_tightening_set_relative_bounds(w, e);
+    e->bounded = false;
+    equilibrium_find_equilibrium(e, false);
+    double energy = band_sides_energy_of(e);
+    double cost = energy * (1.0 + BAND_SIDES_RIGHT_COST * right);
+    return band_sides_is_former(w) ? cost * w->side_change_fraction : cost;
+}
+
+/* Find the cheapest assignments whose bounds leave a displacement; return how many are kept. */
+static int band_sides_rank_assignments(BandWork *w, Equilibrium *e, int count)
+{
+    int kept = 0;
+    for (int code = 0, code_end_ = count; code < code_end_; code += 1) {
+        int right = band_sides_assign_sides(w, code);
+        int empty = band_corridor_set_bounds(w);
+        if (empty >= 0) {
+            continue;
+        }
+        double cost = band_sides_cost_of(w, e, right);
+        int at = kept;
+        for (int k = kept - 1, k_end_ = -1; k > k_end_; k -= 1) {
+            if (!(cost < w->costs[k])) {
+                break;
+            }
+            at = k;
+        }
+        if (at >= w->n_certified) {
+            continue;
+        }
+        kept = int_min(kept + 1, w->n_certified);
+        for (int k = kept - 1, k_end_ = at; k > k_end_; k -= 1) {
+            w->codes[k] = w->codes[k - 1];
+            w->costs[k] = w->costs[k - 1];
+        }
+        w->codes[at] = code;
+        w->costs[at] = cost;
+    }
+    return kept;
+}
+
+/* Return the violation [-] of clearance and of the least curvature limit; a meter counts as 5. */
+static double band_sides_violation_of_limits(const BandWork *w)
+{
+    double limit = HUGE_VAL;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        limit = real_min(limit, w->curvature_limit[i]);
+    }
+    double excess = real_max(w->max_curvature / limit - 1.0, 0.0);
+    return w->finite ? 5.0 * real_max(band_certificate_shortfall_of(w), 0.0) + excess : HUGE_VAL;
+}
+
+/* Relax the cheapest assignments until one is feasible; otherwise the one of least violation. */
+static void band_sides_relax_cheapest(BandWork *w, Equilibrium *e, int kept)
+{
+    int best = 0;
+    double violation = HUGE_VAL;
+    for (int k = 0, k_end_ = kept; k < k_end_; k += 1) {
+        band_sides_assign_sides(w, w->codes[k]);
+        band_relaxation_relax_with_sides(w, e);
+        if (w->status == BAND_WORKSPACE_OK) {
+            return;
+        }
+        double here = band_sides_violation_of_limits(w);
+        if (here < violation) {
+            violation = here;
+            best = k;
+        }
+    }
+    if (best < kept - 1) {
+        band_sides_assign_sides(w, w->codes[best]);
+        band_relaxation_relax_with_sides(w, e);
+    }
+}
+
+/* Relax a prepared band with the sides of a rule. */
+static void band_sides_relax_with_rule(BandWork *w, Equilibrium *e, int rule)
+{
+    if (rule == BAND_WORKSPACE_CHEAPEST_SIDES && band_sides_set_default_sides(w)) {
+        int count = band_sides_count_assignments(w);
+        int kept = count > 1 ? band_sides_rank_assignments(w, e, count) : 0;
+        if (kept > 0) {
+            band_sides_relax_cheapest(w, e, kept);
+            return;
+        }
+        for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+            w->passes_left[o] = w->default_side[o];
+        }
+        if (count > 1) {
+            band_sides_set_default_sides(w);
+        }
+    } else if (rule != BAND_WORKSPACE_GIVEN_SIDES && rule != BAND_WORKSPACE_CHEAPEST_SIDES) {
+        band_sides_set_blocking_sides(w, rule == BAND_WORKSPACE_BLOCKING_LEFT);
+    }
+    band_relaxation_relax_with_sides(w, e);
+}
+
+/* Copy the problem of a band into the workspace. */
+static void band_batch_load_band(const BandBatch *q, int b, BandWork *w)
+{
+    w->n = q->n;
+    w->m = q->m;
+    w->has_edges = q->has_edges;
+    w->has_former = q->has_former;
+    w->start_before = q->start[b * 3 + 0];
+    w->start_0 = q->start[b * 3 + 1];
+    w->start_1 = q->start[b * 3 + 2];
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->route_x[i] = q->nodes[b * (2 * q->max_n) + 2 * i];
+        w->route_y[i] = q->nodes[b * (2 * q->max_n) + 2 * i + 1];
+        w->right_edge[i] = q->has_edges ? q->right_edge[b * q->max_n + i] : -HUGE_VAL;
+        w->left_edge[i] = q->has_edges ? q->left_edge[b * q->max_n + i] : HUGE_VAL;
+        w->curvature_limit[i] = q->curvature_limit[b * q->max_n + i];
+    }
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        w->lead_distance[o] = q->lead_distance[o];
+        w->passes_left[o] = q->passes_left[o * q->bands + b];
+        w->former[o] = q->has_former ? q->former[o * q->bands + b] : 0;
+        int x = o * q->bands + b;
+        int y = (w->m + o) * q->bands + b;
+        int psi = (2 * w->m + o) * q->bands + b;
+        int length = (3 * w->m + o) * q->bands + b;
+        int width = (4 * w->m + o) * q->bands + b;
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            w->box_x[o * w->max_n + i] = q->boxes[x * q->max_n + i];
+            w->box_y[o * w->max_n + i] = q->boxes[y * q->max_n + i];
+            w->box_psi[o * w->max_n + i] = q->boxes[psi * q->max_n + i];
+            w->half_length[o * w->max_n + i] = 0.5 * q->boxes[length * q->max_n + i];
+            w->half_width[o * w->max_n + i] = 0.5 * q->boxes[width * q->max_n + i];
+        }
+    }
+}
+
+/* Copy what is found for a band into its rows of the result. */
+static void band_batch_store_band(BandBatch *q, int b, const BandWork *w, int columns, double *found, int
+    *codes)
+{
+    int n = w->n;
+    int row = b * columns;
+    found[row] = w->min_gap;
+    found[row + 1] = w->min_edge_clearance;
+    found[row + 2] = w->max_curvature;
+    found[row + 3] = w->spacing;
+    found[row + 4] = w->value;
+    found[row + 5] = w->limit;
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        int at = row + BAND_WORKSPACE_REALS + 2 * i;
+        found[at] = w->x[i];
+        found[at + 1] = w->y[i];
+        found[at + 2 * n] = w->moment_x[i];
+        found[at + 2 * n + 1] = w->moment_y[i];
+        found[row + BAND_WORKSPACE_REALS + 4 * n + i] = w->u[i];
+        found[row + BAND_WORKSPACE_REALS + 5 * n + i] = w->lower[i];
+        found[row + BAND_WORKSPACE_REALS + 6 * n + i] = w->upper[i];
+    }
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        q->passes_left[o * q->bands + b] = w->passes_left[o];
+    }
+    codes[BAND_WORKSPACE_CODES * b + 1] = w->reason;
+    codes[BAND_WORKSPACE_CODES * b + 2] = w->active;
+    codes[BAND_WORKSPACE_CODES * b + 3] = w->other;
+    codes[BAND_WORKSPACE_CODES * b + 4] = w->node;
+    codes[BAND_WORKSPACE_CODES * b + 5] = w->solves;
+}
+
+/* Relax the bands of a batch; their status is in the first column of `codes`. */
+void cca_relax_bands(BandBatch *q, BandWork *w, Equilibrium *e, int bands, int columns, double *found, int
+    *codes)
+{
+    for (int b = 0, b_end_ = bands; b < b_end_; b += 1) {
+        band_batch_load_band(q, b, w);
+        int status = band_relaxation_prepare_band(w, e);
+        if (status == BAND_WORKSPACE_OK) {
+            band_sides_relax_with_rule(w, e, q->side_rule);
+            band_batch_store_band(q, b, w, columns, found, codes);
+        }
+        codes[BAND_WORKSPACE_CODES * b] = w->status;
+    }
+}
+
+/* Certify a displacement of the first band of a batch; return a status.
+
+Its frame, its bounds for the given sides, and its certificate are left in the workspace. */
+int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const double *u, int columns, double
+    *found, int *codes)
+{
+    band_batch_load_band(q, 0, w);
+    int status = band_relaxation_prepare_band(w, e);
+    w->solves = 0;
+    if (status == BAND_WORKSPACE_OK) {
+        band_corridor_set_bounds(w);
+        for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+            w->u[i] = u[i];
+        }
+        band_certificate_certify(w);
+        band_result_compare(w);
+        if (!w->finite) {
+            band_result_report_stall(w);
+        }
+        band_batch_store_band(q, 0, w, columns, found, codes);
+    }
+    codes[0] = w->status;
+    return status;
+}
+
+/* band_cubics.py: Cubics of the path through the nodes of a band. */
+
+/* Compute arc lengths, and a, b, c, d of x and then of y, from nodes and spline moments / 6. */
+void cca_join_cubics(int segments, const double *nodes, const double *moments, double start, double *breaks,
+    double *cubics)
+{
+    double s = 0.0;
+    breaks[0] = start;
+    for (int i = 0, i_end_ = segments; i < i_end_; i += 1) {
+        double length = box_gaps_norm(nodes[(i + 1) * 2 + 0] - nodes[i * 2 + 0], nodes[(i + 1) * 2 + 1] -
+            nodes[i * 2 + 1]);
+        s += length;
+        breaks[i + 1] = s + start;
+        for (int k = 0; k < 2; k += 1) {
+            double here = length * length * moments[i * 2 + k];
+            double then = length * length * moments[(i + 1) * 2 + k];
+            cubics[i * 8 + 4 * k] = then - here;
+            cubics[i * 8 + 4 * k + 1] = 3.0 * here;
+            cubics[i * 8 + 4 * k + 2] = nodes[(i + 1) * 2 + k] - nodes[i * 2 + k] - (2.0 * here + then);
+            cubics[i * 8 + 4 * k + 3] = nodes[i * 2 + k];
         }
     }
 }
@@ -359,6 +2280,34 @@ void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, 
         const cca_dd result1_ = cca_nearest_point(curve, samples, x[i], y[i]);
         s[i] = result1_.item0;
         d[i] = result1_.item1;
+    }
+}
+
+/* equilibrium_batch.py: Equilibria of a batch of bands between given bounds. */
+
+/* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts. */
+void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness, const double
+    *lower, const double *upper, const double *lower_difference, const double *upper_difference, double *u,
+    int *solves, int *converged)
+{
+    e->n = n;
+    for (int b = 0, b_end_ = bands; b < b_end_; b += 1) {
+        stiffness_set_stiffness(e, stiffness[b * 5 + 0], stiffness[b * 5 + 1], stiffness[b * 5 + 2],
+            stiffness[b * 5 + 3], stiffness[b * 5 + 4]);
+        e->bounded = bounded;
+        e->solves = 0;
+        for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+            e->lower[i] = lower[b * n + i];
+            e->upper[i] = upper[b * n + i];
+            e->lower_difference[i] = lower_difference[b * n + i];
+            e->upper_difference[i] = upper_difference[b * n + i];
+        }
+        bool done = equilibrium_find_equilibrium(e, false);
+        for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+            u[b * n + i] = e->u[i];
+        }
+        solves[b] = e->solves;
+        converged[b] = done ? 1 : 0;
     }
 }
 

@@ -9,6 +9,168 @@
 extern "C" {
 #endif
 
+typedef struct Equilibrium {
+    int n;
+    int max_n;
+    double rate;
+    double bending;
+    double tension;
+    double contact;
+    double curvature_contact;
+    double *lower;
+    double *upper;
+    bool bounded;
+    double *lower_difference;
+    double *upper_difference;
+    int *active;
+    int *sharp;
+    double *u;
+    int solves;
+    bool definite;
+    double *force;
+    double *target;
+    double *step;
+    double *residual;
+    double *difference;
+    double *moment;
+    double *inverse;
+    double *factor_1;
+    double *factor_2;
+    double *factor_3;
+} Equilibrium;
+
+typedef struct BandWork {
+    int n;
+    int m;
+    int n_certified;
+    int max_n;
+    int max_m;
+    int max_certified;
+    double length;
+    double width;
+    double box_offset;
+    double clearance;
+    double k_s;
+    double k_b;
+    double k_c;
+    double k_e;
+    double max_displacement;
+    int max_tightenings;
+    int max_solves;
+    int max_stalls;
+    double min_progress;
+    double clearance_margin;
+    double curvature_margin;
+    double max_end_shortfall;
+    int max_free_sides;
+    double side_change_fraction;
+    bool has_edges;
+    double *route_x;
+    double *route_y;
+    double *right_edge;
+    double *left_edge;
+    double *curvature_limit;
+    double *box_x;
+    double *box_y;
+    double *box_psi;
+    double *half_length;
+    double *half_width;
+    double *lead_distance;
+    int *passes_left;
+    bool has_former;
+    int *former;
+    double start_before;
+    double start_0;
+    double start_1;
+    double spacing;
+    double *tangent_x;
+    double *tangent_y;
+    double *route_curvature;
+    double *free;
+    double heading_x0;
+    double heading_y0;
+    double heading_x1;
+    double heading_y1;
+    double moment_x0;
+    double moment_y0;
+    double moment_x1;
+    double moment_y1;
+    double *box_ahead_x;
+    double *box_ahead_y;
+    double *radius;
+    double *max_step;
+    double *overlap;
+    double *passing_right;
+    double *passing_left;
+    double *u;
+    double *best_u;
+    double *lower;
+    double *upper;
+    double *low;
+    double *high;
+    double *lower_difference;
+    double *upper_difference;
+    double *x;
+    double *y;
+    double *chord;
+    double *ahead_x;
+    double *ahead_y;
+    double *moment_x;
+    double *moment_y;
+    double *curvature;
+    double *diagonal;
+    double *gaps;
+    double *right_margin;
+    double *left_margin;
+    double min_gap;
+    double min_edge_clearance;
+    double max_curvature;
+    double curvature_ratio;
+    bool finite;
+    int *pair_obstacle;
+    int *pair_node;
+    double *sampled;
+    double *bulge;
+    double *bound;
+    double *parts;
+    int status;
+    int reason;
+    int active;
+    int other;
+    int node;
+    int solves;
+    double value;
+    double limit;
+    int *blocking;
+    int *is_free;
+    int *default_side;
+    int *rank;
+    double *distance;
+    int *codes;
+    double *costs;
+} BandWork;
+
+typedef struct BandBatch {
+    int n;
+    int m;
+    int bands;
+    int max_bands;
+    int max_n;
+    int max_m;
+    int side_rule;
+    bool has_edges;
+    bool has_former;
+    double *nodes;
+    double *boxes;
+    double *right_edge;
+    double *left_edge;
+    double *curvature_limit;
+    double *start;
+    double *lead_distance;
+    int *former;
+    int *passes_left;
+} BandBatch;
+
 double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by, double length_a,
     double width_a, double length_b, double width_b);
 
@@ -19,6 +181,15 @@ double cca_box_gap(double ax, double ay, double a_psi, double a_length, double a
     double b_psi, double b_length, double b_width);
 
 void cca_box_gaps(int n, int k, const double *a, const double *b, double *gap);
+
+void cca_relax_bands(BandBatch *q, BandWork *w, Equilibrium *e, int bands, int columns, double *found, int
+    *codes);
+
+int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const double *u, int columns, double
+    *found, int *codes);
+
+void cca_join_cubics(int segments, const double *nodes, const double *moments, double start, double *breaks,
+    double *cubics);
 
 typedef struct Curve {
     int segments;
@@ -56,6 +227,10 @@ void cca_foot_points(const Curve *curve, int n, const double *x, const double *y
 
 void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x, const double
     *y, double *s, double *d);
+
+void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness, const double
+    *lower, const double *upper, const double *lower_difference, const double *upper_difference, double *u,
+    int *solves, int *converged);
 
 void cca_distances_driven(int n, const double *t, double v, double a_x, double *distance);
 

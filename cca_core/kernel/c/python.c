@@ -198,6 +198,169 @@ static PyObject *call_box_gaps(PyObject *self_, PyObject *const *given_, Py_ssiz
     Py_RETURN_NONE;
 }
 
+static PyObject *call_relax_bands(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("relax_bands", 7, count_)) {
+        return NULL;
+    }
+    BandBatch *q;
+    BandWork *w;
+    Equilibrium *e;
+    int bands;
+    int columns;
+    double *found;
+    int *codes;
+    if (!lend_whole(given_[3], &bands)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[4], &columns)) {
+        return NULL;
+    }
+    Lent lent_[5];
+    int held_ = 0;
+    q = lend_workspace("q", given_[0], &lent_[held_], &held_, sizeof(BandBatch), 3, 1);
+    if (q == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    w = lend_workspace("w", given_[1], &lent_[held_], &held_, sizeof(BandWork), 2, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    e = lend_workspace("e", given_[2], &lent_[held_], &held_, sizeof(Equilibrium), 1, 1);
+    if (e == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    found = lend_array("found", given_[5], &lent_[held_], &held_, 'd', 1, ((Py_ssize_t)bands * (Py_ssize_t)columns), 0, 1);
+    if (found == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    codes = lend_array("codes", given_[6], &lent_[held_], &held_, 'i', 1, (6 * (Py_ssize_t)bands), 0, 1);
+    if (codes == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_relax_bands(q, w, e, bands, columns, found, codes);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_measure_band(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("measure_band", 8, count_)) {
+        return NULL;
+    }
+    BandBatch *q;
+    BandWork *w;
+    Equilibrium *e;
+    int n;
+    const double *u;
+    int columns;
+    double *found;
+    int *codes;
+    if (!lend_whole(given_[3], &n)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[5], &columns)) {
+        return NULL;
+    }
+    Lent lent_[6];
+    int held_ = 0;
+    q = lend_workspace("q", given_[0], &lent_[held_], &held_, sizeof(BandBatch), 3, 1);
+    if (q == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    w = lend_workspace("w", given_[1], &lent_[held_], &held_, sizeof(BandWork), 2, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    e = lend_workspace("e", given_[2], &lent_[held_], &held_, sizeof(Equilibrium), 1, 1);
+    if (e == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    u = lend_array("u", given_[4], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (u == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    found = lend_array("found", given_[6], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)columns, 0, 1);
+    if (found == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    codes = lend_array("codes", given_[7], &lent_[held_], &held_, 'i', 1, 6, 0, 1);
+    if (codes == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    int result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_measure_band(q, w, e, n, u, columns, found, codes);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyLong_FromLong(result_);
+}
+
+static PyObject *call_join_cubics(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("join_cubics", 6, count_)) {
+        return NULL;
+    }
+    int segments;
+    const double *nodes;
+    const double *moments;
+    double start;
+    double *breaks;
+    double *cubics;
+    if (!lend_whole(given_[0], &segments)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &start)) {
+        return NULL;
+    }
+    Lent lent_[4];
+    int held_ = 0;
+    nodes = lend_array("nodes", given_[1], &lent_[held_], &held_, 'd', 2, ((Py_ssize_t)segments + 1), 2, 0);
+    if (nodes == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    moments = lend_array("moments", given_[2], &lent_[held_], &held_, 'd', 2, ((Py_ssize_t)segments + 1), 2, 0);
+    if (moments == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    breaks = lend_array("breaks", given_[4], &lent_[held_], &held_, 'd', 1, ((Py_ssize_t)segments + 1), 0, 1);
+    if (breaks == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    cubics = lend_array("cubics", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)segments, 8, 1);
+    if (cubics == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_join_cubics(segments, nodes, moments, start, breaks, cubics);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
 static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -212,7 +375,7 @@ static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_s
     }
     Lent lent_[1];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -240,7 +403,7 @@ static PyObject *call_curvature_at(PyObject *self_, PyObject *const *given_, Py_
     }
     Lent lent_[1];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -275,7 +438,7 @@ static PyObject *call_foot_point(PyObject *self_, PyObject *const *given_, Py_ss
     }
     Lent lent_[1];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -308,12 +471,12 @@ static PyObject *call_nearest_point(PyObject *self_, PyObject *const *given_, Py
     }
     Lent lent_[2];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 2, 0);
+    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 5, 0);
     if (samples == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -348,7 +511,7 @@ static PyObject *call_foot_points(PyObject *self_, PyObject *const *given_, Py_s
     }
     Lent lent_[8];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -414,12 +577,12 @@ static PyObject *call_nearest_points(PyObject *self_, PyObject *const *given_, P
     }
     Lent lent_[6];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 2, 0);
+    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 5, 0);
     if (samples == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -446,6 +609,88 @@ static PyObject *call_nearest_points(PyObject *self_, PyObject *const *given_, P
     }
     Py_BEGIN_ALLOW_THREADS
     cca_nearest_points(curve, samples, n, x, y, s, d);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_find_equilibria(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_equilibria", 12, count_)) {
+        return NULL;
+    }
+    Equilibrium *e;
+    int bands;
+    int n;
+    bool bounded;
+    const double *stiffness;
+    const double *lower;
+    const double *upper;
+    const double *lower_difference;
+    const double *upper_difference;
+    double *u;
+    int *solves;
+    int *converged;
+    if (!lend_whole(given_[1], &bands)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &n)) {
+        return NULL;
+    }
+    if (!lend_flag(given_[3], &bounded)) {
+        return NULL;
+    }
+    Lent lent_[9];
+    int held_ = 0;
+    e = lend_workspace("e", given_[0], &lent_[held_], &held_, sizeof(Equilibrium), 1, 1);
+    if (e == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    stiffness = lend_array("stiffness", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, 5, 0);
+    if (stiffness == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    lower = lend_array("lower", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
+    if (lower == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    upper = lend_array("upper", given_[6], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
+    if (upper == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    lower_difference = lend_array("lower_difference", given_[7], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
+    if (lower_difference == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    upper_difference = lend_array("upper_difference", given_[8], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
+    if (upper_difference == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    u = lend_array("u", given_[9], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 1);
+    if (u == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    solves = lend_array("solves", given_[10], &lent_[held_], &held_, 'i', 1, (Py_ssize_t)bands, 0, 1);
+    if (solves == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    converged = lend_array("converged", given_[11], &lent_[held_], &held_, 'i', 1, (Py_ssize_t)bands, 0, 1);
+    if (converged == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_find_equilibria(e, bands, n, bounded, stiffness, lower, upper, lower_difference, upper_difference, u, solves, converged);
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     Py_RETURN_NONE;
@@ -671,7 +916,7 @@ static PyObject *call_occupancy_boxes(PyObject *self_, PyObject *const *given_, 
     }
     Lent lent_[7];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -741,12 +986,12 @@ static PyObject *call_same_direction_distances(PyObject *self_, PyObject *const 
         lend_end(lent_, held_);
         return NULL;
     }
-    rear = lend_workspace("rear", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    rear = lend_workspace("rear", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
     if (rear == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    front = lend_workspace("front", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    front = lend_workspace("front", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
     if (front == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -791,12 +1036,12 @@ static PyObject *call_opposite_distances(PyObject *self_, PyObject *const *given
         lend_end(lent_, held_);
         return NULL;
     }
-    correct = lend_workspace("correct", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    correct = lend_workspace("correct", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
     if (correct == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    opposite = lend_workspace("opposite", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    opposite = lend_workspace("opposite", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
     if (opposite == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -841,12 +1086,12 @@ static PyObject *call_lateral_distances(PyObject *self_, PyObject *const *given_
         lend_end(lent_, held_);
         return NULL;
     }
-    left = lend_workspace("left", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    left = lend_workspace("left", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
     if (left == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    right = lend_workspace("right", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 3, 0);
+    right = lend_workspace("right", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
     if (right == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -909,7 +1154,7 @@ static PyObject *call_drive(PyObject *self_, PyObject *const *given_, Py_ssize_t
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(SingleTrackCar), 4, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(SingleTrackCar), 7, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -997,7 +1242,7 @@ static PyObject *call_squared_speed_limits(PyObject *self_, PyObject *const *giv
     }
     Lent lent_[3];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1123,7 +1368,7 @@ static PyObject *call_front_slip(PyObject *self_, PyObject *const *given_, Py_ss
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 0);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 8, 0);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1162,7 +1407,7 @@ static PyObject *call_advance(PyObject *self_, PyObject *const *given_, Py_ssize
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 8, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1189,7 +1434,7 @@ static PyObject *call_find_passed(PyObject *self_, PyObject *const *given_, Py_s
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 8, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1247,17 +1492,17 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
     }
     Lent lent_[3];
     int held_ = 0;
-    law = lend_workspace("law", given_[0], &lent_[held_], &held_, sizeof(Steering), 6, 1);
+    law = lend_workspace("law", given_[0], &lent_[held_], &held_, sizeof(Steering), 9, 1);
     if (law == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    car = lend_workspace("car", given_[1], &lent_[held_], &held_, sizeof(IdealCar), 5, 1);
+    car = lend_workspace("car", given_[1], &lent_[held_], &held_, sizeof(IdealCar), 8, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    curve = lend_workspace("curve", given_[2], &lent_[held_], &held_, sizeof(Curve), 1, 0);
+    curve = lend_workspace("curve", given_[2], &lent_[held_], &held_, sizeof(Curve), 4, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1275,12 +1520,16 @@ static PyMethodDef methods[] = {
     {"aligned_box_gaps", (PyCFunction)(void (*)(void))call_aligned_box_gaps, METH_FASTCALL, NULL},
     {"box_gap", (PyCFunction)(void (*)(void))call_box_gap, METH_FASTCALL, NULL},
     {"box_gaps", (PyCFunction)(void (*)(void))call_box_gaps, METH_FASTCALL, NULL},
+    {"relax_bands", (PyCFunction)(void (*)(void))call_relax_bands, METH_FASTCALL, NULL},
+    {"measure_band", (PyCFunction)(void (*)(void))call_measure_band, METH_FASTCALL, NULL},
+    {"join_cubics", (PyCFunction)(void (*)(void))call_join_cubics, METH_FASTCALL, NULL},
     {"curve_point", (PyCFunction)(void (*)(void))call_curve_point, METH_FASTCALL, NULL},
     {"curvature_at", (PyCFunction)(void (*)(void))call_curvature_at, METH_FASTCALL, NULL},
     {"foot_point", (PyCFunction)(void (*)(void))call_foot_point, METH_FASTCALL, NULL},
     {"nearest_point", (PyCFunction)(void (*)(void))call_nearest_point, METH_FASTCALL, NULL},
     {"foot_points", (PyCFunction)(void (*)(void))call_foot_points, METH_FASTCALL, NULL},
     {"nearest_points", (PyCFunction)(void (*)(void))call_nearest_points, METH_FASTCALL, NULL},
+    {"find_equilibria", (PyCFunction)(void (*)(void))call_find_equilibria, METH_FASTCALL, NULL},
     {"distances_driven", (PyCFunction)(void (*)(void))call_distances_driven, METH_FASTCALL, NULL},
     {"reachable_intervals", (PyCFunction)(void (*)(void))call_reachable_intervals, METH_FASTCALL, NULL},
     {"occupied_intervals", (PyCFunction)(void (*)(void))call_occupied_intervals, METH_FASTCALL, NULL},
@@ -1306,13 +1555,16 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "734c27712744e3f550ff4c6eb078fe9fc0bc331c486b12f295b598684eb1557c") < 0;
-    failed = failed || lend_describe(structures, "Curve", 1, sizeof(Curve)) < 0;
-    failed = failed || lend_describe(structures, "CurveSamples", 2, sizeof(CurveSamples)) < 0;
-    failed = failed || lend_describe(structures, "RssReaction", 3, sizeof(RssReaction)) < 0;
-    failed = failed || lend_describe(structures, "SingleTrackCar", 4, sizeof(SingleTrackCar)) < 0;
-    failed = failed || lend_describe(structures, "IdealCar", 5, sizeof(IdealCar)) < 0;
-    failed = failed || lend_describe(structures, "Steering", 6, sizeof(Steering)) < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "d1683d9e33ad036a241fd2b8ab6ae47658c81d86bfa4945ef0f380f8b426c87c") < 0;
+    failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
+    failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
+    failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
+    failed = failed || lend_describe(structures, "Curve", 4, sizeof(Curve)) < 0;
+    failed = failed || lend_describe(structures, "CurveSamples", 5, sizeof(CurveSamples)) < 0;
+    failed = failed || lend_describe(structures, "RssReaction", 6, sizeof(RssReaction)) < 0;
+    failed = failed || lend_describe(structures, "SingleTrackCar", 7, sizeof(SingleTrackCar)) < 0;
+    failed = failed || lend_describe(structures, "IdealCar", 8, sizeof(IdealCar)) < 0;
+    failed = failed || lend_describe(structures, "Steering", 9, sizeof(Steering)) < 0;
     Py_XDECREF(structures);
     return failed ? -1 : 0;
 }

@@ -1,0 +1,187 @@
+"""The band of the kernel: problems into its workspaces, results out of them."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from cca_core._checks import Array, Mask
+from cca_core.band.problem import MAX_DISPLACEMENT, BandProblem
+from cca_core.band.settings import BandSettings
+from cca_core.band.stiffness import BandStiffness
+from cca_core.errors import InputError
+from cca_core.kernel import bind
+from cca_core.kernel.band_batch import measure_band, relax_bands
+from cca_core.kernel.band_workspace import (
+    CODES,
+    OK,
+    REALS,
+    REALS_PER_NODE,
+    TOO_LONG,
+    UNEVEN_SPACING,
+    BandBatch,
+    BandWork,
+    Equilibrium,
+)
+from cca_core.kernel.batches import in_chunks
+from cca_core.kernel.memory import reuse
+
+_relax_bands, _measure_band = bind(relax_bands), bind(measure_band)
+_CHUNK = 32  # bands that are lent to the kernel at once
+_STIFFNESS = tuple(field.name for field in fields(BandStiffness))
+_SETTINGS = tuple(field.name for field in fields(BandSettings) if field.name != "max_certified_sides")
+_ROWS = "free", "route_curvature", "lower", "upper", "curvature", "right_margin", "left_margin"
+_GRIDS = "gaps", "passing_right", "passing_left"
+
+
+class Relaxed:
+    """What the kernel finds for a batch of bands: a row of reals and one of codes for each."""
+
+    def __init__(self, bands: int, m: int, n: int) -> None:
+        self.reals = np.empty((bands, REALS + REALS_PER_NODE * n))  # [m], clearance, ..., as in the kernel
+        self.codes = np.empty((bands, CODES), dtype=np.int32)
+        self.passes_left = np.empty((m, bands), dtype=np.bool_)
+        self.n = n
+
+    def points(self, first: int) -> Array:
+        """Return pairs of reals of each node, of which so many rows stand before, shape (bands, n, 2)."""
+        n = self.n
+        begin = REALS + first * n
+        return self.reals[:, begin : begin + 2 * n].reshape(-1, n, 2)
+
+    def row(self, first: int) -> Array:
+        """Return a real of each node, of which so many rows stand before, shape (bands, n)."""
+        begin = REALS + first * self.n
+        return self.reals[:, begin : begin + self.n]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """Frame, bounds and certificate of a displacement of one band."""
+
+    free: Array  # response to the start alone [m], (n,), as the next ones
+    tangents: Array  # unit tangents of the route [-], (n, 2)
+    route_curvature: Array  # [1/m]
+    lower: Array  # bounds of the displacement for the sides [m]
+    upper: Array
+    passing_right: Array  # displacement at which obstacles are passed [m], infinite if far, (m, n)
+    passing_left: Array
+    curvature: Array  # of the band [1/m]
+    gaps: Array  # least gap to each obstacle around each node [m], (m, n)
+    right_margin: Array  # of the body to the edges [m]
+    left_margin: Array
+    spacing: float  # [m]
+    min_gap: float  # [m]
+    min_edge_clearance: float  # [m]
+    curvature_ratio: float  # largest curvature as a multiple of its limit [-]
+    found: Relaxed  # with the bounds for the sides
+
+
+class _Workspace:
+    """Memory of this thread for bands of up to some size."""
+
+    def __init__(self, problem: BandProblem) -> None:
+        sizes = len(problem.nodes), problem.nodes.shape[1], problem.boxes.shape[1]
+        # powers of 2, so that a band that grows by a node does not need new memory
+        bands, n, m = (1 << max(size - 1, 0).bit_length() for size in sizes)
+        certified = problem.settings.max_certified_sides
+        self.batch = reuse(BandBatch, max_n=n, max_m=m, max_bands=bands)
+        self.work = reuse(BandWork, max_n=n, max_m=m, max_certified=certified)
+        self.equilibrium = reuse(Equilibrium, max_n=n)
+
+    def take(self, problem: BandProblem, rule: int, sides: Mask | None, former: Mask | None) -> None:
+        """Copy a problem."""
+        q, asked = self.batch.workspace, self.batch.arrays
+        bands, n = problem.nodes.shape[:2]
+        m = problem.boxes.shape[1]
+        q.n, q.m, q.bands, q.side_rule = n, m, bands, rule
+        q.has_edges, q.has_former = problem.edges is not None, former is not None
+        asked["nodes"][:bands, : 2 * n] = problem.nodes.reshape(bands, -1)
+        asked["boxes"][: 5 * m * bands, :n] = problem.boxes.reshape(-1, n)
+        if problem.edges is not None:
+            asked["right_edge"][:bands, :n], asked["left_edge"][:bands, :n] = problem.edges
+        asked["curvature_limit"][:bands, :n] = problem.curvature_limit
+        asked["start"][:bands] = problem.start
+        asked["lead_distance"][:m] = problem.lead_distance
+        if sides is not None:
+            asked["passes_left"][: m * bands] = sides.reshape(-1)
+        if former is not None:
+            asked["former"][: m * bands] = former.reshape(-1)
+        w, vehicle = self.work.workspace, problem.vehicle
+        w.length, w.width, w.box_offset = vehicle.length, vehicle.width, vehicle.box_offset
+        w.clearance, w.max_displacement = problem.clearance, MAX_DISPLACEMENT
+        for name in _STIFFNESS:
+            setattr(w, name, getattr(problem.stiffness, name))
+        for name in _SETTINGS:
+            setattr(w, name, getattr(problem.settings, name))
+        w.n_certified = problem.settings.max_certified_sides
+
+
+def relax(problem: BandProblem, rule: int, sides: Mask | None, former: Mask | None, threads: int) -> Relaxed:
+    """Relax the bands of a problem; sides have the shape (m, bands)."""
+    bands = len(problem.nodes)
+    found = Relaxed(bands, problem.boxes.shape[1], problem.nodes.shape[1])
+    if bands == 1:
+        _relax_part(problem, rule, sides, former, found, slice(0, 1))
+        return found
+
+    def relax_chunks(_: int, first: int, end: int) -> None:
+        for begin in range(first, end, _CHUNK):
+            part = slice(begin, min(begin + _CHUNK, end))
+            given, last = (None if of is None else of[:, part] for of in (sides, former))
+            _relax_part(problem.select(part), rule, given, last, found, part)
+
+    in_chunks(relax_chunks, bands, threads)
+    return found
+
+
+def _relax_part(
+    problem: BandProblem, rule: int, sides: Mask | None, former: Mask | None, found: Relaxed, part: slice
+) -> None:
+    """Relax bands that a workspace holds, into a part of the result."""
+    bands, m = len(problem.nodes), problem.boxes.shape[1]
+    space = _Workspace(problem)
+    space.take(problem, rule, sides, former)
+    reals, codes = found.reals[part], found.codes[part]
+    _relax_bands(
+        space.batch.workspace, space.work.workspace, space.equilibrium.workspace,
+        bands, reals.shape[1], reals.reshape(-1), codes.reshape(-1),
+    )  # fmt: skip
+    status = codes[:, 0].tolist()
+    if max(status) >= UNEVEN_SPACING:
+        _refuse(problem, status)
+    found.passes_left[:, part] = space.batch.arrays["passes_left"][: m * bands].reshape(m, bands)
+
+
+def _refuse(problem: BandProblem, status: list[int]) -> None:
+    """Raise for a route that no band can begin on."""
+    if TOO_LONG in status:
+        raise InputError(f"nodes must be fewer if a band begins off its route, was {problem.nodes.shape[1]}")
+    steps = np.diff(problem.nodes, axis=1)
+    lengths = np.hypot(steps[..., 0], steps[..., 1])
+    raise InputError(
+        f"nodes must be equally spaced along the route, as those of Path.sample are; "
+        f"neighbors are {lengths.min():.3g} to {lengths.max():.3g} m apart"
+    )
+
+
+def measure(problem: BandProblem, u: Array | None = None, passes_left: Mask | None = None) -> Measured:
+    """Certify a displacement (n,) of a single band, by default none; find its bounds for sides (m,)."""
+    n, m = problem.nodes.shape[1], problem.boxes.shape[1]
+    space, result = _Workspace(problem), Relaxed(1, m, n)
+    space.take(problem, 0, np.ones(m, dtype=np.bool_) if passes_left is None else passes_left, None)
+    status = _measure_band(
+        space.batch.workspace, space.work.workspace, space.equilibrium.workspace,
+        n, np.zeros(n) if u is None else u, result.reals.shape[1], result.reals.reshape(-1),
+        result.codes.reshape(-1),
+    )  # fmt: skip
+    if status != OK:
+        _refuse(problem, [status])
+    result.passes_left[:, 0] = space.batch.arrays["passes_left"][:m]
+    w, found = space.work.workspace, space.work.arrays
+    rows = {name: found[name][:n].copy() for name in _ROWS}
+    grids = {name: found[name][:m, :n].copy() for name in _GRIDS}
+    tangents = np.stack((found["tangent_x"][:n], found["tangent_y"][:n]), axis=1)
+    return Measured(
+        **rows, **grids, found=result, tangents=tangents, spacing=w.spacing, min_gap=w.min_gap,
+        min_edge_clearance=w.min_edge_clearance, curvature_ratio=w.curvature_ratio,
+    )  # fmt: skip

@@ -1,0 +1,203 @@
+"""Gaps of the ego's swept box to obstacles, between nodes too: lower bounds, tight where they limit."""
+
+import math
+
+from cca_core.kernel.band_workspace import BandWork
+from cca_core.kernel.box_gaps import norm, oriented_box_gap
+from cca_core.kernel.circles import TINY
+from cca_core.kernel.types import Flag, Int, Real
+
+CURVE_ERROR = 2e-3  # by which cubics and headings between nodes may differ from those assumed [m]
+LOOSE = 4e-3  # a bound this far below the least gap at nodes is refined [m]
+DECISIVE = 1e-2  # gaps this far above the clearance do not limit a band [m]
+PARTS = 16  # of an interval that is sampled closely
+LEVER = 0.6  # of the length, at which a corner moves if the body turns [-]
+
+
+def gap_at(w: BandWork, o: Int, i: Int) -> Real:
+    """Return the gap to an obstacle with the ego at a node."""
+    dx = w.box_x[o, i] - w.x[i] - w.box_offset * w.ahead_x[i]
+    dy = w.box_y[o, i] - w.y[i] - w.box_offset * w.ahead_y[i]
+    return oriented_box_gap(
+        dx, dy, w.ahead_x[i], w.ahead_y[i], w.box_ahead_x[o, i], w.box_ahead_y[o, i],
+        0.5 * w.length, 0.5 * w.width, w.half_length[o, i], w.half_width[o, i],
+    )  # fmt: skip
+
+
+def sample_between(w: BandWork, o: Int, i: Int) -> None:
+    """Compute the gap to an obstacle at equal parts from a node to the next."""
+    j = i + 1
+    cx = w.x[j] - w.x[i]
+    cy = w.y[j] - w.y[i]
+    chord = norm(cx, cy)
+    ax = w.ahead_x[i] * chord - cx
+    ay = w.ahead_y[i] * chord - cy
+    bx = cx - w.ahead_x[j] * chord
+    by = cy - w.ahead_y[j] * chord
+    for k in range(PARTS + 1):
+        f = k / 16.0
+        e = 1.0 - f
+        tx = cx + e * (1.0 - 3.0 * f) * ax + f * (2.0 - 3.0 * f) * bx
+        ty = cy + e * (1.0 - 3.0 * f) * ay + f * (2.0 - 3.0 * f) * by
+        speed = max(norm(tx, ty), TINY)
+        tx /= speed
+        ty /= speed
+        hx = w.box_ahead_x[o, i] + f * (w.box_ahead_x[o, j] - w.box_ahead_x[o, i])
+        hy = w.box_ahead_y[o, i] + f * (w.box_ahead_y[o, j] - w.box_ahead_y[o, i])
+        heading = max(norm(hx, hy), TINY)
+        dx = w.box_x[o, i] + f * (w.box_x[o, j] - w.box_x[o, i])
+        dy = w.box_y[o, i] + f * (w.box_y[o, j] - w.box_y[o, i])
+        dx -= w.x[i] + f * cx + f * e * (e * ax + f * bx)
+        dy -= w.y[i] + f * cy + f * e * (e * ay + f * by)
+        half_length = w.half_length[o, i] + f * (w.half_length[o, j] - w.half_length[o, i])
+        half_width = w.half_width[o, i] + f * (w.half_width[o, j] - w.half_width[o, i])
+        w.parts[k] = oriented_box_gap(
+            dx - w.box_offset * tx, dy - w.box_offset * ty, tx, ty, hx / heading, hy / heading,
+            0.5 * w.length, 0.5 * w.width, half_length, half_width,
+        )  # fmt: skip
+
+
+def min_between(w: BandWork, o: Int, i: Int) -> Real:
+    """Return a lower bound of the gap to an obstacle from a node to the next, ends included."""
+    gap = w.parts
+    sample_between(w, o, i)
+    bound = gap[0]
+    for k in range(1, PARTS + 1):
+        bound = min(bound, gap[k])
+    if w.max_step[o] > 0.0:
+        bound -= 0.5 * max(abs(gap[1] - gap[0]), abs(gap[PARTS] - gap[PARTS - 1]))
+    else:
+        # next to a stationary obstacle the gap lies, in the first and last part, above the next part's secant
+        bound = min(bound, gap[1] - max(gap[2] - gap[1], 0.0))
+        bound = min(bound, gap[PARTS - 1] + min(gap[PARTS - 1] - gap[PARTS - 2], 0.0))
+    for k in range(1, PARTS - 1):
+        before = gap[k] - gap[k - 1]
+        here = gap[k + 1] - gap[k]
+        after = gap[k + 2] - gap[k + 1]
+        if before < 0.0 and after > 0.0:
+            bound = min(bound, gap[k] + before * (here - after) / (after - before))
+    return bound
+
+
+def max_change(w: BandWork) -> Real:
+    """Return by how much a gap to a stationary obstacle changes at most from node to node."""
+    return w.spacing * (1.0 + LEVER * w.length * w.max_curvature)
+
+
+def sample_near(w: BandWork) -> Int:
+    """Sample the gaps of the obstacles and nodes that may be near each other; return their number."""
+    # circles around the boxes bound their gap from below, circles inside them from above
+    half = 0.5 * norm(w.length, w.width)
+    upper = math.inf
+    for o in range(w.m):
+        for i in range(w.n):
+            dx = w.box_x[o, i] - w.x[i] - w.box_offset * w.ahead_x[i]
+            dy = w.box_y[o, i] - w.y[i] - w.box_offset * w.ahead_y[i]
+            distance = norm(dx, dy)
+            w.gaps[o, i] = distance - (w.radius[o, i] + half)
+            upper = min(upper, distance - w.half_width[o, i])
+    near = max(w.clearance, upper - 0.5 * w.width)
+    change = max_change(w)
+    count = 0
+    for o in range(w.m):
+        moves = w.max_step[o] + change
+        for i in range(w.n):
+            if not w.gaps[o, i] > near + 2.0 * moves:
+                w.pair_obstacle[count] = o
+                w.pair_node[count] = i
+                w.sampled[count] = gap_at(w, o, i)
+                w.bulge[count] = w.spacing * abs(w.curvature[i]) * (0.125 * w.spacing + 0.5 * moves)
+                count += 1
+    return count
+
+
+def is_straight(w: BandWork, count: Int) -> Flag:
+    """Return whether the band is straight at the sampled nodes, and every obstacle stationary."""
+    for o in range(w.m):
+        if w.max_step[o] != 0.0:
+            return False
+    for k in range(count):
+        if w.curvature[w.pair_node[k]] != 0.0:
+            return False
+    return True
+
+
+def bound_between(w: BandWork, count: Int) -> None:
+    """Bound the gaps between sampled nodes from below, by the samples around."""
+    # The gap of convex bodies in straight relative motion without rotation is a convex function of time: it
+    # lies above the secants of the intervals on both sides. The bulge of the cubic from its chord and the
+    # effect of rotation are subtracted from that bound.
+    sampled = w.sampled
+    bulge = w.bulge
+    bound = w.bound
+    error = 0.0 if is_straight(w, count) else CURVE_ERROR
+    for k in range(count):
+        bulge[k] += error
+        bound[k] = sampled[k]
+    for k in range(count - 1):
+        if w.pair_node[k + 1] - w.pair_node[k] == 1:
+            bound[k] = min(sampled[k], sampled[k + 1]) - max(bulge[k], bulge[k + 1])
+    # extended secants of both sides meet below the samples where the gap may dip between them
+    for k in range(1, count - 2):
+        before = sampled[k] - sampled[k - 1]
+        after = sampled[k + 2] - sampled[k + 1]
+        if before < 0.0 and after > 0.0 and w.pair_node[k + 2] - w.pair_node[k - 1] == 3:
+            dip = sampled[k] + before * (sampled[k + 1] - sampled[k] - after) / (before - after)
+            bound[k] = min(bound[k], dip - bulge[k])
+    change = max_change(w)
+    for k in range(count - 1):
+        i = w.pair_node[k]
+        if w.pair_node[k + 1] - i == 1 and (i == 0 or i == w.n - 2):
+            bound[k] -= 0.5 * (w.max_step[w.pair_obstacle[k]] + change)
+
+
+def refine_between(w: BandWork, count: Int) -> None:
+    """Sample closely where a bound is below the clearance, or loose next to a stationary obstacle."""
+    sampled = w.sampled
+    bound = w.bound
+    min_sample = math.inf
+    for k in range(count):
+        min_sample = min(min_sample, sampled[k])
+    for k in range(count - 1):
+        o = w.pair_obstacle[k]
+        i = w.pair_node[k]
+        if w.pair_node[k + 1] - i != 1 or min(sampled[k], sampled[k + 1]) < w.clearance:
+            continue
+        loose = bound[k] < min_sample - LOOSE and bound[k] < w.clearance + DECISIVE and w.max_step[o] == 0.0
+        if bound[k] < w.clearance or loose:
+            bound[k] = min_between(w, o, i)
+
+
+def measure_gaps(w: BandWork) -> None:
+    """Compute the least gap to each obstacle between each node and the next, and the least of all."""
+    count = sample_near(w)
+    bound_between(w, count)
+    refine_between(w, count)
+    for k in range(count):
+        w.gaps[w.pair_obstacle[k], w.pair_node[k]] = w.bound[k]
+    w.min_gap = math.inf
+    for o in range(w.m):
+        for i in range(w.n):
+            w.min_gap = min(w.min_gap, w.gaps[o, i])
+            if not w.gaps[o, i] > -math.inf:
+                w.finite = False
+
+
+def end_gap(w: BandWork, o: Int) -> Real:
+    """Return the lesser of the gaps to an obstacle at the pinned ends, which no deformation changes."""
+    e = w.n - 1
+    x = w.route_x[0] - w.tangent_y[0] * w.free[0] + w.box_offset * w.heading_x0
+    y = w.route_y[0] + w.tangent_x[0] * w.free[0] + w.box_offset * w.heading_y0
+    first = oriented_box_gap(
+        w.box_x[o, 0] - x, w.box_y[o, 0] - y, w.heading_x0, w.heading_y0,
+        w.box_ahead_x[o, 0], w.box_ahead_y[o, 0],
+        0.5 * w.length, 0.5 * w.width, w.half_length[o, 0], w.half_width[o, 0],
+    )  # fmt: skip
+    x = w.route_x[e] - w.tangent_y[e] * w.free[e] + w.box_offset * w.heading_x1
+    y = w.route_y[e] + w.tangent_x[e] * w.free[e] + w.box_offset * w.heading_y1
+    last = oriented_box_gap(
+        w.box_x[o, e] - x, w.box_y[o, e] - y, w.heading_x1, w.heading_y1,
+        w.box_ahead_x[o, e], w.box_ahead_y[o, e],
+        0.5 * w.length, 0.5 * w.width, w.half_length[o, e], w.half_width[o, e],
+    )  # fmt: skip
+    return min(first, last)
