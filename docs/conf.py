@@ -80,6 +80,8 @@ def document_constants(package: ModuleType) -> None:
     face = ModuleAnalyzer.for_module(package.__name__)
     face.analyze()
     for module in walk_packages(package.__path__, f"{package.__name__}."):
+        if module.name == "cca_core.kernel._compiled":  # C has no docstrings
+            continue
         for (scope, name), text in ModuleAnalyzer.for_module(module.name).find_attr_docs().items():
             if not scope and name in public[package]:
                 face.attr_docs[scope, name] = text

@@ -63,17 +63,15 @@ MAX_WIDTH = 110
 
 
 def wrapped(line: str) -> str:
-    """Break a line at its spaces; a macro must stay on one."""
+    """Break a line after commas and before operators; a macro must stay on one."""
     margin = line[: len(line) - len(line.lstrip())]
     if len(line) <= MAX_WIDTH or line.startswith("#"):
         return line
-    return textwrap.fill(
-        line.strip(),
-        MAX_WIDTH,
-        initial_indent=margin,
-        subsequent_indent=f"{margin}    ",
-        break_on_hyphens=False,
-    )
+    kept = line.strip() if line.startswith("/*") else re.sub(r"(?<!,) (?![-+*/<>=&|?:])", "\0", line.strip())
+    indents = (margin, f"{margin}    ")
+    width = MAX_WIDTH - len(indents[1])
+    lines = textwrap.wrap(kept, width, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(indents[i > 0] + part.replace("\0", " ") for i, part in enumerate(lines))
 
 
 def translate(folder: Path) -> dict[str, str]:

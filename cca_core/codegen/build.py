@@ -16,10 +16,11 @@ def compile_kernel(folder: Path = KERNEL, target: Path = KERNEL) -> Path:
     from setuptools import Distribution, Extension
     from setuptools.command.build_ext import build_ext
 
+    flags = WINDOWS if os.name == "nt" else UNIX
     extension = Extension(
         "_compiled",
         [str(folder / "c" / name) for name in ("python.c", "kernel.c")],
-        extra_compile_args=WINDOWS if os.name == "nt" else UNIX,
+        extra_compile_args=flags + os.environ.get("CFLAGS", "").split(),  # the last one wins
         py_limited_api=True,
     )
     command = build_ext(Distribution({"ext_modules": [extension]}))

@@ -18,17 +18,17 @@ static inline int int_max(int a, int b) { return b > a ? b : a; }
 static inline int int_min(int a, int b) { return b < a ? b : a; }
 static inline int int_floor(int a, int b) { return a < 0 ? -1 - (-1 - a) / b : a / b; }
 
-/* band_batch.py: Bands of a batch one after the other: from the caller's arrays into the workspace, and back.
-    */
+/* band_batch.py: Bands of a batch one after the other: from the caller's arrays into the workspace, and
+    back. */
 
 /* band_certificate.py: Certificate of a band: gaps of the ego's swept box to obstacles and edges, and
     curvature. */
 
-/* band_gaps.py: Gaps of the ego's swept box to obstacles, between nodes too: lower bounds, tight where they
-    limit. */
+/* band_gaps.py: Gaps of the ego's swept box to obstacles, between nodes too: lower bounds, tight where
+    they limit. */
 
-/* band_workspace.py: Memory of a band in the kernel: codes, the equilibrium, one band, and a batch of bands.
-    */
+/* band_workspace.py: Memory of a band in the kernel: codes, the equilibrium, one band, and a batch of
+    bands. */
 #define BAND_WORKSPACE_OK 0
 #define BAND_WORKSPACE_INFEASIBLE 1
 #define BAND_WORKSPACE_NOT_CONVERGED 2
@@ -84,8 +84,8 @@ static double box_gaps_nearest_corner(double x, double y, double c, double s, do
 }
 
 /* Signed distance of box b, at dx, dy from box a, from unit headings and half extents [m]. */
-double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by, double length_a,
-    double width_a, double length_b, double width_b)
+double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by,
+    double length_a, double width_a, double length_b, double width_b)
 {
     double turn_c = bx * ax + by * ay;
     double turn_s = by * ax - bx * ay;
@@ -130,15 +130,15 @@ double cca_aligned_box_gaps(int n, const double *dx, const double *dy, double le
 }
 
 /* Signed distance of two boxes from centers, headings and full extents [m]; NaN if one is not finite. */
-double cca_box_gap(double ax, double ay, double a_psi, double a_length, double a_width, double bx, double by,
-    double b_psi, double b_length, double b_width)
+double cca_box_gap(double ax, double ay, double a_psi, double a_length, double a_width, double bx,
+    double by, double b_psi, double b_length, double b_width)
 {
     double headings = 0.0 * a_psi + 0.0 * b_psi;
     if (isnan(headings)) {
         return headings;
     }
-    return cca_oriented_box_gap(bx - ax, by - ay, cos(a_psi), sin(a_psi), cos(b_psi), sin(b_psi), 0.5 *
-        a_length, 0.5 * a_width, 0.5 * b_length, 0.5 * b_width);
+    return cca_oriented_box_gap(bx - ax, by - ay, cos(a_psi), sin(a_psi), cos(b_psi), sin(b_psi), 0.5
+        * a_length, 0.5 * a_width, 0.5 * b_length, 0.5 * b_width);
 }
 
 /* Signed distances of n boxes b from k boxes a, which repeat: x, y, heading, length, width of each. */
@@ -146,8 +146,8 @@ void cca_box_gaps(int n, int k, const double *a, const double *b, double *gap)
 {
     int j = 0;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        gap[i] = cca_box_gap(a[j * 5 + 0], a[j * 5 + 1], a[j * 5 + 2], a[j * 5 + 3], a[j * 5 + 4], b[i * 5 +
-            0], b[i * 5 + 1], b[i * 5 + 2], b[i * 5 + 3], b[i * 5 + 4]);
+        gap[i] = cca_box_gap(a[j * 5 + 0], a[j * 5 + 1], a[j * 5 + 2], a[j * 5 + 3], a[j * 5 + 4], b[i * 5
+            + 0], b[i * 5 + 1], b[i * 5 + 2], b[i * 5 + 3], b[i * 5 + 4]);
         j += 1;
         if (j == k) {
             j = 0;
@@ -165,8 +165,8 @@ static double circles_circle_curvature(double x0, double y0, double x1, double y
     double ay = y1 - y0;
     double bx = x2 - x1;
     double by = y2 - y1;
-    return 2.0 * (ax * by - ay * bx) / (box_gaps_norm(ax, ay) * box_gaps_norm(bx, by) * box_gaps_norm(x2 - x0,
-        y2 - y0));
+    return 2.0 * (ax * by - ay * bx) / (box_gaps_norm(ax, ay) * box_gaps_norm(bx, by) * box_gaps_norm(x2
+        - x0, y2 - y0));
 }
 #define BAND_GAPS_CURVE_ERROR 0.002
 #define BAND_GAPS_LOOSE 0.004
@@ -203,23 +203,23 @@ static void band_gaps_sample_between(BandWork *w, int o, int i)
         double speed = real_max(box_gaps_norm(tx, ty), CIRCLES_TINY);
         tx /= speed;
         ty /= speed;
-        double hx = w->box_ahead_x[o * w->max_n + i] + f * (w->box_ahead_x[o * w->max_n + j] -
-            w->box_ahead_x[o * w->max_n + i]);
-        double hy = w->box_ahead_y[o * w->max_n + i] + f * (w->box_ahead_y[o * w->max_n + j] -
-            w->box_ahead_y[o * w->max_n + i]);
+        double hx = w->box_ahead_x[o * w->max_n + i] + f * (w->box_ahead_x[o * w->max_n + j]
+            - w->box_ahead_x[o * w->max_n + i]);
+        double hy = w->box_ahead_y[o * w->max_n + i] + f * (w->box_ahead_y[o * w->max_n + j]
+            - w->box_ahead_y[o * w->max_n + i]);
         double heading = real_max(box_gaps_norm(hx, hy), CIRCLES_TINY);
-        double dx = w->box_x[o * w->max_n + i] + f * (w->box_x[o * w->max_n + j] - w->box_x[o * w->max_n +
-            i]);
-        double dy = w->box_y[o * w->max_n + i] + f * (w->box_y[o * w->max_n + j] - w->box_y[o * w->max_n +
-            i]);
+        double dx = w->box_x[o * w->max_n + i] + f * (w->box_x[o * w->max_n + j] - w->box_x[o * w->max_n
+            + i]);
+        double dy = w->box_y[o * w->max_n + i] + f * (w->box_y[o * w->max_n + j] - w->box_y[o * w->max_n
+            + i]);
         dx -= w->x[i] + f * cx + f * e * (e * ax + f * bx);
         dy -= w->y[i] + f * cy + f * e * (e * ay + f * by);
-        double half_length = w->half_length[o * w->max_n + i] + f * (w->half_length[o * w->max_n + j] -
-            w->half_length[o * w->max_n + i]);
-        double half_width = w->half_width[o * w->max_n + i] + f * (w->half_width[o * w->max_n + j] -
-            w->half_width[o * w->max_n + i]);
-        w->parts[k] = cca_oriented_box_gap(dx - w->box_offset * tx, dy - w->box_offset * ty, tx, ty, hx /
-            heading, hy / heading, 0.5 * w->length, 0.5 * w->width, half_length, half_width);
+        double half_length = w->half_length[o * w->max_n + i] + f * (w->half_length[o * w->max_n + j]
+            - w->half_length[o * w->max_n + i]);
+        double half_width = w->half_width[o * w->max_n + i] + f * (w->half_width[o * w->max_n + j]
+            - w->half_width[o * w->max_n + i]);
+        w->parts[k] = cca_oriented_box_gap(dx - w->box_offset * tx, dy - w->box_offset * ty, tx, ty, hx
+            / heading, hy / heading, 0.5 * w->length, 0.5 * w->width, half_length, half_width);
     }
 }
 
@@ -236,8 +236,8 @@ static double band_gaps_min_between(BandWork *w, int o, int i)
         bound -= 0.5 * real_max(fabs(gap[1] - gap[0]), fabs(gap[BAND_GAPS_PARTS] - gap[BAND_GAPS_PARTS - 1]));
     } else {
         bound = real_min(bound, gap[1] - real_max(gap[2] - gap[1], 0.0));
-        bound = real_min(bound, gap[BAND_GAPS_PARTS - 1] + real_min(gap[BAND_GAPS_PARTS - 1] -
-            gap[BAND_GAPS_PARTS - 2], 0.0));
+        bound = real_min(bound, gap[BAND_GAPS_PARTS - 1] + real_min(gap[BAND_GAPS_PARTS - 1]
+            - gap[BAND_GAPS_PARTS - 2], 0.0));
     }
     for (int k = 1, k_end_ = BAND_GAPS_PARTS - 1; k < k_end_; k += 1) {
         double before = gap[k] - gap[k - 1];
@@ -352,8 +352,8 @@ static void band_gaps_refine_between(BandWork *w, int count)
         if (w->pair_node[k + 1] - i != 1 || real_min(sampled[k], sampled[k + 1]) < w->clearance) {
             continue;
         }
-        bool loose = bound[k] < min_sample - BAND_GAPS_LOOSE && bound[k] < w->clearance + BAND_GAPS_DECISIVE
-            && w->max_step[o] == 0.0;
+        bool loose = bound[k] < min_sample - BAND_GAPS_LOOSE && bound[k] < w->clearance
+            + BAND_GAPS_DECISIVE && w->max_step[o] == 0.0;
         if (bound[k] < w->clearance || loose) {
             bound[k] = band_gaps_min_between(w, o, i);
         }
@@ -397,8 +397,8 @@ static double band_gaps_end_gap(const BandWork *w, int o)
     return real_min(first, last);
 }
 
-/* band_spline.py: The C2 cubic through the displaced nodes: unit tangents, curvature, and moments divided by
-    6. */
+/* band_spline.py: The C2 cubic through the displaced nodes: unit tangents, curvature, and moments divided
+    by 6. */
 
 /* Displace the nodes of the route to their left. */
 static void band_spline_displace_nodes(BandWork *w)
@@ -596,17 +596,17 @@ static bool band_corridor_set_headings(BandWork *w)
                 w->box_ahead_x[o * w->max_n + i] = cos(w->box_psi[o * w->max_n + i]);
                 w->box_ahead_y[o * w->max_n + i] = sin(w->box_psi[o * w->max_n + i]);
             }
-            w->radius[o * w->max_n + i] = box_gaps_norm(w->half_length[o * w->max_n + i], w->half_width[o *
-                w->max_n + i]);
-            double sine = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n +
-                i] * w->tangent_y[i];
+            w->radius[o * w->max_n + i] = box_gaps_norm(w->half_length[o * w->max_n + i], w->half_width[o
+                * w->max_n + i]);
+            double sine = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
+                + i] * w->tangent_y[i];
             max_sine = real_max(max_sine, fabs(sine));
             if (i > 0) {
                 double step = box_gaps_norm(w->box_x[o * w->max_n + i] - w->box_x[o * w->max_n + i - 1],
                     w->box_y[o * w->max_n + i] - w->box_y[o * w->max_n + i - 1]);
                 double turn_x = w->box_ahead_x[o * w->max_n + i] - w->box_ahead_x[o * w->max_n + i - 1];
-                double turn = box_gaps_norm(turn_x, w->box_ahead_y[o * w->max_n + i] - w->box_ahead_y[o *
-                    w->max_n + i - 1]);
+                double turn = box_gaps_norm(turn_x, w->box_ahead_y[o * w->max_n + i] - w->box_ahead_y[o
+                    * w->max_n + i - 1]);
                 w->max_step[o] = real_max(w->max_step[o], step + turn * w->radius[o * w->max_n + i]);
             }
         }
@@ -623,10 +623,10 @@ static void band_corridor_measure_overlap(BandWork *w, int o, int i, bool aligne
     double dy = w->box_y[o * w->max_n + i] - w->route_y[i];
     double x = dx * w->tangent_x[i] + dy * w->tangent_y[i] - w->box_offset;
     double y = dy * w->tangent_x[i] - dx * w->tangent_y[i];
-    double turn_cos = w->box_ahead_x[o * w->max_n + i] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n + i] *
-        w->tangent_y[i];
-    double turn_sin = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n + i] *
-        w->tangent_y[i];
+    double turn_cos = w->box_ahead_x[o * w->max_n + i] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n
+        + i] * w->tangent_y[i];
+    double turn_sin = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
+        + i] * w->tangent_y[i];
     double cosine = fabs(turn_cos);
     double sine = fabs(turn_sin);
     double along = w->half_length[o * w->max_n + i] + w->clearance;
@@ -656,8 +656,8 @@ static void band_corridor_measure_overlap(BandWork *w, int o, int i, bool aligne
 static void band_corridor_set_passing(BandWork *w)
 {
     bool aligned = band_corridor_set_headings(w);
-    double slope = BAND_CORRIDOR_END_SLOPE * box_gaps_norm(w->route_x[1] - w->route_x[0], w->route_y[1] -
-        w->route_y[0]);
+    double slope = BAND_CORRIDOR_END_SLOPE * box_gaps_norm(w->route_x[1] - w->route_x[0], w->route_y[1]
+        - w->route_y[0]);
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
             band_corridor_measure_overlap(w, o, i, aligned);
@@ -667,8 +667,8 @@ static void band_corridor_set_passing(BandWork *w)
             if (overlap >= 0.0) {
                 continue;
             }
-            double near = real_max(w->overlap[o * w->max_n + int_max(i - 1, 0)], w->overlap[o * w->max_n +
-                int_min(i + 1, w->n - 1)]);
+            double near = real_max(w->overlap[o * w->max_n + int_max(i - 1, 0)], w->overlap[o * w->max_n
+                + int_min(i + 1, w->n - 1)]);
             if (near >= 0.0) {
                 double relief = slope * (overlap / real_min(overlap - near, -BAND_CORRIDOR_MIN_DROP));
                 w->passing_right[o * w->max_n + i] += relief;
@@ -711,19 +711,19 @@ static int band_corridor_set_bounds(BandWork *w)
 
 /* band_relaxation.py: Relaxation of a band with given sides, and of a band whose sides follow a rule. */
 
-/* band_frame.py: The route in the frame of each node: spacing, tangents, curvature, and how the band begins
-    and ends. */
+/* band_frame.py: The route in the frame of each node: spacing, tangents, curvature, and how the band
+    begins and ends. */
 
-/* equilibrium.py: Equilibrium of a band against one-sided bounds, by a semi-smooth Newton iteration on the
-    active set.  The energy is ``1/2 u K u`` and ``1/2 contact`` times the squared violations of the bounds:
-    convex and piecewise quadratic. A step that reproduces its active set is the minimum. */
+/* equilibrium.py: Equilibrium of a band against one-sided bounds, by a semi-smooth Newton iteration on
+    the active set.  The energy is ``1/2 u K u`` and ``1/2 contact`` times the squared violations of the
+    bounds: convex and piecewise quadratic. A step that reproduces its active set is the minimum. */
 
-/* stiffness.py: Stiffness of a band between pinned ends: internal forces, factors of its matrix, solutions.
-    */
+/* stiffness.py: Stiffness of a band between pinned ends: internal forces, factors of its matrix,
+    solutions. */
 
 /* Take stiffnesses in units of the outermost coefficient, in which row sums keep their digits. */
-static void stiffness_set_stiffness(Equilibrium *e, double rate, double bending, double tension, double
-    contact, double of_curvature)
+static void stiffness_set_stiffness(Equilibrium *e, double rate, double bending, double tension,
+    double contact, double of_curvature)
 {
     double unit = rate;
     if (unit == 0.0) {
@@ -900,8 +900,8 @@ static void equilibrium_guess_active_set(Equilibrium *e)
     for (int i = 3, i_end_ = n - 3; i < i_end_; i += 1) {
         if (active[i] != 0) {
             double sign = -active[i] * 1.0;
-            if (!equilibrium_touches_end(sign * violation[i - 1], sign * violation[i], sign * violation[i +
-                1])) {
+            if (!equilibrium_touches_end(sign * violation[i - 1], sign * violation[i], sign * violation[i
+                + 1])) {
                 active[i] = 0;
             }
         }
@@ -1138,8 +1138,8 @@ static bool equilibrium_find_equilibrium(Equilibrium *e, bool warm)
 }
 
 /* Compute the displacement without contacts from its first three nodes; return whether digits suffice. */
-static bool equilibrium_respond_to_start(Equilibrium *e, double before, double start_0, double start_1, double
-    *to)
+static bool equilibrium_respond_to_start(Equilibrium *e, double before, double start_0, double start_1,
+    double *to)
 {
     int n = e->n;
     double *force = e->force;
@@ -1201,8 +1201,8 @@ static int band_frame_measure_route(BandWork *w)
         longest = real_max(longest, step);
     }
     w->spacing = total / (n - 1);
-    if (!(shortest > BAND_FRAME_MIN_EVENNESS * w->spacing && w->spacing > BAND_FRAME_MIN_EVENNESS * longest))
-        {
+    if (!(shortest > BAND_FRAME_MIN_EVENNESS * w->spacing && w->spacing > BAND_FRAME_MIN_EVENNESS
+        * longest)) {
         return BAND_WORKSPACE_UNEVEN_SPACING;
     }
     if (!(BAND_FRAME_MIN_SPACING <= w->spacing && w->spacing <= BAND_FRAME_MAX_SPACING)) {
@@ -1285,8 +1285,8 @@ static int band_frame_set_ends(BandWork *w, Equilibrium *e)
     return BAND_WORKSPACE_OK;
 }
 
-/* band_result.py: Result of a band: its status, the reason and the active constraint, from its certificate.
-    */
+/* band_result.py: Result of a band: its status, the reason and the active constraint, from its
+    certificate. */
 #define BAND_RESULT_ROUNDING 1e-09
 
 /* Return the obstacle with the least gap, the first of equals. */
@@ -1407,8 +1407,8 @@ static void band_result_report_empty_interval(BandWork *w, int node)
 static int band_result_find_blocked_end(const BandWork *w)
 {
     int e = w->n - 1;
-    if ((w->lower[0] <= w->free[0] && w->free[0] <= w->upper[0]) && (w->lower[e] <= w->free[e] && w->free[e]
-        <= w->upper[e])) {
+    if ((w->lower[0] <= w->free[0] && w->free[0] <= w->upper[0]) && (w->lower[e] <= w->free[e]
+        && w->free[e] <= w->upper[e])) {
         return BAND_WORKSPACE_NO_CONSTRAINT;
     }
     double gap = w->clearance - w->max_end_shortfall;
@@ -1433,8 +1433,8 @@ static void band_result_report_blocked_end(BandWork *w, int o)
     }
 }
 
-/* band_tightening.py: Constraint tightening: solve, certify, move the bounds by the shortfall, solve again.
-    */
+/* band_tightening.py: Constraint tightening: solve, certify, move the bounds by the shortfall, solve
+    again. */
 #define BAND_TIGHTENING_MAX_FRACTION 0.8
 
 /* Move the bounds by the shortfall of clearance, to `low` and `high`; return whether they leave any. */
@@ -1720,8 +1720,8 @@ static void band_sides_measure_freedom(BandWork *w, int o)
         if (w->passing_right[o * w->max_n + i] < HUGE_VAL) {
             no_left = no_left || w->passing_left[o * w->max_n + i] > w->left_edge[i] - half;
             no_right = no_right || w->passing_right[o * w->max_n + i] < w->right_edge[i] + half;
-            distance = real_min(distance, real_max(w->passing_right[o * w->max_n + i], -w->passing_left[o *
-                w->max_n + i]));
+            distance = real_min(distance, real_max(w->passing_right[o * w->max_n + i], -w->passing_left[o
+                * w->max_n + i]));
         }
     }
     w->distance[o] = distance;
@@ -1994,8 +1994,8 @@ void cca_relax_bands(BandBatch *q, BandWork *w, Equilibrium *e, int bands, int c
 /* Certify a displacement of the first band of a batch; return a status.
 
 Its frame, its bounds for the given sides, and its certificate are left in the workspace. */
-int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const double *u, int columns, double
-    *found, int *codes)
+int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const double *u, int columns,
+    double *found, int *codes)
 {
     band_batch_load_band(q, 0, w);
     int status = band_relaxation_prepare_band(w, e);
@@ -2019,14 +2019,14 @@ int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const dou
 /* band_cubics.py: Cubics of the path through the nodes of a band. */
 
 /* Compute arc lengths, and a, b, c, d of x and then of y, from nodes and spline moments / 6. */
-void cca_join_cubics(int segments, const double *nodes, const double *moments, double start, double *breaks,
-    double *cubics)
+void cca_join_cubics(int segments, const double *nodes, const double *moments, double start, double
+    *breaks, double *cubics)
 {
     double s = 0.0;
     breaks[0] = start;
     for (int i = 0, i_end_ = segments; i < i_end_; i += 1) {
-        double length = box_gaps_norm(nodes[(i + 1) * 2 + 0] - nodes[i * 2 + 0], nodes[(i + 1) * 2 + 1] -
-            nodes[i * 2 + 1]);
+        double length = box_gaps_norm(nodes[(i + 1) * 2 + 0] - nodes[i * 2 + 0], nodes[(i + 1) * 2 + 1]
+            - nodes[i * 2 + 1]);
         s += length;
         breaks[i + 1] = s + start;
         for (int k = 0; k < 2; k += 1) {
@@ -2045,8 +2045,8 @@ void cca_join_cubics(int segments, const double *nodes, const double *moments, d
 #define CONSTANTS_STALE_AGE 1.0
 #define CONSTANTS_STANDSTILL_SPEED 0.5
 
-/* curve.py: A path of cubics over arc length, straight beyond both ends, and foot points of positions on it.
-    */
+/* curve.py: A path of cubics over arc length, straight beyond both ends, and foot points of positions on
+    it. */
 #define CURVE_MAX_ITERATIONS 12
 #define CURVE_STEP_TOLERANCE 1e-09
 #define CURVE_BISECTIONS 50
@@ -2084,8 +2084,8 @@ cca_dddddd cca_curve_point(const Curve *curve, double s)
     double dx = (3.0 * powers[i * 8 + 0] * t + 2.0 * powers[i * 8 + 2]) * t + powers[i * 8 + 4];
     double dy = (3.0 * powers[i * 8 + 1] * t + 2.0 * powers[i * 8 + 3]) * t + powers[i * 8 + 5];
     if (s == on) {
-        return (cca_dddddd){x, y, dx, dy, 6.0 * powers[i * 8 + 0] * t + 2.0 * powers[i * 8 + 2], 6.0 *
-            powers[i * 8 + 1] * t + 2.0 * powers[i * 8 + 3]};
+        return (cca_dddddd){x, y, dx, dy, 6.0 * powers[i * 8 + 0] * t + 2.0 * powers[i * 8 + 2], 6.0
+            * powers[i * 8 + 1] * t + 2.0 * powers[i * 8 + 3]};
     }
     return (cca_dddddd){x + (s - on) * dx, y + (s - on) * dy, dx, dy, 0.0, 0.0};
 }
@@ -2141,8 +2141,8 @@ cca_dddd cca_foot_point(const Curve *curve, double x, double y, double s_guess)
 }
 
 /* Foot point s, d next to a sample; where Newton leaves the sample's interval, by bisection in it. */
-static cca_dd curve_foot_point_at_sample(const Curve *curve, const CurveSamples *samples, double x, double y,
-    int i)
+static cca_dd curve_foot_point_at_sample(const Curve *curve, const CurveSamples *samples, double x,
+    double y, int i)
 {
     int last = samples->count - 1;
     double low = samples->s[int_max(i - 1, 0)];
@@ -2273,8 +2273,8 @@ void cca_foot_points(const Curve *curve, int n, const double *x, const double *y
 }
 
 /* Nearest points of n positions on the whole path. */
-void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x, const double
-    *y, double *s, double *d)
+void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x,
+    const double *y, double *s, double *d)
 {
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         const cca_dd result1_ = cca_nearest_point(curve, samples, x[i], y[i]);
@@ -2286,9 +2286,9 @@ void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, 
 /* equilibrium_batch.py: Equilibria of a batch of bands between given bounds. */
 
 /* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts. */
-void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness, const double
-    *lower, const double *upper, const double *lower_difference, const double *upper_difference, double *u,
-    int *solves, int *converged)
+void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
+    const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
+    double *u, int *solves, int *converged)
 {
     e->n = n;
     for (int b = 0, b_end_ = bands; b < b_end_; b += 1) {
@@ -2311,8 +2311,8 @@ void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const d
     }
 }
 
-/* reach.py: Where other vehicles may be: distances, reachable and occupied intervals, danger zones, occupancy
-    boxes. */
+/* reach.py: Where other vehicles may be: distances, reachable and occupied intervals, danger zones,
+    occupancy boxes. */
 #define REACH_BELIEVED_BRAKING (-1.0)
 #define REACH_SMALLEST 1e-300
 #define REACH_WINDOW 15.0
@@ -2378,8 +2378,8 @@ static double reach_longest(double speed, double t, double acceleration, double 
 }
 
 /* Smallest displacement along the road within assumed limits. */
-static double reach_reach_low(double v, double t, double braking, double acceleration, double age, double
-    rate)
+static double reach_reach_low(double v, double t, double braking, double acceleration, double age,
+    double rate)
 {
     double creeping = acceleration > 0.0 ? CONSTANTS_STANDSTILL_SPEED : 0.0;
     if (v < creeping) {
@@ -2389,8 +2389,8 @@ static double reach_reach_low(double v, double t, double braking, double acceler
 }
 
 /* Largest displacement along the road within assumed limits. */
-static double reach_reach_high(double v, double t, double braking, double acceleration, double age, double
-    rate)
+static double reach_reach_high(double v, double t, double braking, double acceleration, double age,
+    double rate)
 {
     double creeping = acceleration > 0.0 ? CONSTANTS_STANDSTILL_SPEED : 0.0;
     if (v > -creeping) {
@@ -2408,8 +2408,8 @@ void cca_distances_driven(int n, const double *t, double v, double a_x, double *
 }
 
 /* Displacements that vehicles can reach, one time for each. */
-void cca_reachable_intervals(int n, const double *v, const double *t, const double *age, const double *rate,
-    double braking, double acceleration, double *low, double *high)
+void cca_reachable_intervals(int n, const double *v, const double *t, const double *age, const double
+    *rate, double braking, double acceleration, double *low, double *high)
 {
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         low[i] = reach_reach_low(v[i], t[i], braking, acceleration, age[i], rate[i]);
@@ -2429,10 +2429,10 @@ void cca_occupied_intervals(int vehicles, int times, const double *motion, const
             double low = copysign(1.0, v) * reach_distance_driven(fabs(v), motion[k * 8 + REACH_A_X], t[i]);
             double high = low;
             if (!(braking == 0.0 && acceleration == 0.0)) {
-                low = reach_reach_low(v, t[i], braking, acceleration, motion[k * 8 + REACH_AGE], motion[k * 8
-                    + REACH_RATE]);
-                high = reach_reach_high(v, t[i], braking, acceleration, motion[k * 8 + REACH_AGE], motion[k *
-                    8 + REACH_RATE]);
+                low = reach_reach_low(v, t[i], braking, acceleration, motion[k * 8 + REACH_AGE], motion[k
+                    * 8 + REACH_RATE]);
+                high = reach_reach_high(v, t[i], braking, acceleration, motion[k * 8 + REACH_AGE],
+                    motion[k * 8 + REACH_RATE]);
             }
             rear[k * times + i] = motion[k * 8 + REACH_REAR] + low;
             front[k * times + i] = motion[k * 8 + REACH_FRONT] + high;
@@ -2441,17 +2441,19 @@ void cca_occupied_intervals(int vehicles, int times, const double *motion, const
 }
 
 /* Intervals of the road in which vehicles of the adjacent lane block a maneuver, relative to the ego. */
-void cca_danger_zones(int vehicles, int times, const double *motion, const double *t, const double *travel,
-    double *zone)
+void cca_danger_zones(int vehicles, int times, const double *motion, const double *t, const double
+    *travel, double *zone)
 {
     for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
         double low = HUGE_VAL;
         double high = -HUGE_VAL;
         for (int i = 0, i_end_ = times; i < i_end_; i += 1) {
-            double first = reach_reach_low(motion[k * 8 + REACH_SPEED], t[i], motion[k * 8 + REACH_BRAKING],
-                motion[k * 8 + REACH_ACCELERATION], motion[k * 8 + REACH_AGE], motion[k * 8 + REACH_RATE]);
-            double last = reach_reach_high(motion[k * 8 + REACH_SPEED], t[i], motion[k * 8 + REACH_BRAKING],
-                motion[k * 8 + REACH_ACCELERATION], motion[k * 8 + REACH_AGE], motion[k * 8 + REACH_RATE]);
+            double first = reach_reach_low(motion[k * 8 + REACH_SPEED], t[i], motion[k * 8
+                + REACH_BRAKING], motion[k * 8 + REACH_ACCELERATION], motion[k * 8 + REACH_AGE], motion[k * 8
+                + REACH_RATE]);
+            double last = reach_reach_high(motion[k * 8 + REACH_SPEED], t[i], motion[k * 8
+                + REACH_BRAKING], motion[k * 8 + REACH_ACCELERATION], motion[k * 8 + REACH_AGE], motion[k * 8
+                + REACH_RATE]);
             if (first - travel[i] <= last - travel[i]) {
                 low = real_min(low, first - travel[i]);
                 high = real_max(high, last - travel[i]);
@@ -2466,8 +2468,8 @@ void cca_danger_zones(int vehicles, int times, const double *motion, const doubl
 }
 
 /* Boxes that cover occupied intervals near given stations: x, y, heading, length and width of each. */
-void cca_occupancy_boxes(const Curve *curve, int n, const double *s, const double *rear, const double *front,
-    const double *d, const double *half_width, double *boxes)
+void cca_occupancy_boxes(const Curve *curve, int n, const double *s, const double *rear, const double
+    *front, const double *d, const double *half_width, double *boxes)
 {
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         double first = real_min(real_max(rear[i], s[i] - REACH_WINDOW), front[i]);
@@ -2485,8 +2487,8 @@ void cca_occupancy_boxes(const Curve *curve, int n, const double *s, const doubl
         boxes[i * 5 + 1] = y + d[i] * dx / speed;
         boxes[i * 5 + 2] = atan2(dy, dx);
         boxes[i * 5 + 3] = length;
-        boxes[i * 5 + 4] = 2.0 * half_width[i] + 0.25 * fabs(curve_curvature_of(dx, dy, ddx, ddy)) * length *
-            length;
+        boxes[i * 5 + 4] = 2.0 * half_width[i] + 0.25 * fabs(curve_curvature_of(dx, dy, ddx, ddy))
+            * length * length;
     }
 }
 
@@ -2512,12 +2514,12 @@ static double rss_lateral_shift(double v, const RssReaction *reaction)
 }
 
 /* Safe distances behind vehicles that may brake fully. */
-void cca_same_direction_distances(int n, const double *v_rear, const double *v_front, const RssReaction *rear,
-    const RssReaction *front, double *distance)
+void cca_same_direction_distances(int n, const double *v_rear, const double *v_front, const RssReaction
+    *rear, const RssReaction *front, double *distance)
 {
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double apart = rss_stopping_distance(v_rear[i], rear, rear->b_min) - v_front[i] * v_front[i] / (2.0 *
-            front->b_max);
+        double apart = rss_stopping_distance(v_rear[i], rear, rear->b_min) - v_front[i] * v_front[i]
+            / (2.0 * front->b_max);
         distance[i] = real_max(apart, 0.0) + rear->standstill_gap;
     }
 }
@@ -2534,8 +2536,8 @@ void cca_opposite_distances(int n, const double *v_correct, const double *v_oppo
 }
 
 /* Safe lateral distances between vehicles alongside each other. */
-void cca_lateral_distances(int n, const double *v_left, const double *v_right, const RssReaction *left, const
-    RssReaction *right, double *distance)
+void cca_lateral_distances(int n, const double *v_left, const double *v_right, const RssReaction *left,
+    const RssReaction *right, double *distance)
 {
     double margin = 0.5 * (left->fluctuation + right->fluctuation);
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
@@ -2565,8 +2567,8 @@ double cca_fiala_force(double stiffness, double slip, double f_max)
 }
 
 /* Rates of change of the eight states; they do not depend on the position. */
-static cca_dddddddd single_track_rates(const SingleTrackCar *car, double psi, double v_x, double v_y, double
-    r, double angle, double force, double delta, double a_x)
+static cca_dddddddd single_track_rates(const SingleTrackCar *car, double psi, double v_x, double v_y,
+    double r, double angle, double force, double delta, double a_x)
 {
     double grip = car->mu * CONSTANTS_GRAVITY;
     double front = car->l_r / (car->l_f + car->l_r);
@@ -2579,8 +2581,8 @@ static cca_dddddddd single_track_rates(const SingleTrackCar *car, double psi, do
     if (v_x < SINGLE_TRACK_MIN_SLIP_SPEED) {
         return (cca_dddddddd){v_x * c - v_y * s, v_x * s + v_y * c, r, force, 0.0, 0.0, rate, drive_rate};
     }
-    double side = sqrt(real_max(grip * grip - force * force, SINGLE_TRACK_MIN_SIDE * grip *
-        (SINGLE_TRACK_MIN_SIDE * grip)));
+    double side = sqrt(real_max(grip * grip - force * force, SINGLE_TRACK_MIN_SIDE * grip
+        * (SINGLE_TRACK_MIN_SIDE * grip)));
     double c_d = cos(angle);
     double s_d = sin(angle);
     double v_f = v_y + car->l_f * r;
@@ -2592,9 +2594,9 @@ static cca_dddddddd single_track_rates(const SingleTrackCar *car, double psi, do
     double pull = car->m * front * force;
     double front_x = pull * c_d - f_f * s_d;
     double front_y = pull * s_d + f_f * c_d;
-    return (cca_dddddddd){v_x * c - v_y * s, v_x * s + v_y * c, r, force * (1.0 - front) + front_x / car->m +
-        v_y * r, (front_y + f_r) / car->m - v_x * r, (car->l_f * front_y - car->l_r * f_r) / car->inertia,
-        rate, drive_rate};
+    return (cca_dddddddd){v_x * c - v_y * s, v_x * s + v_y * c, r, force * (1.0 - front) + front_x
+        / car->m + v_y * r, (front_y + f_r) / car->m - v_x * r, (car->l_f * front_y - car->l_r * f_r)
+        / car->inertia, rate, drive_rate};
 }
 
 /* Remove slip and reversing at low speed. */
@@ -2627,8 +2629,8 @@ static void single_track_runge_kutta(SingleTrackCar *car, double delta, double a
     double ar = result1_.item5;
     double aa = result1_.item6;
     double af = result1_.item7;
-    const cca_dddddddd result2_ = single_track_rates(car, psi + m * ap, v + m * av, w + m * aw, r + m * ar,
-        angle + m * aa, force + m * af, delta, a_x);
+    const cca_dddddddd result2_ = single_track_rates(car, psi + m * ap, v + m * av, w + m * aw, r + m
+        * ar, angle + m * aa, force + m * af, delta, a_x);
     double bx = result2_.item0;
     double by = result2_.item1;
     double bp = result2_.item2;
@@ -2637,8 +2639,8 @@ static void single_track_runge_kutta(SingleTrackCar *car, double delta, double a
     double br = result2_.item5;
     double ba = result2_.item6;
     double bf = result2_.item7;
-    const cca_dddddddd result3_ = single_track_rates(car, psi + m * bp, v + m * bv, w + m * bw, r + m * br,
-        angle + m * ba, force + m * bf, delta, a_x);
+    const cca_dddddddd result3_ = single_track_rates(car, psi + m * bp, v + m * bv, w + m * bw, r + m
+        * br, angle + m * ba, force + m * bf, delta, a_x);
     double cx = result3_.item0;
     double cy = result3_.item1;
     double cp = result3_.item2;
@@ -2647,8 +2649,8 @@ static void single_track_runge_kutta(SingleTrackCar *car, double delta, double a
     double cr = result3_.item5;
     double ca = result3_.item6;
     double cf = result3_.item7;
-    const cca_dddddddd result4_ = single_track_rates(car, psi + h * cp, v + h * cv, w + h * cw, r + h * cr,
-        angle + h * ca, force + h * cf, delta, a_x);
+    const cca_dddddddd result4_ = single_track_rates(car, psi + h * cp, v + h * cv, w + h * cw, r + h
+        * cr, angle + h * ca, force + h * cf, delta, a_x);
     double dx = result4_.item0;
     double dy = result4_.item1;
     double dp = result4_.item2;
@@ -2685,8 +2687,8 @@ void cca_drive(SingleTrackCar *car, double delta, double a_x, double dt)
             single_track_roll(car);
         }
     }
-    const cca_dddddddd result1_ = single_track_rates(car, car->psi, car->v_x, car->v_y, car->r, car->delta,
-        car->a_x, delta, a_x);
+    const cca_dddddddd result1_ = single_track_rates(car, car->psi, car->v_x, car->v_y, car->r,
+        car->delta, car->a_x, delta, a_x);
     double v_y_dot = result1_.item4;
     car->a_y = v_y_dot + car->v_x * car->r;
 }
@@ -2696,8 +2698,8 @@ void cca_drive(SingleTrackCar *car, double delta, double a_x, double dt)
 #define SPEED_LOOKAHEAD 2.0
 
 /* Compute when points ahead are reached if the target speed is approached freely. */
-void cca_arrival_times(int n, double v_x, double v_target, const double *distance, double a_max, double
-    b_comfort, double *t)
+void cca_arrival_times(int n, double v_x, double v_target, const double *distance, double a_max,
+    double b_comfort, double *t)
 {
     double v = real_max(v_x, CONSTANTS_STANDSTILL_SPEED);
     double target = real_max(v_target, CONSTANTS_STANDSTILL_SPEED);
@@ -2711,8 +2713,8 @@ void cca_arrival_times(int n, double v_x, double v_target, const double *distanc
 }
 
 /* Squares of the highest speeds at stations, with standstill at the last one. */
-void cca_squared_speed_limits(const Curve *curve, int n, double cruise, double a_y, double b_comfort, const
-    double *s, double *squared)
+void cca_squared_speed_limits(const Curve *curve, int n, double cruise, double a_y, double b_comfort,
+    const double *s, double *squared)
 {
     squared[n - 1] = 0.0;
     for (int i = n - 2, i_end_ = -1; i > i_end_; i -= 1) {
@@ -2752,8 +2754,8 @@ double cca_interpolated(int n, const double *at, const double *value, double s)
 }
 
 /* Acceleration along a speed profile, with its slope as feedforward. */
-double cca_profile_acceleration(int n, const double *at, const double *squared, double s, double v_x, double
-    a_max, double b_comfort, double b_max)
+double cca_profile_acceleration(int n, const double *at, const double *squared, double s, double v_x,
+    double a_max, double b_comfort, double b_max)
 {
     double horizon = SPEED_LOOKAHEAD + real_max(v_x, 0.0);
     double here = real_max(cca_interpolated(n, at, squared, s), 0.0);
@@ -2763,8 +2765,8 @@ double cca_profile_acceleration(int n, const double *at, const double *squared, 
     return real_min(cruise, real_max(ahead, -b_max));
 }
 
-/* steering.py: Preview steering: the single-track model inverted along a path, and PD control of the error
-    ahead. */
+/* steering.py: Preview steering: the single-track model inverted along a path, and PD control of the
+    error ahead. */
 #define STEERING_ROLLING_SPEED 3.0
 #define STEERING_INTEGRAL_TIME 3.0
 #define STEERING_INTEGRAL_LIMIT 0.02
@@ -2808,8 +2810,8 @@ static void steering_integrate(IdealCar *car, double kappa, double v, double dt)
     double h = dt / n;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         double a_y = v * v * (car->kappa + (i + 0.5) / n * (kappa - car->kappa));
-        double r_dot = (car->l_f * car->m * a_y - (car->l_f + car->l_r) * steering_rear_force(car, v)) /
-            car->inertia;
+        double r_dot = (car->l_f * car->m * a_y - (car->l_f + car->l_r) * steering_rear_force(car, v))
+            / car->inertia;
         double v_y_dot = a_y - v * car->r;
         car->r += h * r_dot;
         car->v_y += h * v_y_dot;
@@ -2822,8 +2824,8 @@ static void steering_start_steady(IdealCar *car, double kappa, double v)
     car->first = 0;
     car->count = 0;
     car->r = v * kappa;
-    double rolling = v < STEERING_ROLLING_SPEED ? 0.0 : car->l_f * car->m * v * v / (car->c_r * (car->l_f +
-        car->l_r));
+    double rolling = v < STEERING_ROLLING_SPEED ? 0.0 : car->l_f * car->m * v * v / (car->c_r * (car->l_f
+        + car->l_r));
     car->v_y = v * kappa * (car->l_r - rolling);
 }
 
@@ -2892,8 +2894,8 @@ static double steering_gain_at(const double *gains, int i, double fraction)
 }
 
 /* Steering angle within the limits of lateral acceleration, angle and rate. */
-static double steering_limited(const Steering *law, const IdealCar *car, double target, double v_x, double
-    v_y, double r, double dt)
+static double steering_limited(const Steering *law, const IdealCar *car, double target, double v_x,
+    double v_y, double r, double dt)
 {
     double v = real_max(v_x, 1.0);
     double reach = car->l_f + car->l_r + real_max(law->understeer, 0.0) * v * v;
@@ -2912,8 +2914,8 @@ static double steering_limited(const Steering *law, const IdealCar *car, double 
 }
 
 /* Road-wheel angle for this cycle; `law.s` becomes the station of the vehicle. */
-double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_guess, double x, double y, double
-    psi, double v_x, double v_y, double r, double dt)
+double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_guess, double x, double y,
+    double psi, double v_x, double v_y, double r, double dt)
 {
     double v = real_max(v_x, 0.0);
     const cca_dddd result1_ = cca_foot_point(curve, x, y, s_guess);
