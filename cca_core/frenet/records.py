@@ -9,10 +9,12 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.follow import SpeedSettings, arrival_times
 from cca_core.geometry import Boxes
+from cca_core.kernel import bind
+from cca_core.kernel.reach import occupied_intervals
 from cca_core.path import Path
-from cca_core.predict import predict_distance, reachable_interval
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED, RemoteVehicle, VehicleParams
 
+_occupied_intervals = bind(occupied_intervals)
 _STALE_BRAKING = 8.0  # assumed deceleration of a stale vehicle, as in its uncertainty bound [m/s^2]
 
 
@@ -150,16 +152,15 @@ class FrenetVehicle:
         rear, front : ndarray, shape (n,)
             Smallest and largest station of its body [m].
         """
+        age, rate = 0.0, 0.0
+        if not braking == acceleration == 0.0:
+            age, rate = self.remote.age, self.speed_rate
+            braking, acceleration = max(braking, -rate), max(acceleration, rate)
         a_x = self.remote.a_x
-        if braking == acceleration == 0.0:
-            low = high = math.copysign(1.0, self.v_s) * predict_distance(abs(self.v_s), a_x, t)
-        else:
-            a_s = self.speed_rate
-            low, high = reachable_interval(
-                self.v_s, t, braking=max(braking, -a_s), acceleration=max(acceleration, a_s),
-                age=self.remote.age, a_reported=a_s,
-            )  # fmt: skip
-        return self.s + low - self.half_length, self.s + high + self.half_length
+        motion = np.array([(self.rear, self.front, self.v_s, age, rate, braking, acceleration, a_x)])
+        rear, front = np.empty((2, 1, len(t)))
+        _occupied_intervals(1, len(t), motion, np.ascontiguousarray(t), rear, front)
+        return rear[0], front[0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

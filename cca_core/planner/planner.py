@@ -20,6 +20,8 @@ from cca_core.errors import Status
 from cca_core.follow import PreviewController, SpeedSettings, profile_acceleration, squared_speed_limit
 from cca_core.frenet import INCOMPLETE, FrenetEgo, FrenetVehicle, to_frenet
 from cca_core.frenet.branches import Branches
+from cca_core.kernel import bind
+from cca_core.kernel.speed import interpolated
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.abort import delay_return, return_deceleration, vehicle_alongside
 from cca_core.planner.actuation import limit_acceleration, requested_acceleration
@@ -45,6 +47,7 @@ from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
 
+_interpolated = bind(interpolated)
 _LOG = logging.getLogger(__name__)
 
 
@@ -211,8 +214,8 @@ class Planner:
             return self._safe_stop(f"ego {abs(d):.1f} m off the route (limit {max_distance:.1f} m)")
         if math.cos(state.psi - heading) < 0.0:
             return self._safe_stop(f"ego heading {state.psi:.2f} rad, route {heading:.2f} rad (degrees?)")
-        self._s, self._v_x = s, max(state.v_x, 0.0)
-        v_target = math.sqrt(max(float(np.interp(s, *self._speed_profile)), 0.0))
+        self._s, self._v_x, (stations, squared) = s, max(state.v_x, 0.0), self._speed_profile
+        v_target = math.sqrt(max(_interpolated(len(stations), stations, squared, s), 0.0))
         ego = FrenetEgo(
             vehicle=self.vehicle, s=s + self.vehicle.box_offset, d=d, v_x=self._v_x,
             v_target=v_target, speed=self.speed,

@@ -24,6 +24,7 @@ WITHOUT_RUN_TIME = (
 INTERNAL = ("us", "budget")
 TITLES = {
     "test_speed": "Cycle",
+    "test_cycle_speed": "Parts of a cycle",
     "test_band_speed": "Band",
     "test_baselines_speed": "Methods of Table 1",
     "test_decide_speed": "Decision",

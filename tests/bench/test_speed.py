@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cca_core import Lane, Path, Planner, PreviewController, RemoteVehicle, Road, VehicleParams, VehicleState
+from cca_core import Lane, Path, Planner, RemoteVehicle, Road, VehicleParams, VehicleState
 from cca_core.path import fit_path
 from cca_core.planner.settings import EvasionSettings
 from cca_core.sim import paper_scenarios, simulate
@@ -68,20 +68,9 @@ def test_planner_step(
     assert command.decision.action.name.startswith(action)
 
 
-def test_foot_point(benchmark: Bench, route: Path) -> None:
-    x, y = route.to_cartesian(700.0, 1.0).tolist()
-    s, d, _, _ = benchmark(route.foot_point, x, y, 699.6)
-    assert (s, d) == pytest.approx((700.0, 1.0), abs=1e-6)
-
-
-def test_steer(benchmark: Bench, route: Path) -> None:
-    controller = PreviewController(CAR)
-    benchmark(controller.steer, _state(route, 500.0), route)
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_maneuver_in_real_time(benchmark: Bench, case: str, slowness: float, budget: Budget) -> None:
-    """At least 50 times faster than real time with planner and lossy channel, less 30 % of scatter."""
+    """At least 60 times faster than real time with planner and lossy channel, less 30 % of scatter."""
     (scenario,) = (s for s in paper_scenarios() if s.name == "maneuver" and s.v2v and s.case == case)
     log = benchmark.pedantic(simulate, args=(scenario,), rounds=3, iterations=1, warmup_rounds=1)
     factor = float(log.t[-1]) / benchmark.stats.stats.min
@@ -89,7 +78,7 @@ def test_maneuver_in_real_time(benchmark: Bench, case: str, slowness: float, bud
         realtime_factor=round(factor, 1), cycle_us_median=round(float(np.median(log.cycle_us))),
         cycle_us_p99=round(float(np.percentile(log.cycle_us, 99))),
     )  # fmt: skip
-    budget(factor, "times", min_value=50.0 / 1.3 / slowness)
+    budget(factor, "times", min_value=60.0 / 1.3 / slowness)
 
 
 def test_import(benchmark: Any, slowness: float, budget: Any) -> None:
