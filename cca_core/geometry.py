@@ -7,7 +7,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, Complex, as_array
+from cca_core._checks import Array, as_array
 from cca_core.kernel import bind
 from cca_core.kernel.box_gaps import box_gaps
 
@@ -168,37 +168,3 @@ def _rows(boxes: Boxes) -> Array:
     for i, field in enumerate(fields):
         rows[..., i] = field
     return rows
-
-
-def gap_between(
-    offset: Complex,
-    ahead_a: Complex,
-    ahead_b: Complex,
-    length_a: Array | float,
-    width_a: Array | float,
-    length_b: Array | float,
-    width_b: Array | float,
-) -> Array:
-    """Signed distance between boxes in the complex plane, from center offset, headings and half extents."""
-    # row 0: box b in the frame of box a; row 1: box a in the frame of box b
-    turn = ahead_b * ahead_a.conj() + 0.0 * offset
-    relative = np.empty((2, *turn.shape), dtype=np.complex128)
-    relative[0], relative[1] = offset * ahead_a.conj(), -offset * ahead_b.conj()
-    half = np.empty((4, *relative.shape[1:]))
-    half[0], half[1], half[2], half[3] = length_a, length_b, width_a, width_b
-    own, other = half.reshape(2, 2, *relative.shape[1:]), half.reshape(2, 2, *relative.shape[1:])[:, ::-1]
-    c, s = np.abs(turn.real), np.abs(turn.imag)
-    # distance of the centers along each axis of each box, beyond its half extent
-    beyond = np.array((np.abs(relative.real), np.abs(relative.imag))) - own
-    extent = np.array((other[0] * c + other[1] * s, other[0] * s + other[1] * c))
-    separation = (beyond - extent).max(axis=(0, 1))
-    # corners of the other box: the closest points of separate boxes include a corner
-    along = np.array((turn, turn.conj())) * other[0]
-    across = 1j * np.array((turn, turn.conj())) * other[1]
-    corners = np.array((along + across, along - across))
-    corners = np.array((relative + corners, relative - corners))
-    out_x = np.maximum(np.abs(corners.real) - own[0], 0.0)
-    out_y = np.maximum(np.abs(corners.imag) - own[1], 0.0)
-    distance = np.sqrt((out_x * out_x + out_y * out_y).min(axis=(0, 1, 2)))
-    gap: Array = np.where(separation > 0.0, distance, separation)
-    return gap
