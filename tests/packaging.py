@@ -87,8 +87,8 @@ def main() -> None:
         check_editable(sdist, folder, has_compiler)
         if sys.version_info[:2] == (3, 11):  # newer ones need newer versions of the dependencies
             floor = (requirement.replace(">=", "==") for requirement in PROJECT["dependencies"])
-            run_tests("oldest", pure, folder, source, *floor)
-        run_tests("newest", wheel, folder, source)
+            run_tests("oldest", pure, folder, source, *floor, backend="python")
+        run_tests("newest", wheel, folder, source, backend="c" if has_compiler else "python")
         if "all" in sys.argv[1:]:
             use_all(wheel, folder, source)
 
@@ -197,14 +197,25 @@ def check_types(wheel: Path, folder: Path) -> None:
     print("types: a strict consumer passes, misuse is found")
 
 
-def run_tests(name: str, wheel: Path, folder: Path, source: Path, *requirements: str) -> None:
+def run_tests(name: str, wheel: Path, folder: Path, source: Path, *requirements: str, backend: str) -> None:
     """Run the tests that need no extra against some versions of the dependencies."""
     python = environment(folder / name, wheel, *requirements, *TOOLS)
     listed = run(python, "-m", "pip", "list", "--format=freeze").split()
     versions = ", ".join(line for line in listed if line.startswith(("numpy=", "scipy=")))
     begun = time.perf_counter()
     skipped = [f"--ignore={file}" for file in EXCLUDED] + [f"--deselect={NOT_OLDEST}"] * bool(requirements)
-    out = run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *skipped, "tests", cwd=source)
+    out = run(
+        python,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        *skipped,
+        "tests",
+        cwd=source,
+        CCA_KERNEL=backend,
+    )
     print(f"{name} ({versions}): {out.splitlines()[-1]}, {time.perf_counter() - begun:.0f} s with collection")
 
 

@@ -59,29 +59,44 @@ def run_kernel_tests(file: Path, **variables: str) -> None:
     assert re.search(r"\d+ passed", output)
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_c_has_no_warnings(compiler: str, tmp_path: Path) -> None:
-    run(tool(compiler), *UNIX, *WARNINGS, "-c", SOURCES / "kernel.c", "-o", tmp_path / "kernel.o")
+@pytest.fixture(scope="module")
+def gcc_object(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Compile the C by gcc, with its warnings as errors; the stack of each function is in a file beside."""
+    file = tmp_path_factory.mktemp("gcc") / "kernel.o"
+    run(tool("gcc"), *UNIX, *WARNINGS, "-fstack-usage", "-c", SOURCES / "kernel.c", "-o", file)
+    return file
 
 
-@pytest.mark.parametrize("optimization", ["-O2", "-O3"])
-def test_stack_is_small(optimization: str, tmp_path: Path) -> None:
-    run(
-        tool("gcc"),
-        *UNIX,
-        optimization,
-        "-fstack-usage",
-        "-c",
-        SOURCES / "kernel.c",
-        "-o",
-        tmp_path / "kernel.o",
-    )
-    (usage,) = tmp_path.glob("*.su")
+def test_gcc_has_no_warnings(gcc_object: Path) -> None:
+    assert gcc_object.exists()
+
+
+def test_clang_has_no_warnings() -> None:
+    run(tool("clang"), *UNIX, *WARNINGS, "-fsyntax-only", SOURCES / "kernel.c")
+
+
+def test_stack_is_small(gcc_object: Path) -> None:
+    assert 0 < deepest_stack(gcc_object.with_suffix(".su")) < MAX_STACK
+
+
+@pytest.mark.slow
+def test_stack_is_small_with_inlining(tmp_path: Path) -> None:
+    file = tmp_path / "kernel.o"
+    run(tool("gcc"), *UNIX, "-O3", "-fstack-usage", "-c", SOURCES / "kernel.c", "-o", file)
+    assert 0 < deepest_stack(file.with_suffix(".su")) < MAX_STACK
+
+
+def test_kernel_calls_libm_alone(gcc_object: Path) -> None:
+    symbols = set(run(tool("nm"), "-u", "--format=posix", gcc_object).split()) - {"U"}
+    assert symbols - {"_GLOBAL_OFFSET_TABLE_"} <= SYMBOLS
+
+
+def deepest_stack(usage: Path) -> int:
+    """Return the stack of the deepest chain of calls [B]."""
     rows = [line.split("\t") for line in usage.read_text(encoding="utf-8").splitlines()]
     assert {kind for _, _, kind in rows} <= {"static", "dynamic,bounded"}
     frames = {spot.rpartition(":")[2].partition(".")[0]: int(size) for spot, size, _ in rows}
-    deepest = max(stack_of(name, frames, calls()) for name in frames)
-    assert 0 < deepest < MAX_STACK
+    return max(stack_of(name, frames, calls()) for name in frames)
 
 
 def calls() -> dict[str, set[str]]:
@@ -97,12 +112,6 @@ def calls() -> dict[str, set[str]]:
 def stack_of(name: str, frames: dict[str, int], called: dict[str, set[str]]) -> int:
     """Return the stack of a function and of the deepest that it calls [B]."""
     return frames.get(name, 0) + max((stack_of(each, frames, called) for each in called[name]), default=0)
-
-
-def test_kernel_calls_libm_alone(tmp_path: Path) -> None:
-    run(tool("gcc"), *UNIX, "-c", SOURCES / "kernel.c", "-o", tmp_path / "kernel.o")
-    symbols = set(run(tool("nm"), "-u", "--format=posix", tmp_path / "kernel.o").split()) - {"U"}
-    assert symbols - {"_GLOBAL_OFFSET_TABLE_"} <= SYMBOLS
 
 
 def test_cppcheck_finds_nothing() -> None:
