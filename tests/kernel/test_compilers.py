@@ -43,16 +43,10 @@ def run(*command: str | Path, **variables: str) -> str:
     return done.stdout
 
 
-def run_kernel_tests(file: Path, **variables: str) -> None:
-    """Run the comparisons of C with Python with another compiled kernel."""
-    command = [sys.executable, "-m", "pytest", "-q", "-s", "-n0", "-p", "no:cacheprovider", "-p"]
-    command += [
-        "tests.support.other_kernel",
-        "-m",
-        "skipif and not slow",
-        "tests/kernel",
-        f"--ignore={__file__}",
-    ]
+def run_tests(file: Path, *selected: str, **variables: str) -> None:
+    """Run tests with another compiled kernel."""
+    command = [sys.executable, "-m", "pytest", "-q", "-s", "-n0", "-p", "no:cacheprovider"]
+    command += ["-p", "tests.support.other_kernel", f"--ignore={__file__}", *selected]
     env = {"CCA_KERNEL_FILE": str(file), "CCA_KERNEL": "c", "PYTHONPATH": str(ROOT)}
     output = run(*command, **env, **variables)
     assert f"compiled kernel: {file}" in output
@@ -131,7 +125,8 @@ def test_cppcheck_finds_nothing() -> None:
     ],
 )
 def test_other_compilers_give_the_same_bits(compiler: str, flags: list[str], tmp_path: Path) -> None:
-    run_kernel_tests(compile_to(tmp_path, SOURCES, *flags, compiler=tool(compiler)))
+    file = compile_to(tmp_path, SOURCES, *flags, compiler=tool(compiler))
+    run_tests(file, "-m", "skipif and not slow", "tests/kernel")  # those that compare with Python
 
 
 @pytest.mark.slow
@@ -143,6 +138,5 @@ def test_sanitizers_find_nothing(tmp_path: Path) -> None:
     flags = [SANITIZERS, "-fno-sanitize-recover=all", "-O1", "-g"]
     file = compile_to(tmp_path, SOURCES, *flags, compiler=gcc)
     # Python itself keeps memory until its end
-    run_kernel_tests(
-        file, LD_PRELOAD=runtime, ASAN_OPTIONS="detect_leaks=0", UBSAN_OPTIONS="print_stacktrace=1"
-    )
+    variables = {"LD_PRELOAD": runtime, "ASAN_OPTIONS": "detect_leaks=0"}
+    run_tests(file, "tests/kernel", "tests/band", **variables)
