@@ -5,29 +5,23 @@ modules here to C (`c/kernel.c`, `c/kernel.h`), writes the module that exports t
 in place (`make kernel PY=python`: with the Python on the path). A new file needs no entry anywhere. After a
 merge conflict in `c/`, run it again. `tests/support/kernel_forms.py` compares the forms of a kernel.
 
-**The language.** Functions with types in annotations (`Real`, `Int`, `Flag`, rows, grids, classes of
-fields), numbers as constants, `if`, `for ... in range(...)`, `break`, `continue`, `return` of a number or of
-several. Only functions defined before, those of `math` that C has too, `floor_within`, `abs`, `min`, `max`,
-`float`. An array has its sizes in its type: ``Annotated[Reals, "n"]``, ``Annotated[Grid, "m", "n"]``,
-``Annotated[Reals, "n + 1"]``. They are arguments of the same function or fields of the same class. A kernel
-must not divide by zero and not take a root of a negative number: Python raises there, C does not.
+**The language** is described on the page about the kernel, `docs/kernel.md`; the translator refuses the rest.
 
 **Calls.** A module of the library binds a kernel once and calls it like the function that it is::
 
     from cca_core.kernel import bind
-    from cca_core.kernel.box_gaps import aligned_box_gaps
+    from cca_core.kernel.speed import arrival_times
 
-    _aligned_box_gaps = bind(aligned_box_gaps)
-    smallest = _aligned_box_gaps(n, dx, dy, length, width, gap)
+    _arrival_times = bind(arrival_times)
+    _arrival_times(len(distance), v_x, v_target, distance, a_max, b_comfort, t)
 
 - Numbers are given by position. Whole numbers are given as int, not as float.
 - Arrays are C-contiguous float64 (int32 for `Ints`). Those that are only read may be read-only.
   Their sizes are checked in every call, so a wrong one raises and nothing is written past an end.
-- A class of fields is a workspace: ``lent = cca_core.kernel.memory.lend(Band, n=101, m=5)``. The kernel
-  takes ``lent.workspace``, whose numbers are attributes (``lent.workspace.length = 4.5``). Its arrays are
-  ``lent.arrays["x"]``, to write and to read; ``lent.rows("x", "u")`` is one array of all fields from x to u.
-  One caller has one workspace: a second thread that uses it at the same time gets an error, except if both
-  calls only read it. ``reuse(Band, n=101, m=5)`` returns the same one in every call of a thread.
+- A class of fields is a workspace: ``lent = cca_core.kernel.memory.lend(Curve, segments=12)``. The kernel
+  takes ``lent.workspace``, whose numbers are attributes. Its arrays are ``lent.arrays["breaks"]``, to be written
+  and read. One caller has one workspace: a second thread that uses it meanwhile gets an error, except if both
+  calls only read it. ``reuse(Curve, segments=12)`` returns the same one in every call of a thread.
 - Nothing is allocated in a call. The GIL is released in calls with arrays or workspaces.
 
 **Batches** are kernels that loop from a first to a last index over rows of arrays; `batches.in_chunks` calls

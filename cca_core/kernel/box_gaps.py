@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cca_core.kernel.types import Grid, Int, Real, Reals
 
-__all__ = ["aligned_box_gaps", "box_gap", "box_gaps", "oriented_box_gap"]
+__all__ = ["box_gap", "box_gaps", "oriented_box_gap"]
 
 Row = Annotated[Reals, "n"]
 Boxes = Annotated[Grid, "n", 5]
@@ -74,20 +74,6 @@ def oriented_box_gap(
     of_b = nearest_corner(x_b, y_b, turn_c, turn_s, length_b, width_b, length_a, width_a)
     of_a = nearest_corner(x_a, y_a, turn_c, -turn_s, length_a, width_a, length_b, width_b)
     return math.sqrt(min(of_b, of_a))
-
-
-def aligned_box_gaps(n: Int, dx: Row, dy: Row, length: Real, width: Real, gap: Row) -> Real:
-    """Gaps of n pairs of parallel boxes from center offsets and summed half extents, and the smallest [m]."""
-    smallest = math.inf
-    for i in range(n):
-        along = abs(dx[i]) - length
-        across = abs(dy[i]) - width
-        if along > 0.0 and across > 0.0:
-            gap[i] = norm(along, across)
-        else:
-            gap[i] = max(along, across)
-        smallest = min(smallest, gap[i])
-    return smallest
 
 
 def box_gap(

@@ -23,12 +23,10 @@ _thread = threading.local()
 
 @dataclass(frozen=True, slots=True)
 class Lent(Generic[T]):
-    """A workspace, its arrays by the names of their fields, and the memory that those of reals share."""
+    """A workspace, and its arrays by the names of their fields."""
 
     workspace: T
     arrays: dict[str, NDArray[Any]]
-    memory: NDArray[np.float64]
-    starts: dict[str, int]
     owner: type[T]
     sizes: Mapping[str, int]
 
@@ -36,23 +34,11 @@ class Lent(Generic[T]):
         numbers = {name: getattr(self.workspace, name) for name in fields(cast(Any, self.owner))[0]}
         return _lend_again, (self.owner, self.sizes, numbers, self.arrays)
 
-    def rows(self, first: str, last: str) -> NDArray[np.float64]:
-        """Return the arrays of fields of one shape, from one to another in their order, as one array."""
-        shape, size = self.arrays[first].shape, self.arrays[first].size
-        names = list(self.starts)
-        names = names[names.index(first) : names.index(last) + 1]
-        if not names or any(self.arrays[name].shape != shape for name in names):
-            raise ValueError(f"fields from {first} to {last} must be in their order and of one shape")
-        begin = self.starts[first]
-        return self.memory[begin : begin + len(names) * size].reshape(len(names), *shape)
-
 
 def lend(owner: type[T], form: str | None = None, **sizes: int) -> Lent[T]:
     """Make a workspace of a class of fields: zeros, arrays of the sizes in its annotations."""
     numbers, shapes = fields(cast(Any, owner))
-    arrays, memory, starts = allocate(
-        {name: (base, shape_of(s, sizes)) for name, (base, s) in shapes.items()}
-    )
+    arrays = {name: np.zeros(shape_of(shape, sizes), element) for name, (element, shape) in shapes.items()}
     given = {name: sizes.get(name, kind()) for name, kind in numbers.items()}
     unknown = [name for name in sizes if name not in given]
     if unknown:
@@ -65,7 +51,7 @@ def lend(owner: type[T], form: str | None = None, **sizes: int) -> Lent[T]:
             setattr(workspace, name, value)
         for name, array in arrays.items():
             setattr(workspace, name, memoryview(cast(Any, array)))
-    return Lent(workspace, arrays, memory, starts, owner, sizes)
+    return Lent(workspace, arrays, owner, sizes)
 
 
 def _lend_again(
@@ -106,23 +92,6 @@ def fields(owner: type) -> tuple[dict[str, Any], dict[str, tuple[Any, tuple[int 
         else:
             numbers[name] = hint
     return numbers, shapes
-
-
-def allocate(
-    shapes: Mapping[str, tuple[Any, tuple[int, ...]]],
-) -> tuple[dict[str, NDArray[Any]], NDArray[np.float64], dict[str, int]]:
-    """Allocate arrays; those of reals in one piece, in their order, with where each begins."""
-    sizes = {name: int(np.prod(shape)) for name, (_, shape) in shapes.items()}
-    memory = np.zeros(sum(size for name, size in sizes.items() if shapes[name][0] is np.float64))
-    arrays, starts, end = {}, {}, 0
-    for name, (element, shape) in shapes.items():
-        if element is np.float64:
-            starts[name], begin = end, end
-            end += sizes[name]
-            arrays[name] = memory[begin:end].reshape(shape)
-        else:
-            arrays[name] = np.zeros(shape, dtype=element)
-    return arrays, memory, starts
 
 
 @cache

@@ -8,7 +8,7 @@ import pytest
 from cca_core import geometry
 from cca_core.geometry import boxes
 from cca_core.kernel import bind
-from cca_core.kernel.box_gaps import aligned_box_gaps, box_gap, box_gaps, oriented_box_gap
+from cca_core.kernel.box_gaps import box_gap, box_gaps, oriented_box_gap
 from tests.support import numpy_forms
 from tests.support.kernel_forms import FULL, QUICK, check_forms, needs_c
 
@@ -26,17 +26,10 @@ def many(random: np.random.Generator, n: int) -> tuple[object, ...]:
     return n, n, a, b, np.empty(n)
 
 
-def row(random: np.random.Generator) -> tuple[object, ...]:
-    """Arguments of aligned boxes."""
-    n = int(random.integers(0, 20))
-    return (n, random.normal(0, 8, n), random.normal(0, 3, n), 4.5, 1.9, np.empty(n))
-
-
 @needs_c
 @pytest.mark.parametrize("count", [QUICK, pytest.param(FULL, marks=pytest.mark.slow)])
 def test_gap_in_c_equals_python(count: int) -> None:
     check_forms(oriented_box_gap, pair, count)
-    check_forms(aligned_box_gaps, row, count)
     check_forms(box_gaps, lambda random: many(random, int(random.integers(0, 9))), count)
     check_forms(box_gap, lambda random: tuple(random.uniform(0.2, 9.0, 10).tolist()), count)
 
@@ -66,14 +59,3 @@ def test_gap_of_box_that_is_none_is_no_number(field: int, bad: float) -> None:
     assert not abs(bind(box_gap)(*box)) < math.inf
     a, b = boxes(*box[:5]), boxes(*box[5:])
     assert not abs(float(geometry.box_gap(a, b))) < math.inf
-
-
-def test_aligned_gaps_equal_oriented_gaps() -> None:
-    n, dx, dy, length, width, gap = row(np.random.default_rng(3))
-    smallest = bind(aligned_box_gaps)(n, dx, dy, length, width, gap)
-    single = bind(oriented_box_gap)
-    expected = [
-        single(x, y, 1.0, 0.0, 1.0, 0.0, length, width, 0.0, 0.0) for x, y in zip(dx, dy, strict=True)
-    ]
-    assert gap.tolist() == pytest.approx(expected, abs=1e-12)
-    assert smallest == min(gap)

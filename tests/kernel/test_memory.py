@@ -41,19 +41,6 @@ def test_copied_workspace_has_same_contents(lent: Lent[Trial], again: Any) -> No
     assert lent.arrays["grid"][1, 2] == 7.0
 
 
-def test_rows_of_one_shape_are_one_array(lent: Lent[Trial]) -> None:
-    rows = lent.rows("x", "y")
-    rows[1] = 3.0
-    assert rows.shape == (2, 4)
-    assert lent.arrays["y"].tolist() == [3.0] * 4
-
-
-@pytest.mark.parametrize(("first", "last"), [("y", "x"), ("x", "borders"), ("x", "grid")])
-def test_rows_of_other_shapes_raise(lent: Lent[Trial], first: str, last: str) -> None:
-    with pytest.raises(ValueError, match="fields from"):
-        lent.rows(first, last)
-
-
 def test_sizes_and_arrays_cannot_be_replaced(trial_compiled: Any) -> None:
     workspace: Any = lend(Trial, "c", n=4, m=2).workspace
     for name in ("n", "m", "x", "marks"):

@@ -111,24 +111,6 @@ double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double b
     return sqrt(real_min(of_b, of_a));
 }
 
-/* Gaps of n pairs of parallel boxes from center offsets and summed half extents, and the smallest [m]. */
-double cca_aligned_box_gaps(int n, const double *dx, const double *dy, double length, double width, double
-    *gap)
-{
-    double smallest = HUGE_VAL;
-    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double along = fabs(dx[i]) - length;
-        double across = fabs(dy[i]) - width;
-        if (along > 0.0 && across > 0.0) {
-            gap[i] = box_gaps_norm(along, across);
-        } else {
-            gap[i] = real_max(along, across);
-        }
-        smallest = real_min(smallest, gap[i]);
-    }
-    return smallest;
-}
-
 /* Signed distance of two boxes from centers, headings and full extents [m]; NaN if one is not finite. */
 double cca_box_gap(double ax, double ay, double a_psi, double a_length, double a_width, double bx,
     double by, double b_psi, double b_length, double b_width)

@@ -174,9 +174,6 @@ typedef struct BandBatch {
 double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by,
     double length_a, double width_a, double length_b, double width_b);
 
-double cca_aligned_box_gaps(int n, const double *dx, const double *dy, double length, double width, double
-    *gap);
-
 double cca_box_gap(double ax, double ay, double a_psi, double a_length, double a_width, double bx,
     double by, double b_psi, double b_length, double b_width);
 

@@ -57,53 +57,6 @@ static PyObject *call_oriented_box_gap(PyObject *self_, PyObject *const *given_,
     return PyFloat_FromDouble(result_);
 }
 
-static PyObject *call_aligned_box_gaps(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("aligned_box_gaps", 6, count_)) {
-        return NULL;
-    }
-    int n;
-    const double *dx;
-    const double *dy;
-    double length;
-    double width;
-    double *gap;
-    if (!lend_whole(given_[0], &n)) {
-        return NULL;
-    }
-    if (!lend_real(given_[3], &length)) {
-        return NULL;
-    }
-    if (!lend_real(given_[4], &width)) {
-        return NULL;
-    }
-    Lent lent_[3];
-    int held_ = 0;
-    dx = lend_array("dx", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
-    if (dx == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    dy = lend_array("dy", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
-    if (dy == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    gap = lend_array("gap", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
-    if (gap == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    double result_;
-    Py_BEGIN_ALLOW_THREADS
-    result_ = cca_aligned_box_gaps(n, dx, dy, length, width, gap);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    return PyFloat_FromDouble(result_);
-}
-
 static PyObject *call_box_gap(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1517,7 +1470,6 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
 
 static PyMethodDef methods[] = {
     {"oriented_box_gap", (PyCFunction)(void (*)(void))call_oriented_box_gap, METH_FASTCALL, NULL},
-    {"aligned_box_gaps", (PyCFunction)(void (*)(void))call_aligned_box_gaps, METH_FASTCALL, NULL},
     {"box_gap", (PyCFunction)(void (*)(void))call_box_gap, METH_FASTCALL, NULL},
     {"box_gaps", (PyCFunction)(void (*)(void))call_box_gaps, METH_FASTCALL, NULL},
     {"relax_bands", (PyCFunction)(void (*)(void))call_relax_bands, METH_FASTCALL, NULL},
@@ -1555,7 +1507,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "d1683d9e33ad036a241fd2b8ab6ae47658c81d86bfa4945ef0f380f8b426c87c") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "fb75340c504d786cdea571d3eacba395a47985849e8200f3e6cfec44a23cbc79") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
