@@ -30,7 +30,7 @@ _CHUNK = 32  # bands that are lent to the kernel at once
 _STIFFNESS = tuple(field.name for field in fields(BandStiffness))
 _SETTINGS = tuple(field.name for field in fields(BandSettings) if field.name != "max_certified_sides")
 _ROWS = "free", "route_curvature", "lower", "upper", "curvature", "right_margin", "left_margin"
-_GRIDS = "gaps", "passing_right", "passing_left"
+_GRIDS = "passing_right", "passing_left"
 
 
 class Relaxed:
@@ -66,7 +66,7 @@ class Measured:
     passing_right: Array  # displacement at which obstacles are passed [m], infinite if far, (m, n)
     passing_left: Array
     curvature: Array  # of the band [1/m]
-    gaps: Array  # least gap to each obstacle around each node [m], (m, n)
+    gaps: Array  # least gap to each obstacle around each node [m], infinite if far, (m, n)
     right_margin: Array  # of the body to the edges [m]
     left_margin: Array
     spacing: float  # [m]
@@ -180,8 +180,11 @@ def measure(problem: BandProblem, u: Array | None = None, passes_left: Mask | No
     w, found = space.work.workspace, space.work.arrays
     rows = {name: found[name][:n].copy() for name in _ROWS}
     grids = {name: found[name][:m, :n].copy() for name in _GRIDS}
+    gaps = np.full((m, n), np.inf)
+    obstacles, near, bounds = (found[name][: w.n_pairs] for name in ("pair_obstacle", "pair_node", "bound"))
+    gaps[obstacles, near] = bounds
     tangents = np.stack((found["tangent_x"][:n], found["tangent_y"][:n]), axis=1)
     return Measured(
-        **rows, **grids, found=result, tangents=tangents, spacing=w.spacing, min_gap=w.min_gap,
+        **rows, **grids, found=result, gaps=gaps, tangents=tangents, spacing=w.spacing, min_gap=w.min_gap,
         min_edge_clearance=w.min_edge_clearance, curvature_ratio=w.curvature_ratio,
     )  # fmt: skip

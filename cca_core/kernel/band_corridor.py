@@ -4,11 +4,37 @@ import math
 
 from cca_core.kernel.band_workspace import BandWork
 from cca_core.kernel.box_gaps import norm
-from cca_core.kernel.types import Flag, Int
+from cca_core.kernel.types import Flag, Int, Real
 
 ALIGNED = 0.02  # sine of the angle below which a box counts as parallel
 END_SLOPE = 0.5  # at which bounds fall beyond the ends of an obstacle, steeper than any band [-]
 MIN_DROP = 1e-9  # of an overlap from node to node [m]
+
+
+def set_heading(w: BandWork, o: Int, i: Int) -> None:
+    """Compute unit heading and radius of an obstacle, and how far a corner has moved since the last node."""
+    if i > 0 and w.box_psi[o, i] == w.box_psi[o, i - 1]:
+        w.box_ahead_x[o, i] = w.box_ahead_x[o, i - 1]
+        w.box_ahead_y[o, i] = w.box_ahead_y[o, i - 1]
+    else:
+        w.box_ahead_x[o, i] = math.cos(w.box_psi[o, i])
+        w.box_ahead_y[o, i] = math.sin(w.box_psi[o, i])
+    w.radius[o, i] = norm(w.half_length[o, i], w.half_width[o, i])
+    w.max_radius[o] = max(w.max_radius[o], w.radius[o, i])
+    if i > 0:
+        step = norm(w.box_x[o, i] - w.box_x[o, i - 1], w.box_y[o, i] - w.box_y[o, i - 1])
+        turn_x = w.box_ahead_x[o, i] - w.box_ahead_x[o, i - 1]
+        turn = norm(turn_x, w.box_ahead_y[o, i] - w.box_ahead_y[o, i - 1])
+        w.max_step[o] = max(w.max_step[o], step + turn * w.radius[o, i])
+
+
+def is_stationary(w: BandWork, o: Int, i: Int) -> Flag:
+    """Return whether the box of an obstacle is that at the last node."""
+    if w.box_x[o, i] != w.box_x[o, i - 1] or w.box_y[o, i] != w.box_y[o, i - 1]:
+        return False
+    if w.half_length[o, i] != w.half_length[o, i - 1] or w.half_width[o, i] != w.half_width[o, i - 1]:
+        return False
+    return w.box_psi[o, i] == w.box_psi[o, i - 1]
 
 
 def set_headings(w: BandWork) -> Flag:
@@ -16,30 +42,37 @@ def set_headings(w: BandWork) -> Flag:
     max_sine = 0.0
     for o in range(w.m):
         w.max_step[o] = 0.0
-        for i in range(w.n):
-            if i > 0 and w.box_psi[o, i] == w.box_psi[o, i - 1]:
+        w.max_radius[o] = 0.0
+        set_heading(w, o, 0)
+        for i in range(1, w.n):
+            if is_stationary(w, o, i):
                 w.box_ahead_x[o, i] = w.box_ahead_x[o, i - 1]
                 w.box_ahead_y[o, i] = w.box_ahead_y[o, i - 1]
+                w.radius[o, i] = w.radius[o, i - 1]
             else:
-                w.box_ahead_x[o, i] = math.cos(w.box_psi[o, i])
-                w.box_ahead_y[o, i] = math.sin(w.box_psi[o, i])
-            w.radius[o, i] = norm(w.half_length[o, i], w.half_width[o, i])
+                set_heading(w, o, i)
+        for i in range(w.n):
             sine = w.box_ahead_y[o, i] * w.tangent_x[i] - w.box_ahead_x[o, i] * w.tangent_y[i]
             max_sine = max(max_sine, abs(sine))
-            if i > 0:
-                step = norm(w.box_x[o, i] - w.box_x[o, i - 1], w.box_y[o, i] - w.box_y[o, i - 1])
-                turn_x = w.box_ahead_x[o, i] - w.box_ahead_x[o, i - 1]
-                turn = norm(turn_x, w.box_ahead_y[o, i] - w.box_ahead_y[o, i - 1])
-                w.max_step[o] = max(w.max_step[o], step + turn * w.radius[o, i])
     return max_sine < ALIGNED
 
 
-def measure_overlap(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
-    """Compute how far an obstacle overlaps the ego along the route, and its lateral range there."""
-    # Along the route the ego reaches from -reach to reach + lead. The range is that of the upper and lower
-    # roof of the box over that stretch: a roof has its ridge at a corner and falls to both sides.
+def overlap_along(w: BandWork, o: Int, i: Int) -> Real:
+    """Return how far an obstacle overlaps the ego along the route: from -reach to reach + lead."""
+    dx = w.box_x[o, i] - w.route_x[i]
+    dy = w.box_y[o, i] - w.route_y[i]
+    x = dx * w.tangent_x[i] + dy * w.tangent_y[i] - w.box_offset
+    cosine = abs(w.box_ahead_x[o, i] * w.tangent_x[i] + w.box_ahead_y[o, i] * w.tangent_y[i])
+    sine = abs(w.box_ahead_y[o, i] * w.tangent_x[i] - w.box_ahead_x[o, i] * w.tangent_y[i])
+    half_x = (w.half_length[o, i] + w.clearance) * cosine + (w.half_width[o, i] + w.clearance) * sine
+    return half_x + 0.5 * w.length - max(-x, x - w.lead_distance[o])
+
+
+def measure_range(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
+    """Compute the lateral range of an obstacle along the ego, and where the ego passes it."""
+    # The range is that of the upper and lower roof of the box over the stretch of the ego: a roof has its
+    # ridge at a corner and falls to both sides.
     reach = 0.5 * w.length
-    lead = w.lead_distance[o]
     dx = w.box_x[o, i] - w.route_x[i]
     dy = w.box_y[o, i] - w.route_y[i]
     x = dx * w.tangent_x[i] + dy * w.tangent_y[i] - w.box_offset
@@ -50,7 +83,6 @@ def measure_overlap(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
     sine = abs(turn_sin)
     along = w.half_length[o, i] + w.clearance
     across = w.half_width[o, i] + w.clearance
-    half_x = along * cosine + across * sine
     half_y = along * sine + across * cosine
     upper = half_y
     lower = half_y
@@ -62,10 +94,9 @@ def measure_overlap(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
         rise = along_edge if counter else across_edge
         fall = across_edge if counter else along_edge
         before = -reach - x
-        behind = reach + lead - x
+        behind = reach + w.lead_distance[o] - x
         upper = half_y - max(ridge - behind, 0.0) * rise - max(before - ridge, 0.0) * fall
         lower = half_y - max(ridge + before, 0.0) * rise - max(-behind - ridge, 0.0) * fall
-    w.overlap[o, i] = half_x + reach - max(-x, x - lead)
     w.passing_right[o, i] = y - max(lower, -half_y) - 0.5 * w.width
     w.passing_left[o, i] = y + max(upper, -half_y) + 0.5 * w.width
 
@@ -75,16 +106,15 @@ def set_passing(w: BandWork) -> None:
     # bounds at the nodes with an overlap alone would jump by a node when an end moves past one
     aligned = set_headings(w)
     slope = END_SLOPE * norm(w.route_x[1] - w.route_x[0], w.route_y[1] - w.route_y[0])
+    overlap = w.overlap
     for o in range(w.m):
         for i in range(w.n):
-            measure_overlap(w, o, i, aligned)
+            overlap[i] = overlap_along(w, o, i)
         for i in range(w.n):
-            overlap = w.overlap[o, i]
-            if overlap >= 0.0:
-                continue
-            near = max(w.overlap[o, max(i - 1, 0)], w.overlap[o, min(i + 1, w.n - 1)])
+            near = max(overlap[max(i - 1, 0)], overlap[i], overlap[min(i + 1, w.n - 1)])
             if near >= 0.0:
-                relief = slope * (overlap / min(overlap - near, -MIN_DROP))
+                measure_range(w, o, i, aligned)
+                relief = slope * (min(overlap[i], 0.0) / min(overlap[i] - near, -MIN_DROP))
                 w.passing_right[o, i] += relief
                 w.passing_left[o, i] -= relief
             else:

@@ -5,7 +5,7 @@ import math
 from cca_core.kernel.band_workspace import BandWork
 from cca_core.kernel.box_gaps import norm, oriented_box_gap
 from cca_core.kernel.circles import TINY
-from cca_core.kernel.types import Flag, Int, Real
+from cca_core.kernel.types import Flag, Int, Real, floor_within
 
 CURVE_ERROR = 2e-3  # by which cubics and headings between nodes may differ from those assumed [m]
 LOOSE = 4e-3  # a bound this far below the least gap at nodes is refined [m]
@@ -16,10 +16,9 @@ LEVER = 0.6  # of the length, at which a corner moves if the body turns [-]
 
 def gap_at(w: BandWork, o: Int, i: Int) -> Real:
     """Return the gap to an obstacle with the ego at a node."""
-    dx = w.box_x[o, i] - w.x[i] - w.box_offset * w.ahead_x[i]
-    dy = w.box_y[o, i] - w.y[i] - w.box_offset * w.ahead_y[i]
     return oriented_box_gap(
-        dx, dy, w.ahead_x[i], w.ahead_y[i], w.box_ahead_x[o, i], w.box_ahead_y[o, i],
+        w.box_x[o, i] - w.center_x[i], w.box_y[o, i] - w.center_y[i], w.ahead_x[i], w.ahead_y[i],
+        w.box_ahead_x[o, i], w.box_ahead_y[o, i],
         0.5 * w.length, 0.5 * w.width, w.half_length[o, i], w.half_width[o, i],
     )  # fmt: skip
 
@@ -84,45 +83,77 @@ def max_change(w: BandWork) -> Real:
     return w.spacing * (1.0 + LEVER * w.length * w.max_curvature)
 
 
-def sample_near(w: BandWork) -> Int:
-    """Sample the gaps of the obstacles and nodes that may be near each other; return their number."""
+def set_centers(w: BandWork) -> Real:
+    """Compute the center of the ego's box at each node; return the longest way from node to node."""
+    step = 0.0
+    for i in range(w.n):
+        w.center_x[i] = w.x[i] + w.box_offset * w.ahead_x[i]
+        w.center_y[i] = w.y[i] + w.box_offset * w.ahead_y[i]
+        if i > 0:
+            step = max(step, norm(w.center_x[i] - w.center_x[i - 1], w.center_y[i] - w.center_y[i - 1]))
+    return step
+
+
+def find_near(w: BandWork) -> None:
+    """Find the obstacles and nodes that may be near each other, as pairs; skip nodes that are too far."""
     # circles around the boxes bound their gap from below, circles inside them from above
     half = 0.5 * norm(w.length, w.width)
     upper = math.inf
-    for o in range(w.m):
-        for i in range(w.n):
-            dx = w.box_x[o, i] - w.x[i] - w.box_offset * w.ahead_x[i]
-            dy = w.box_y[o, i] - w.y[i] - w.box_offset * w.ahead_y[i]
-            distance = norm(dx, dy)
-            w.gaps[o, i] = distance - (w.radius[o, i] + half)
-            upper = min(upper, distance - w.half_width[o, i])
-    near = max(w.clearance, upper - 0.5 * w.width)
+    step = set_centers(w)
     change = max_change(w)
-    count = 0
+    w.n_pairs = 0
     for o in range(w.m):
         moves = w.max_step[o] + change
+        travel = w.max_step[o] + step
+        next_node = 0
         for i in range(w.n):
-            if not w.gaps[o, i] > near + 2.0 * moves:
-                w.pair_obstacle[count] = o
-                w.pair_node[count] = i
-                w.sampled[count] = gap_at(w, o, i)
-                w.bulge[count] = w.spacing * abs(w.curvature[i]) * (0.125 * w.spacing + 0.5 * moves)
-                count += 1
-    return count
+            if i < next_node:
+                continue
+            distance = norm(w.box_x[o, i] - w.center_x[i], w.box_y[o, i] - w.center_y[i])
+            gap = distance - (w.radius[o, i] + half)
+            upper = min(upper, distance - w.half_width[o, i])
+            near = max(w.clearance, upper - 0.5 * w.width) + 2.0 * moves
+            if gap > near:
+                excess = distance - (w.max_radius[o] + half) - near
+                next_node = i + floor_within(excess / travel, 1, w.n)
+            else:
+                w.pair_obstacle[w.n_pairs] = o
+                w.pair_node[w.n_pairs] = i
+                w.bound[w.n_pairs] = gap
+                w.n_pairs += 1
+    w.near = max(w.clearance, upper - 0.5 * w.width)
 
 
-def is_straight(w: BandWork, count: Int) -> Flag:
+def sample_near(w: BandWork) -> None:
+    """Sample the gaps of the pairs; drop those that have turned out to be far, as others are nearer."""
+    change = max_change(w)
+    count = 0
+    for k in range(w.n_pairs):
+        o = w.pair_obstacle[k]
+        i = w.pair_node[k]
+        moves = w.max_step[o] + change
+        if w.bound[k] > w.near + 2.0 * moves:
+            continue
+        w.pair_obstacle[count] = o
+        w.pair_node[count] = i
+        w.sampled[count] = gap_at(w, o, i)
+        w.bulge[count] = w.spacing * abs(w.curvature[i]) * (0.125 * w.spacing + 0.5 * moves)
+        count += 1
+    w.n_pairs = count
+
+
+def is_straight(w: BandWork) -> Flag:
     """Return whether the band is straight at the sampled nodes, and every obstacle stationary."""
     for o in range(w.m):
         if w.max_step[o] != 0.0:
             return False
-    for k in range(count):
+    for k in range(w.n_pairs):
         if w.curvature[w.pair_node[k]] != 0.0:
             return False
     return True
 
 
-def bound_between(w: BandWork, count: Int) -> None:
+def bound_between(w: BandWork) -> None:
     """Bound the gaps between sampled nodes from below, by the samples around."""
     # The gap of convex bodies in straight relative motion without rotation is a convex function of time: it
     # lies above the secants of the intervals on both sides. The bulge of the cubic from its chord and the
@@ -130,7 +161,8 @@ def bound_between(w: BandWork, count: Int) -> None:
     sampled = w.sampled
     bulge = w.bulge
     bound = w.bound
-    error = 0.0 if is_straight(w, count) else CURVE_ERROR
+    count = w.n_pairs
+    error = 0.0 if is_straight(w) else CURVE_ERROR
     for k in range(count):
         bulge[k] += error
         bound[k] = sampled[k]
@@ -151,10 +183,11 @@ def bound_between(w: BandWork, count: Int) -> None:
             bound[k] -= 0.5 * (w.max_step[w.pair_obstacle[k]] + change)
 
 
-def refine_between(w: BandWork, count: Int) -> None:
+def refine_between(w: BandWork) -> None:
     """Sample closely where a bound is below the clearance, or loose next to a stationary obstacle."""
     sampled = w.sampled
     bound = w.bound
+    count = w.n_pairs
     min_sample = math.inf
     for k in range(count):
         min_sample = min(min_sample, sampled[k])
@@ -169,18 +202,25 @@ def refine_between(w: BandWork, count: Int) -> None:
 
 
 def measure_gaps(w: BandWork) -> None:
-    """Compute the least gap to each obstacle between each node and the next, and the least of all."""
-    count = sample_near(w)
-    bound_between(w, count)
-    refine_between(w, count)
-    for k in range(count):
-        w.gaps[w.pair_obstacle[k], w.pair_node[k]] = w.bound[k]
+    """Bound the gaps of the pairs from each node to the next, and find the least of all."""
+    find_near(w)
+    sample_near(w)
+    bound_between(w)
+    refine_between(w)
     w.min_gap = math.inf
-    for o in range(w.m):
-        for i in range(w.n):
-            w.min_gap = min(w.min_gap, w.gaps[o, i])
-            if not w.gaps[o, i] > -math.inf:
-                w.finite = False
+    for k in range(w.n_pairs):
+        w.min_gap = min(w.min_gap, w.bound[k])
+        if not w.bound[k] > -math.inf:
+            w.finite = False
+
+
+def gap_to(w: BandWork, o: Int) -> Real:
+    """Return the least gap to an obstacle; infinite if it is far."""
+    gap = math.inf
+    for k in range(w.n_pairs):
+        if w.pair_obstacle[k] == o:
+            gap = min(gap, w.bound[k])
+    return gap
 
 
 def end_gap(w: BandWork, o: Int) -> Real:

@@ -2,6 +2,7 @@
 
 import math
 
+from cca_core.kernel.band_certificate import certify
 from cca_core.kernel.band_corridor import set_bounds, set_passing
 from cca_core.kernel.band_frame import measure_route, set_elasticity, set_ends
 from cca_core.kernel.band_result import (
@@ -44,11 +45,16 @@ def relax_with_sides(w: BandWork, e: Equilibrium) -> None:
     converged = solve_and_certify(w, e, False)
     if solvable:
         converged = tighten(w, e, converged)
+    finite = w.finite
+    if not finite:  # no result holds what is no number
+        for i in range(w.n):
+            w.u[i] = w.free[i]
+        certify(w)
     compare(w)
     if empty >= 0:
         report_empty_interval(w, empty)
     if blocked != NO_CONSTRAINT:
         report_blocked_end(w, blocked)
-    if not (converged and w.finite):
+    if not (converged and finite):
         report_stall(w)
     w.solves = e.solves

@@ -2,7 +2,7 @@
 
 import math
 
-from cca_core.kernel.band_gaps import end_gap
+from cca_core.kernel.band_gaps import end_gap, gap_to
 from cca_core.kernel.band_workspace import (
     ACTIVE_SET,
     BLOCKED_END,
@@ -30,11 +30,10 @@ def nearest_obstacle(w: BandWork) -> Int:
     """Return the obstacle with the least gap, the first of equals."""
     gap = math.inf
     nearest = NO_CONSTRAINT
-    for o in range(w.m):
-        for i in range(w.n):
-            if w.gaps[o, i] < gap:
-                gap = w.gaps[o, i]
-                nearest = o
+    for k in range(w.n_pairs):
+        if w.bound[k] < gap:
+            gap = w.bound[k]
+            nearest = w.pair_obstacle[k]
     return nearest
 
 
@@ -138,6 +137,4 @@ def find_blocked_end(w: BandWork) -> Int:
 def report_blocked_end(w: BandWork, o: Int) -> None:
     """Report the obstacle that is too close to a pinned end, with its gap."""
     fail(w, BLOCKED_END, o)
-    w.value = math.inf
-    for i in range(w.n):
-        w.value = min(w.value, w.gaps[o, i])
+    w.value = gap_to(w, o)

@@ -11,18 +11,27 @@ from cca_core.kernel.types import Flag, Int, Real
 MAX_FRACTION = 0.8  # of a shortfall that the last move left, for which the next one makes up
 
 
+def measure_shortfalls(w: BandWork) -> None:
+    """Compute the shortfall of clearance and at the edges on both sides of each node, to `low` and `high`."""
+    for i in range(w.n):
+        w.low[i] = -w.right_margin[i]
+        w.high[i] = -w.left_margin[i]
+    for k in range(w.n_pairs):
+        i = w.pair_node[k]
+        shortfall = w.clearance - w.bound[k]
+        if w.passes_left[w.pair_obstacle[k]] != 0:
+            w.low[i] = max(w.low[i], shortfall)
+        else:
+            w.high[i] = max(w.high[i], shortfall)
+
+
 def tighten_positions(w: BandWork, gain: Real) -> Flag:
-    """Move the bounds by the shortfall of clearance, to `low` and `high`; return whether they leave any."""
+    """Move the bounds by the shortfalls, to `low` and `high`; return whether they leave a displacement."""
+    measure_shortfalls(w)
     fits = True
     for i in range(w.n):
-        short_low = -w.right_margin[i]
-        short_up = -w.left_margin[i]
-        for o in range(w.m):
-            shortfall = w.clearance - w.gaps[o, i]
-            if w.passes_left[o] != 0:
-                short_low = max(short_low, shortfall)
-            else:
-                short_up = max(short_up, shortfall)
+        short_low = w.low[i]
+        short_up = w.high[i]
         w.low[i] = w.lower[i]
         w.high[i] = w.upper[i]
         if short_low > 0.0:

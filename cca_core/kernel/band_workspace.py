@@ -159,8 +159,9 @@ class BandWork:
     box_ahead_x: ObstacleNodes
     box_ahead_y: ObstacleNodes
     radius: ObstacleNodes
+    max_radius: ObstacleReals
     max_step: ObstacleReals  # longest way of a corner from node to node
-    overlap: ObstacleNodes
+    overlap: Nodes  # of one obstacle with the ego along the route
     passing_right: ObstacleNodes  # displacement at which the ego passes on the right; infinite if far
     passing_left: ObstacleNodes
     # displacement and its bounds
@@ -183,7 +184,10 @@ class BandWork:
     curvature: Nodes
     diagonal: Nodes
     # certificate
-    gaps: ObstacleNodes
+    center_x: Nodes  # of the ego's box
+    center_y: Nodes
+    near: Real  # gaps up to here may be the least
+    n_pairs: Int  # of obstacles and nodes that are near each other
     right_margin: Nodes
     left_margin: Nodes
     min_gap: Real
@@ -193,9 +197,9 @@ class BandWork:
     finite: Flag
     pair_obstacle: PairMarks
     pair_node: PairMarks
-    sampled: Pairs
+    sampled: Pairs  # gaps at nodes
     bulge: Pairs
-    bound: Pairs
+    bound: Pairs  # of the gap from a node to the next
     parts: Parts
     # result
     status: Int

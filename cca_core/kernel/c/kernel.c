@@ -17,6 +17,13 @@ static inline double real_min(double a, double b) { return b < a ? b : a; }
 static inline int int_max(int a, int b) { return b > a ? b : a; }
 static inline int int_min(int a, int b) { return b < a ? b : a; }
 static inline int int_floor(int a, int b) { return a < 0 ? -1 - (-1 - a) / b : a / b; }
+static inline int floor_within(double value, int low, int high)
+{
+    if (!(value >= low)) {
+        return low;
+    }
+    return value >= high ? high : (int)floor(value);
+}
 
 /* band_batch.py: Bands of a batch one after the other: from the caller's arrays into the workspace, and
     back. */
@@ -159,11 +166,10 @@ static double circles_circle_curvature(double x0, double y0, double x1, double y
 /* Return the gap to an obstacle with the ego at a node. */
 static double band_gaps_gap_at(const BandWork *w, int o, int i)
 {
-    double dx = w->box_x[o * w->max_n + i] - w->x[i] - w->box_offset * w->ahead_x[i];
-    double dy = w->box_y[o * w->max_n + i] - w->y[i] - w->box_offset * w->ahead_y[i];
-    return cca_oriented_box_gap(dx, dy, w->ahead_x[i], w->ahead_y[i], w->box_ahead_x[o * w->max_n + i],
-        w->box_ahead_y[o * w->max_n + i], 0.5 * w->length, 0.5 * w->width, w->half_length[o * w->max_n + i],
-        w->half_width[o * w->max_n + i]);
+    return cca_oriented_box_gap(w->box_x[o * w->max_n + i] - w->center_x[i], w->box_y[o * w->max_n + i]
+        - w->center_y[i], w->ahead_x[i], w->ahead_y[i], w->box_ahead_x[o * w->max_n + i], w->box_ahead_y[o
+        * w->max_n + i], 0.5 * w->length, 0.5 * w->width, w->half_length[o * w->max_n + i], w->half_width[o
+        * w->max_n + i]);
 }
 
 /* Compute the gap to an obstacle at equal parts from a node to the next. */
@@ -238,47 +244,86 @@ static double band_gaps_max_change(const BandWork *w)
     return w->spacing * (1.0 + BAND_GAPS_LEVER * w->length * w->max_curvature);
 }
 
-/* Sample the gaps of the obstacles and nodes that may be near each other; return their number. */
-static int band_gaps_sample_near(BandWork *w)
+/* Compute the center of the ego's box at each node; return the longest way from node to node. */
+static double band_gaps_set_centers(BandWork *w)
+{
+    double step = 0.0;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->center_x[i] = w->x[i] + w->box_offset * w->ahead_x[i];
+        w->center_y[i] = w->y[i] + w->box_offset * w->ahead_y[i];
+        if (i > 0) {
+            step = real_max(step, box_gaps_norm(w->center_x[i] - w->center_x[i - 1], w->center_y[i]
+                - w->center_y[i - 1]));
+        }
+    }
+    return step;
+}
+
+/* Find the obstacles and nodes that may be near each other, as pairs; skip nodes that are too far. */
+static void band_gaps_find_near(BandWork *w)
 {
     double half = 0.5 * box_gaps_norm(w->length, w->width);
     double upper = HUGE_VAL;
-    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            double dx = w->box_x[o * w->max_n + i] - w->x[i] - w->box_offset * w->ahead_x[i];
-            double dy = w->box_y[o * w->max_n + i] - w->y[i] - w->box_offset * w->ahead_y[i];
-            double distance = box_gaps_norm(dx, dy);
-            w->gaps[o * w->max_n + i] = distance - (w->radius[o * w->max_n + i] + half);
-            upper = real_min(upper, distance - w->half_width[o * w->max_n + i]);
-        }
-    }
-    double near = real_max(w->clearance, upper - 0.5 * w->width);
+    double step = band_gaps_set_centers(w);
     double change = band_gaps_max_change(w);
-    int count = 0;
+    w->n_pairs = 0;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         double moves = w->max_step[o] + change;
+        double travel = w->max_step[o] + step;
+        int next_node = 0;
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            if (!(w->gaps[o * w->max_n + i] > near + 2.0 * moves)) {
-                w->pair_obstacle[count] = o;
-                w->pair_node[count] = i;
-                w->sampled[count] = band_gaps_gap_at(w, o, i);
-                w->bulge[count] = w->spacing * fabs(w->curvature[i]) * (0.125 * w->spacing + 0.5 * moves);
-                count += 1;
+            if (i < next_node) {
+                continue;
+            }
+            double distance = box_gaps_norm(w->box_x[o * w->max_n + i] - w->center_x[i], w->box_y[o
+                * w->max_n + i] - w->center_y[i]);
+            double gap = distance - (w->radius[o * w->max_n + i] + half);
+            upper = real_min(upper, distance - w->half_width[o * w->max_n + i]);
+            double near = real_max(w->clearance, upper - 0.5 * w->width) + 2.0 * moves;
+            if (gap > near) {
+                double excess = distance - (w->max_radius[o] + half) - near;
+                next_node = i + floor_within(excess / travel, 1, w->n);
+            } else {
+                w->pair_obstacle[w->n_pairs] = o;
+                w->pair_node[w->n_pairs] = i;
+                w->bound[w->n_pairs] = gap;
+                w->n_pairs += 1;
             }
         }
     }
-    return count;
+    w->near = real_max(w->clearance, upper - 0.5 * w->width);
+}
+
+/* Sample the gaps of the pairs; drop those that have turned out to be far, as others are nearer. */
+static void band_gaps_sample_near(BandWork *w)
+{
+    double change = band_gaps_max_change(w);
+    int count = 0;
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        int o = w->pair_obstacle[k];
+        int i = w->pair_node[k];
+        double moves = w->max_step[o] + change;
+        if (w->bound[k] > w->near + 2.0 * moves) {
+            continue;
+        }
+        w->pair_obstacle[count] = o;
+        w->pair_node[count] = i;
+        w->sampled[count] = band_gaps_gap_at(w, o, i);
+        w->bulge[count] = w->spacing * fabs(w->curvature[i]) * (0.125 * w->spacing + 0.5 * moves);
+        count += 1;
+    }
+    w->n_pairs = count;
 }
 
 /* Return whether the band is straight at the sampled nodes, and every obstacle stationary. */
-static bool band_gaps_is_straight(const BandWork *w, int count)
+static bool band_gaps_is_straight(const BandWork *w)
 {
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         if (w->max_step[o] != 0.0) {
             return false;
         }
     }
-    for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
         if (w->curvature[w->pair_node[k]] != 0.0) {
             return false;
         }
@@ -287,12 +332,13 @@ static bool band_gaps_is_straight(const BandWork *w, int count)
 }
 
 /* Bound the gaps between sampled nodes from below, by the samples around. */
-static void band_gaps_bound_between(BandWork *w, int count)
+static void band_gaps_bound_between(BandWork *w)
 {
     const double *sampled = w->sampled;
     double *bulge = w->bulge;
     double *bound = w->bound;
-    double error = band_gaps_is_straight(w, count) ? 0.0 : BAND_GAPS_CURVE_ERROR;
+    int count = w->n_pairs;
+    double error = band_gaps_is_straight(w) ? 0.0 : BAND_GAPS_CURVE_ERROR;
     for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
         bulge[k] += error;
         bound[k] = sampled[k];
@@ -320,10 +366,11 @@ static void band_gaps_bound_between(BandWork *w, int count)
 }
 
 /* Sample closely where a bound is below the clearance, or loose next to a stationary obstacle. */
-static void band_gaps_refine_between(BandWork *w, int count)
+static void band_gaps_refine_between(BandWork *w)
 {
     const double *sampled = w->sampled;
     double *bound = w->bound;
+    int count = w->n_pairs;
     double min_sample = HUGE_VAL;
     for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
         min_sample = real_min(min_sample, sampled[k]);
@@ -342,24 +389,32 @@ static void band_gaps_refine_between(BandWork *w, int count)
     }
 }
 
-/* Compute the least gap to each obstacle between each node and the next, and the least of all. */
+/* Bound the gaps of the pairs from each node to the next, and find the least of all. */
 static void band_gaps_measure_gaps(BandWork *w)
 {
-    int count = band_gaps_sample_near(w);
-    band_gaps_bound_between(w, count);
-    band_gaps_refine_between(w, count);
-    for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
-        w->gaps[w->pair_obstacle[k] * w->max_n + w->pair_node[k]] = w->bound[k];
-    }
+    band_gaps_find_near(w);
+    band_gaps_sample_near(w);
+    band_gaps_bound_between(w);
+    band_gaps_refine_between(w);
     w->min_gap = HUGE_VAL;
-    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            w->min_gap = real_min(w->min_gap, w->gaps[o * w->max_n + i]);
-            if (!(w->gaps[o * w->max_n + i] > -HUGE_VAL)) {
-                w->finite = false;
-            }
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        w->min_gap = real_min(w->min_gap, w->bound[k]);
+        if (!(w->bound[k] > -HUGE_VAL)) {
+            w->finite = false;
         }
     }
+}
+
+/* Return the least gap to an obstacle; infinite if it is far. */
+static double band_gaps_gap_to(const BandWork *w, int o)
+{
+    double gap = HUGE_VAL;
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        if (w->pair_obstacle[k] == o) {
+            gap = real_min(gap, w->bound[k]);
+        }
+    }
+    return gap;
 }
 
 /* Return the lesser of the gaps to an obstacle at the pinned ends, which no deformation changes. */
@@ -564,43 +619,88 @@ static double band_certificate_violation_of(const BandWork *w)
 #define BAND_CORRIDOR_END_SLOPE 0.5
 #define BAND_CORRIDOR_MIN_DROP 1e-09
 
+/* Compute unit heading and radius of an obstacle, and how far a corner has moved since the last node. */
+static void band_corridor_set_heading(BandWork *w, int o, int i)
+{
+    if (i > 0 && w->box_psi[o * w->max_n + i] == w->box_psi[o * w->max_n + i - 1]) {
+        w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + i - 1];
+        w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + i - 1];
+    } else {
+        w->box_ahead_x[o * w->max_n + i] = cos(w->box_psi[o * w->max_n + i]);
+        w->box_ahead_y[o * w->max_n + i] = sin(w->box_psi[o * w->max_n + i]);
+    }
+    w->radius[o * w->max_n + i] = box_gaps_norm(w->half_length[o * w->max_n + i], w->half_width[o
+        * w->max_n + i]);
+    w->max_radius[o] = real_max(w->max_radius[o], w->radius[o * w->max_n + i]);
+    if (i > 0) {
+        double step = box_gaps_norm(w->box_x[o * w->max_n + i] - w->box_x[o * w->max_n + i - 1],
+            w->box_y[o * w->max_n + i] - w->box_y[o * w->max_n + i - 1]);
+        double turn_x = w->box_ahead_x[o * w->max_n + i] - w->box_ahead_x[o * w->max_n + i - 1];
+        double turn = box_gaps_norm(turn_x, w->box_ahead_y[o * w->max_n + i] - w->box_ahead_y[o * w->max_n
+            + i - 1]);
+        w->max_step[o] = real_max(w->max_step[o], step + turn * w->radius[o * w->max_n + i]);
+    }
+}
+
+/* Return whether the box of an obstacle is that at the last node. */
+static bool band_corridor_is_stationary(const BandWork *w, int o, int i)
+{
+    if (w->box_x[o * w->max_n + i] != w->box_x[o * w->max_n + i - 1] || w->box_y[o * w->max_n
+        + i] != w->box_y[o * w->max_n + i - 1]) {
+        return false;
+    }
+    if (w->half_length[o * w->max_n + i] != w->half_length[o * w->max_n + i - 1] || w->half_width[o
+        * w->max_n + i] != w->half_width[o * w->max_n + i - 1]) {
+        return false;
+    }
+    return w->box_psi[o * w->max_n + i] == w->box_psi[o * w->max_n + i - 1];
+}
+
 /* Compute headings, radii and steps of the obstacles; return whether all are parallel to the route. */
 static bool band_corridor_set_headings(BandWork *w)
 {
     double max_sine = 0.0;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         w->max_step[o] = 0.0;
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            if (i > 0 && w->box_psi[o * w->max_n + i] == w->box_psi[o * w->max_n + i - 1]) {
+        w->max_radius[o] = 0.0;
+        band_corridor_set_heading(w, o, 0);
+        for (int i = 1, i_end_ = w->n; i < i_end_; i += 1) {
+            if (band_corridor_is_stationary(w, o, i)) {
                 w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + i - 1];
                 w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + i - 1];
+                w->radius[o * w->max_n + i] = w->radius[o * w->max_n + i - 1];
             } else {
-                w->box_ahead_x[o * w->max_n + i] = cos(w->box_psi[o * w->max_n + i]);
-                w->box_ahead_y[o * w->max_n + i] = sin(w->box_psi[o * w->max_n + i]);
+                band_corridor_set_heading(w, o, i);
             }
-            w->radius[o * w->max_n + i] = box_gaps_norm(w->half_length[o * w->max_n + i], w->half_width[o
-                * w->max_n + i]);
+        }
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
             double sine = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
                 + i] * w->tangent_y[i];
             max_sine = real_max(max_sine, fabs(sine));
-            if (i > 0) {
-                double step = box_gaps_norm(w->box_x[o * w->max_n + i] - w->box_x[o * w->max_n + i - 1],
-                    w->box_y[o * w->max_n + i] - w->box_y[o * w->max_n + i - 1]);
-                double turn_x = w->box_ahead_x[o * w->max_n + i] - w->box_ahead_x[o * w->max_n + i - 1];
-                double turn = box_gaps_norm(turn_x, w->box_ahead_y[o * w->max_n + i] - w->box_ahead_y[o
-                    * w->max_n + i - 1]);
-                w->max_step[o] = real_max(w->max_step[o], step + turn * w->radius[o * w->max_n + i]);
-            }
         }
     }
     return max_sine < BAND_CORRIDOR_ALIGNED;
 }
 
-/* Compute how far an obstacle overlaps the ego along the route, and its lateral range there. */
-static void band_corridor_measure_overlap(BandWork *w, int o, int i, bool aligned)
+/* Return how far an obstacle overlaps the ego along the route: from -reach to reach + lead. */
+static double band_corridor_overlap_along(const BandWork *w, int o, int i)
+{
+    double dx = w->box_x[o * w->max_n + i] - w->route_x[i];
+    double dy = w->box_y[o * w->max_n + i] - w->route_y[i];
+    double x = dx * w->tangent_x[i] + dy * w->tangent_y[i] - w->box_offset;
+    double cosine = fabs(w->box_ahead_x[o * w->max_n + i] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n
+        + i] * w->tangent_y[i]);
+    double sine = fabs(w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
+        + i] * w->tangent_y[i]);
+    double half_x = (w->half_length[o * w->max_n + i] + w->clearance) * cosine + (w->half_width[o
+        * w->max_n + i] + w->clearance) * sine;
+    return half_x + 0.5 * w->length - real_max(-x, x - w->lead_distance[o]);
+}
+
+/* Compute the lateral range of an obstacle along the ego, and where the ego passes it. */
+static void band_corridor_measure_range(BandWork *w, int o, int i, bool aligned)
 {
     double reach = 0.5 * w->length;
-    double lead = w->lead_distance[o];
     double dx = w->box_x[o * w->max_n + i] - w->route_x[i];
     double dy = w->box_y[o * w->max_n + i] - w->route_y[i];
     double x = dx * w->tangent_x[i] + dy * w->tangent_y[i] - w->box_offset;
@@ -613,7 +713,6 @@ static void band_corridor_measure_overlap(BandWork *w, int o, int i, bool aligne
     double sine = fabs(turn_sin);
     double along = w->half_length[o * w->max_n + i] + w->clearance;
     double across = w->half_width[o * w->max_n + i] + w->clearance;
-    double half_x = along * cosine + across * sine;
     double half_y = along * sine + across * cosine;
     double upper = half_y;
     double lower = half_y;
@@ -625,11 +724,10 @@ static void band_corridor_measure_overlap(BandWork *w, int o, int i, bool aligne
         double rise = counter ? along_edge : across_edge;
         double fall = counter ? across_edge : along_edge;
         double before = -reach - x;
-        double behind = reach + lead - x;
+        double behind = reach + w->lead_distance[o] - x;
         upper = half_y - real_max(ridge - behind, 0.0) * rise - real_max(before - ridge, 0.0) * fall;
         lower = half_y - real_max(ridge + before, 0.0) * rise - real_max(-behind - ridge, 0.0) * fall;
     }
-    w->overlap[o * w->max_n + i] = half_x + reach - real_max(-x, x - lead);
     w->passing_right[o * w->max_n + i] = y - real_max(lower, -half_y) - 0.5 * w->width;
     w->passing_left[o * w->max_n + i] = y + real_max(upper, -half_y) + 0.5 * w->width;
 }
@@ -640,19 +738,18 @@ static void band_corridor_set_passing(BandWork *w)
     bool aligned = band_corridor_set_headings(w);
     double slope = BAND_CORRIDOR_END_SLOPE * box_gaps_norm(w->route_x[1] - w->route_x[0], w->route_y[1]
         - w->route_y[0]);
+    double *overlap = w->overlap;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            band_corridor_measure_overlap(w, o, i, aligned);
+            overlap[i] = band_corridor_overlap_along(w, o, i);
         }
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            double overlap = w->overlap[o * w->max_n + i];
-            if (overlap >= 0.0) {
-                continue;
-            }
-            double near = real_max(w->overlap[o * w->max_n + int_max(i - 1, 0)], w->overlap[o * w->max_n
-                + int_min(i + 1, w->n - 1)]);
+            double near = real_max(real_max(overlap[int_max(i - 1, 0)], overlap[i]), overlap[int_min(i
+                + 1, w->n - 1)]);
             if (near >= 0.0) {
-                double relief = slope * (overlap / real_min(overlap - near, -BAND_CORRIDOR_MIN_DROP));
+                band_corridor_measure_range(w, o, i, aligned);
+                double relief = slope * (real_min(overlap[i], 0.0) / real_min(overlap[i] - near,
+                    -BAND_CORRIDOR_MIN_DROP));
                 w->passing_right[o * w->max_n + i] += relief;
                 w->passing_left[o * w->max_n + i] -= relief;
             } else {
@@ -1276,12 +1373,10 @@ static int band_result_nearest_obstacle(const BandWork *w)
 {
     double gap = HUGE_VAL;
     int nearest = BAND_WORKSPACE_NO_CONSTRAINT;
-    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            if (w->gaps[o * w->max_n + i] < gap) {
-                gap = w->gaps[o * w->max_n + i];
-                nearest = o;
-            }
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        if (w->bound[k] < gap) {
+            gap = w->bound[k];
+            nearest = w->pair_obstacle[k];
         }
     }
     return nearest;
@@ -1409,31 +1504,39 @@ static int band_result_find_blocked_end(const BandWork *w)
 static void band_result_report_blocked_end(BandWork *w, int o)
 {
     band_result_fail(w, BAND_WORKSPACE_BLOCKED_END, o);
-    w->value = HUGE_VAL;
-    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        w->value = real_min(w->value, w->gaps[o * w->max_n + i]);
-    }
+    w->value = band_gaps_gap_to(w, o);
 }
 
 /* band_tightening.py: Constraint tightening: solve, certify, move the bounds by the shortfall, solve
     again. */
 #define BAND_TIGHTENING_MAX_FRACTION 0.8
 
-/* Move the bounds by the shortfall of clearance, to `low` and `high`; return whether they leave any. */
+/* Compute the shortfall of clearance and at the edges on both sides of each node, to `low` and `high`. */
+static void band_tightening_measure_shortfalls(BandWork *w)
+{
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->low[i] = -w->right_margin[i];
+        w->high[i] = -w->left_margin[i];
+    }
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        int i = w->pair_node[k];
+        double shortfall = w->clearance - w->bound[k];
+        if (w->passes_left[w->pair_obstacle[k]] != 0) {
+            w->low[i] = real_max(w->low[i], shortfall);
+        } else {
+            w->high[i] = real_max(w->high[i], shortfall);
+        }
+    }
+}
+
+/* Move the bounds by the shortfalls, to `low` and `high`; return whether they leave a displacement. */
 static bool band_tightening_tighten_positions(BandWork *w, double gain)
 {
+    band_tightening_measure_shortfalls(w);
     bool fits = true;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        double short_low = -w->right_margin[i];
-        double short_up = -w->left_margin[i];
-        for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-            double shortfall = w->clearance - w->gaps[o * w->max_n + i];
-            if (w->passes_left[o] != 0) {
-                short_low = real_max(short_low, shortfall);
-            } else {
-                short_up = real_max(short_up, shortfall);
-            }
-        }
+        double short_low = w->low[i];
+        double short_up = w->high[i];
         w->low[i] = w->lower[i];
         w->high[i] = w->upper[i];
         if (short_low > 0.0) {
@@ -1641,6 +1744,13 @@ static void band_relaxation_relax_with_sides(BandWork *w, Equilibrium *e)
     if (solvable) {
         converged = band_tightening_tighten(w, e, converged);
     }
+    bool finite = w->finite;
+    if (!finite) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            w->u[i] = w->free[i];
+        }
+        band_certificate_certify(w);
+    }
     band_result_compare(w);
     if (empty >= 0) {
         band_result_report_empty_interval(w, empty);
@@ -1648,7 +1758,7 @@ static void band_relaxation_relax_with_sides(BandWork *w, Equilibrium *e)
     if (blocked != BAND_WORKSPACE_NO_CONSTRAINT) {
         band_result_report_blocked_end(w, blocked);
     }
-    if (!(converged && w->finite)) {
+    if (!(converged && finite)) {
         band_result_report_stall(w);
     }
     w->solves = e->solves;

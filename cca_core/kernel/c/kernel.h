@@ -98,6 +98,7 @@ typedef struct BandWork {
     double *box_ahead_x;
     double *box_ahead_y;
     double *radius;
+    double *max_radius;
     double *max_step;
     double *overlap;
     double *passing_right;
@@ -119,7 +120,10 @@ typedef struct BandWork {
     double *moment_y;
     double *curvature;
     double *diagonal;
-    double *gaps;
+    double *center_x;
+    double *center_y;
+    double near;
+    int n_pairs;
     double *right_margin;
     double *left_margin;
     double min_gap;

@@ -1507,7 +1507,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "fb75340c504d786cdea571d3eacba395a47985849e8200f3e6cfec44a23cbc79") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "063a3332160e4031c8e78dc34e733fe4a156b3a62158e5b84357592e92494f27") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
