@@ -269,8 +269,8 @@ def test_documented_names_have_docstrings() -> None:
 def test_performance_page_marks_missed_budgets(tmp_path: Path) -> None:
     report = tmp_path / "bench.xml"
     report.write_text(
-        '<testsuites><testsuite><testcase classname="tests.bench.test_speed" name="test_steer"/>'
-        '<testcase classname="tests.bench.test_speed" name="test_foot_point">'
+        '<testsuites><testsuite><testcase classname="tests.bench.test_cycle_speed" name="test_steer"/>'
+        '<testcase classname="tests.bench.test_cycle_speed" name="test_kernel">'
         '<properties><property name="budget" value="17 of 5 us"/></properties>'
         '<failure message="assert 6.123456 &lt;= 5.0"/></testcase>'
         '<testcase classname="tests.bench.test_decide_speed" name="test_choose_action[True]"><properties>'
@@ -284,8 +284,8 @@ def test_performance_page_marks_missed_budgets(tmp_path: Path) -> None:
         "commit_info": {"id": "0123456789", "dirty": False},
         "datetime": "2026-01-02T03:04:05+00:00",
         "benchmarks": [
-            {"fullname": f"tests/bench/test_speed.py::{name}", "stats": stats, "extra_info": {"gap": 3}}
-            for name in ("test_steer", "test_foot_point")
+            {"fullname": f"tests/bench/test_cycle_speed.py::{name}", "stats": stats, "extra_info": {"gap": 3}}
+            for name in ("test_steer", "test_kernel")
         ],
     }
     text = speed_page.page(bench, speed_page.read_outcomes(report))
@@ -294,5 +294,5 @@ def test_performance_page_marks_missed_budgets(tmp_path: Path) -> None:
         in text
     )
     assert "| steer | 17 µs | 1.63 ms | gap 3 | - |" in text
-    assert "| foot point | 17 µs | 1.63 ms | gap 3 | **missed**: 17 of 5 us |" in text
+    assert "| kernel | 17 µs | 1.63 ms | gap 3 | **missed**: 17 of 5 us |" in text
     assert "| choose action (True) | 4.7 µs |  |  | kept: 4.7 of 20 us |" in text

@@ -19,7 +19,7 @@ merge conflict in `c/`, run it again. `tests/support/kernel_forms.py` compares t
 - Arrays are C-contiguous float64 (int32 for `Ints`). Those that are only read may be read-only.
   Their sizes are checked in every call, so a wrong one raises and nothing is written past an end.
 - A class of fields is a workspace: ``lent = cca_core.kernel.memory.lend(Curve, segments=12)``. The kernel
-  takes ``lent.workspace``, whose numbers are attributes. Its arrays are ``lent.arrays["breaks"]``, to be written
+  takes ``lent.workspace``, whose numbers are attributes. Its arrays are ``lent.arrays["breaks"]``, written
   and read. One caller has one workspace: a second thread that uses it meanwhile gets an error, except if both
   calls only read it. ``reuse(Curve, segments=12)`` returns the same one in every call of a thread.
 - Nothing is allocated in a call. The GIL is released in calls with arrays or workspaces.
