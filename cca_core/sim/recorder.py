@@ -51,26 +51,34 @@ class EventRecorder:
             self.decisions.append((t, decision.action.value, decision.reason))
             self.reasons.append((decision.activity or decision.reason, decision.cause))
         for vehicle_id, is_visible in zip(self._user_ids, visible, strict=True):
-            self._note(t, "first_visible", vehicle_id, is_visible)
+            if is_visible:
+                self._note(t, "first_visible", vehicle_id)
         for remote in remotes:
             if remote.source == "v2v":
                 self._note(t, "first_received", remote.id)
-                self._note(t, "hazard_received", remote.id, "hard_braking" in remote.events)
+                if "hard_braking" in remote.events:
+                    self._note(t, "hazard_received", remote.id)
         for agent in traffic.agents:
-            vehicle_id = agent.user.id
-            stopped = agent.v <= self._rest_speed and vehicle_id in self._initially_moving
-            self._note(t, "brakes", vehicle_id, agent.a <= self._braking)
-            self._note(t, "stopped", vehicle_id, stopped)
-            self._note(t, "lateral_shift", vehicle_id, agent.is_shifting)
-        self._note(t, "gap_released", "ego", self._has_fixed_gap and not gap_held)
-        self._note(t, "brakes", "ego", not gap_held and command.a_x <= self._braking)
-        self._note(t, "stopped", "ego", state.v_x <= self._rest_speed)
-        self._note(t, "lateral_shift", "ego", decision.action.is_evading)
-        self._note(t, "collision", collided_with, collided_with != "")
+            if agent.a <= self._braking:
+                self._note(t, "brakes", agent.user.id)
+            if agent.v <= self._rest_speed and agent.user.id in self._initially_moving:
+                self._note(t, "stopped", agent.user.id)
+            if agent.is_shifting:
+                self._note(t, "lateral_shift", agent.user.id)
+        ego = {
+            "gap_released": self._has_fixed_gap and not gap_held,
+            "brakes": not gap_held and command.a_x <= self._braking,
+            "stopped": state.v_x <= self._rest_speed,
+            "lateral_shift": decision.action.is_evading,
+        }
+        for kind, happened in ego.items():
+            if happened:
+                self._note(t, kind, "ego")
+        if collided_with:
+            self._note(t, "collision", collided_with)
 
-    def _note(self, t: float, kind: str, vehicle_id: str, happened: bool = True) -> None:
-        if happened:
-            self._first.setdefault((kind, vehicle_id), t)
+    def _note(self, t: float, kind: str, vehicle_id: str) -> None:
+        self._first.setdefault((kind, vehicle_id), t)
 
 
 class LogBuilder:

@@ -159,7 +159,7 @@ class Channel:
             If the time or the position is not finite.
         """
         t = check_real("t", t)
-        x, y = check_array("position", position, (2,)).tolist()
+        x, y = _checked(position)
         settings = self.settings
         fading, luck, late, again, after = self._rng.random(5).tolist()
         jitter = settings.jitter * float(self._rng.standard_exponential())
@@ -204,12 +204,14 @@ class Channel:
             If the time or the position is not finite.
         """
         t = check_real("t", t)
-        x, y = check_array("position", position, (2,)).tolist()
-        due = sorted(f for f in self._in_flight if f.t <= t + 1e-9)
+        x, y = _checked(position)
+        due = [f for f in self._in_flight if f.t <= t + 1e-9]
+        if not due:
+            return ()
         self._in_flight = [f for f in self._in_flight if f.t > t + 1e-9]
         return tuple(
             ReceivedMessage(f.data, f.sender, f.t)
-            for f in due
+            for f in sorted(due)
             if self._reaches(math.dist(f.position, (x, y)), f.luck)
         )
 
@@ -219,3 +221,15 @@ class Channel:
         if distance > settings.range:
             return False
         return luck >= settings.loss_at_range * (distance / settings.range) ** 4
+
+
+def _checked(position: tuple[float, float]) -> tuple[float, float]:
+    """Return a position if it is finite."""
+    try:
+        x, y = position
+        if type(x) is type(y) is float and math.isfinite(x) and math.isfinite(y):  # without arrays
+            return x, y
+    except (TypeError, ValueError):
+        pass
+    x, y = check_array("position", position, (2,)).tolist()
+    return x, y
