@@ -100,16 +100,21 @@ def borrow(name: str, kind: Kind, i: int, is_changed: bool, kinds: dict[str, int
 
 
 def call(kernel: Signature, has_lent: bool) -> Iterator[str]:
-    """Lines that call a kernel and make its result an object; what has arrays runs without the GIL."""
+    """Lines that call a kernel and make its result an object.
+
+    What fills memory may take long and runs without the GIL. A short call keeps it: getting it back from a
+    busy thread would take 5 ms.
+    """
     text = f"{kernel.c_name}({', '.join(kernel.arguments)});"
     if kernel.returns is not None:
         yield f"    {c_type(kernel.returns)} result_;"
         text = f"result_ = {text}"
-    if has_lent:
+    if kernel.changed:
         yield from ("    Py_BEGIN_ALLOW_THREADS", f"    {text}", "    Py_END_ALLOW_THREADS")
-        yield "    lend_end(lent_, held_);"
     else:
         yield f"    {text}"
+    if has_lent:
+        yield "    lend_end(lent_, held_);"
     if isinstance(kernel.returns, Group):
         items = [WRITE[item].format(f"result_.item{i}") for i, item in enumerate(kernel.returns.items)]
         yield f"    PyObject *items_[] = {{{', '.join(items)}}};"

@@ -65,7 +65,7 @@ class Module:
         tree = ast.parse(self.source.path.read_text(encoding="utf-8"), str(self.source.path))
         for i, node in enumerate(tree.body):
             match node:
-                case ast.Expr(value=ast.Constant(value=str(text))) if i == 0:
+                case ast.Expr(value=ast.Constant(value=str(text))) if i == 0 and "*/" not in text:
                     self.program.lines += ["", f"/* {self.name}.py: {text.strip()} */"]
                 case ast.Import(names=[ast.alias(name="math", asname=None)]):
                     pass

@@ -22,7 +22,7 @@ merge conflict in `c/`, run it again. `tests/support/kernel_forms.py` compares t
   takes ``lent.workspace``, whose numbers are attributes. Its arrays are ``lent.arrays["breaks"]``, written
   and read. One caller has one workspace: a second thread that uses it meanwhile gets an error, except if both
   calls only read it. ``reuse(Curve, segments=12)`` returns the same one in every call of a thread.
-- Nothing is allocated in a call. The GIL is released in calls with arrays or workspaces.
+- Nothing is allocated in a call. Calls that fill arrays or workspaces release the GIL.
 
 **Batches** are kernels that loop from a first to a last index over rows of arrays; `batches.in_chunks` calls
 them in threads, each with a workspace of its own.

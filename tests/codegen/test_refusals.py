@@ -200,6 +200,10 @@ def test_kernels_of_two_modules_have_other_names(tmp_path: Path) -> None:
     assert "f is a kernel of another module" in refused(tmp_path, text).replace("other.py", "case.py")
 
 
+def test_text_of_a_module_does_not_end_a_comment(tmp_path: Path) -> None:
+    assert "a module holds" in refused(tmp_path, '"""One */ two."""\n')
+
+
 def test_modules_do_not_import_each_other(tmp_path: Path) -> None:
     (tmp_path / "other.py").write_text("from cca_core.kernel.case import f\n", encoding="utf-8")
     assert "import each other" in refused(tmp_path, "from cca_core.kernel.other import g\n")

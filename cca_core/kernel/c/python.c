@@ -334,9 +334,7 @@ static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_s
         return NULL;
     }
     cca_dddddd result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_curve_point(curve, s);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1), PyFloat_FromDouble(result_.item2), PyFloat_FromDouble(result_.item3), PyFloat_FromDouble(result_.item4), PyFloat_FromDouble(result_.item5)};
     return lend_group(items_, 6);
@@ -362,9 +360,7 @@ static PyObject *call_curvature_at(PyObject *self_, PyObject *const *given_, Py_
         return NULL;
     }
     double result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_curvature_at(curve, s);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -397,9 +393,7 @@ static PyObject *call_foot_point(PyObject *self_, PyObject *const *given_, Py_ss
         return NULL;
     }
     cca_dddd result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_foot_point(curve, x, y, s_guess);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1), PyFloat_FromDouble(result_.item2), PyFloat_FromDouble(result_.item3)};
     return lend_group(items_, 4);
@@ -435,9 +429,7 @@ static PyObject *call_nearest_point(PyObject *self_, PyObject *const *given_, Py
         return NULL;
     }
     cca_dd result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_nearest_point(curve, samples, x, y);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1)};
     return lend_group(items_, 2);
@@ -1247,9 +1239,7 @@ static PyObject *call_interpolated(PyObject *self_, PyObject *const *given_, Py_
         return NULL;
     }
     double result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_interpolated(n, at, value, s);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -1300,9 +1290,7 @@ static PyObject *call_profile_acceleration(PyObject *self_, PyObject *const *giv
         return NULL;
     }
     double result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_profile_acceleration(n, at, squared, s, v_x, a_max, b_comfort, b_max);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -1327,9 +1315,7 @@ static PyObject *call_front_slip(PyObject *self_, PyObject *const *given_, Py_ss
         return NULL;
     }
     double result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_front_slip(car, fraction);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
