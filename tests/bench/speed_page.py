@@ -25,6 +25,7 @@ INTERNAL = ("us", "budget")
 TITLES = {
     "test_speed": "Cycle",
     "test_cycle_speed": "Parts of a cycle",
+    "test_kernel_speed": "Calls of the kernel",
     "test_band_speed": "Band",
     "test_baselines_speed": "Methods of Table 1",
     "test_decide_speed": "Decision",
