@@ -25,7 +25,7 @@ def arrival_times(
     ramp = (target * target - v * v) / (2.0 * a)
     for i in range(n):
         on_ramp = min(max(distance[i], 0.0), ramp)
-        t[i] = (math.sqrt(v * v + 2.0 * a * on_ramp) - v) / a
+        t[i] = (math.sqrt(max(v * v + 2.0 * a * on_ramp, 0.0)) - v) / a
         t[i] += min(distance[i], 0.0) / v + max(distance[i] - ramp, 0.0) / target
 
 

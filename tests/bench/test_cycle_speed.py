@@ -104,6 +104,7 @@ def test_new_ids(route: Path, slowness: float, budget: Budget, record_property: 
 @pytest.fixture(scope="module")
 def first_steps() -> np.ndarray:
     """Times of the first steps of 400 situations, the least of three [ms]."""
+    # of this thread: the worst of 400 must not be the time of another process
     made, times = roads(), np.full(400, np.inf)
     for i in range(400):
         case = situation(np.random.default_rng([0, i]), made[i % len(made)])
@@ -112,9 +113,9 @@ def first_steps() -> np.ndarray:
         remotes = [other.remote for other in case.others]
         for _ in range(3):
             planner: Any = Planner(CAR, case.road, cruise_speed=case.cruise, evasion=SETTINGS)
-            begun = time.perf_counter()
+            begun = time.thread_time()
             planner.step(0.0, state, remotes)
-            times[i] = min(times[i], 1e3 * (time.perf_counter() - begun))
+            times[i] = min(times[i], 1e3 * (time.thread_time() - begun))
     return times
 
 

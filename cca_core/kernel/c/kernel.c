@@ -2799,7 +2799,7 @@ void cca_arrival_times(int n, double v_x, double v_target, const double *distanc
     double ramp = (target * target - v * v) / (2.0 * a);
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         double on_ramp = real_min(real_max(distance[i], 0.0), ramp);
-        t[i] = (sqrt(v * v + 2.0 * a * on_ramp) - v) / a;
+        t[i] = (sqrt(real_max(v * v + 2.0 * a * on_ramp, 0.0)) - v) / a;
         t[i] += real_min(distance[i], 0.0) / v + real_max(distance[i] - ramp, 0.0) / target;
     }
 }
