@@ -192,6 +192,8 @@ class Expressions:
             return Term(f"(double){given[0].within(PREFIX)}", REAL, PREFIX)
         if name == "floor_within" and kinds == [REAL, INT, INT]:
             return Term(f"floor_within({texts})", INT)
+        if name in ("int", "round", "math.floor", "math.ceil", "math.trunc"):
+            self.source.fail(node, f"{name} has no value for NaN in C, use floor_within(value, low, high)")
         short = name.removeprefix("math.")
         if short != name and kinds == [REAL] * MATH.get(short, -1):
             return Term(f"{short}({texts})", REAL)
