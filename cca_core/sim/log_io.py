@@ -5,6 +5,7 @@ import json
 import math
 import struct
 import tokenize
+import warnings
 import zlib
 from dataclasses import fields
 from pathlib import Path as FilePath
@@ -134,7 +135,9 @@ def _array(data: bytes) -> Array:
     read_header = (
         np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     )
-    shape, is_fortran, dtype = read_header(stream)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of headers as Python 2 wrote them
+        shape, is_fortran, dtype = read_header(stream)
     begin = stream.tell()
     if min(shape, default=0) < 0 or math.prod(shape) * dtype.itemsize != len(data) - begin or dtype.hasobject:
         raise ValueError(f"an array of {len(data) - begin} bytes cannot have shape {shape}")
