@@ -1,80 +1,69 @@
 """Paths of arcs and lines between two poses (Dubins, 1957)."""
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
 from cca_core._checks import Array
 
-Pose = tuple[float, float, float]
+__all__ = ["WORDS", "along_dubins", "dubins_lengths"]
 
-__all__ = ["dubins_paths"]
-
-
-def dubins_paths(first: Pose, last: Pose, radius: float, spacing: float) -> Iterator[Array]:
-    """Positions on every arc-line-arc and arc-arc-arc path between two poses, shape (n, 2) each."""
-    for turns, lengths in _words(first, last, radius):
-        pieces = [np.array([first[:2]])]
-        x, y, psi = first
-        for turn, length in zip(turns, lengths, strict=True):
-            step = np.linspace(0.0, length, max(2, math.ceil(length / spacing) + 1))[1:]
-            if turn:
-                heading = psi + turn * step / radius
-                side = turn * radius
-                piece = np.column_stack(
-                    (
-                        x + side * (np.sin(heading) - math.sin(psi)),
-                        y - side * (np.cos(heading) - math.cos(psi)),
-                    )
-                )
-                psi += turn * length / radius
-            else:
-                piece = np.column_stack((x + step * math.cos(psi), y + step * math.sin(psi)))
-            x, y = piece[-1].tolist()
-            if length > 1e-6:
-                pieces.append(piece)
-        yield np.vstack(pieces)
+WORDS = np.array(
+    [
+        [1, 0, 1], [1, 0, -1], [-1, 0, 1], [-1, 0, -1],
+        [1, -1, 1], [1, -1, 1], [-1, 1, -1], [-1, 1, -1],
+    ],
+    dtype=np.float64,
+)  # fmt: skip
+"""Turns of the three pieces of each path: left 1, right -1, straight 0."""
 
 
-def _words(
-    first: Pose, last: Pose, radius: float
-) -> Iterator[tuple[tuple[int, int, int], tuple[float, float, float]]]:
-    """Directions (left 1, right -1, straight 0) and lengths of the three pieces of each path."""
-    for a in (1, -1):
-        for c in (1, -1):
-            # centers of the first and the last circle
-            x_a, y_a = first[0] - a * radius * math.sin(first[2]), first[1] + a * radius * math.cos(first[2])
-            x_c, y_c = last[0] - c * radius * math.sin(last[2]), last[1] + c * radius * math.cos(last[2])
-            distance, bearing = math.hypot(x_c - x_a, y_c - y_a), math.atan2(y_c - y_a, x_c - x_a)
-            if a == c:
-                psi, straight = bearing, distance
-            elif distance >= 2.0 * radius:
-                psi = bearing + a * math.asin(2.0 * radius / distance)
-                straight = math.sqrt(distance**2 - 4.0 * radius**2)
-            else:
-                continue
-            yield (
-                (a, 0, c),
-                (_arc(a, first[2], psi, radius), straight, _arc(c, psi, last[2], radius)),
-            )
-            if a == c and distance < 4.0 * radius:
-                angle = math.acos(distance / (4.0 * radius))
-                for side in (1, -1):
-                    # headings where the middle circle touches the first and the last one
-                    enter = bearing + side * angle + 0.5 * math.pi * a
-                    leave = bearing + math.pi - side * angle + 0.5 * math.pi * a
-                    yield (
-                        (a, -a, a),
-                        (
-                            _arc(a, first[2], enter, radius),
-                            _arc(-a, enter, leave, radius),
-                            _arc(a, leave, last[2], radius),
-                        ),
-                    )
+def dubins_lengths(first: Array, last: Array, radius: float) -> Array:
+    """Lengths of the pieces of every path between poses (n, 3), shape (n, 8, 3); inf if there is none."""
+    lengths = np.full((len(first), len(WORDS), 3), math.inf)
+    for word, (a, b, c) in enumerate(WORDS):
+        # centers of the first and the last circle
+        ends = [
+            pose[:, :2] + turn * radius * np.column_stack((-np.sin(pose[:, 2]), np.cos(pose[:, 2])))
+            for pose, turn in ((first, a), (last, c))
+        ]
+        x, y = (ends[1] - ends[0]).T
+        distance, bearing = np.hypot(x, y), np.arctan2(y, x)
+        if b:
+            possible = distance < 4.0 * radius
+            # headings where the middle circle touches the first and the last one
+            angle = (1.0 if word % 2 else -1.0) * np.arccos(np.minimum(distance / (4.0 * radius), 1.0))
+            enter, leave = bearing + angle + 0.5 * math.pi * a, bearing + math.pi - angle + 0.5 * math.pi * a
+            middle = _arc(b, enter, leave, radius)
+        elif a == c:
+            possible, enter, leave, middle = distance >= 0.0, bearing, bearing, distance
+        else:
+            possible = distance >= 2.0 * radius
+            safe = np.where(possible, distance, 2.0 * radius)
+            enter = leave = bearing + a * np.arcsin(2.0 * radius / safe)
+            middle = np.sqrt(safe**2 - 4.0 * radius**2)
+        found = (_arc(a, first[:, 2], enter, radius), middle, _arc(c, leave, last[:, 2], radius))
+        lengths[possible, word] = np.column_stack(found)[possible]
+    return lengths
 
 
-def _arc(turn: int, start: float, end: float, radius: float) -> float:
+def along_dubins(first: Array, turns: Array, lengths: Array, radius: float, s: Array) -> Array:
+    """Positions at arc lengths (n, k) on paths from poses (n, 3), shape (n, k, 2)."""
+    x, y, psi = (column[:, None] for column in first.T)
+    for turn, length, before in zip(
+        turns.T, lengths.T, (np.cumsum(lengths, axis=1) - lengths).T, strict=True
+    ):
+        step, rate = np.clip(s - before[:, None], 0.0, length[:, None]), turn[:, None] / radius
+        heading, side = psi + rate * step, turn[:, None] * radius
+        is_arc = side != 0.0
+        x = x + np.where(is_arc, side * (np.sin(heading) - np.sin(psi)), step * np.cos(psi))
+        y = y - np.where(is_arc, side * (np.cos(heading) - np.cos(psi)), -step * np.sin(psi))
+        psi = heading
+    return np.stack((x, y), axis=-1)
+
+
+def _arc(turn: float, start: Array, end: Array, radius: float) -> Array:
     """Length of an arc between two headings."""
     angle = (turn * (end - start)) % (2.0 * math.pi)
-    return 0.0 if 2.0 * math.pi - angle < 1e-6 else angle * radius
+    length: Array = np.where(2.0 * math.pi - angle < 1e-6, 0.0, angle * radius)
+    return length

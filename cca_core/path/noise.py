@@ -9,6 +9,8 @@ from cca_core.geometry import arc_length
 
 __all__ = ["estimate_noise", "find_outliers", "isolated"]
 
+_SPIKE_TURN = math.radians(100.0)  # at a far waypoint that is no corner [rad]
+
 
 def estimate_noise(points: Array) -> float:
     """Estimate the standard deviation of waypoints in x and y [m]; 0 if there are too few points."""
@@ -34,12 +36,15 @@ def _scatter(points: Array, degree: int) -> float:
     return 1.5 * math.sqrt(float(np.median(squared)) / 3.357)
 
 
-def find_outliers(points: Array, noise: float, tolerance: float) -> Mask:
-    """Find single waypoints that leave the course on which all three neighbors on both sides are."""
+def find_outliers(points: Array, noise: float, tolerance: float, max_offset: float) -> tuple[Mask, Mask]:
+    """Find single waypoints that leave the course of three neighbors on both sides, and spikes among them.
+
+    A waypoint farther away than `max_offset` is a corner of the road, unless it is a spike.
+    """
     n = len(points)
-    found = np.zeros(n, dtype=bool)
+    found, spikes = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
     if n < 7:
-        return found
+        return found, spikes
     limit = max(tolerance, 6.0 * noise)
     window = points[np.arange(n - 6)[:, None] + np.arange(7)]
     step = np.diff(window, axis=1)
@@ -59,8 +64,12 @@ def find_outliers(points: Array, noise: float, tolerance: float) -> Mask:
     triangle[~regular] = np.eye(4)
     course = powers[:, 3:4] @ np.linalg.solve(triangle, basis.swapaxes(1, 2) @ neighbors)
     off = np.hypot(course[:, 0, 0], course[:, 0, 1])
+    cosine = (step[:, 2] * step[:, 3]).sum(axis=1) / np.maximum(length[:, 2] * length[:, 3], 1e-9)
+    far = off > max_offset
+    spikes[3:-3] = far & (cosine < math.cos(_SPIKE_TURN))
     found[3:-3] = regular & (off > limit) & (scatter < 0.25 * np.minimum(off, limit))
-    return isolated(found)
+    found[3:-3] &= spikes[3:-3] | ~far
+    return isolated(found), spikes
 
 
 def isolated(exceeding: Mask) -> Mask:

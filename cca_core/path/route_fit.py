@@ -79,23 +79,40 @@ class RouteFit:
         noise = estimate_noise(self._points)
         tolerance = min(max(_MIN_TOLERANCE, 3.3 * noise), _MAX_DEVIATION)
         limit = min(limit, 1.0 / _CAR_RADIUS)
+        max_offset, spikes = self._max_ignored(tolerance, limit), self._outliers
         if not self._closed:
-            self._outliers = find_outliers(self._points, noise, tolerance)
+            self._outliers, spikes = find_outliers(self._points, noise, tolerance, max_offset)
             self._fitted = self._points[~self._outliers]
         for factor in (1.0, 1.5, 2.0):
             try:
-                path, self._fitted = self._robust(factor * tolerance, self._outliers)
+                path = self._robust(factor * tolerance, self._max_ignored(factor * tolerance, limit))
             except InfeasibleError:
                 continue
             if max_curvature(path) <= limit:
                 found = self._reported(path, factor * tolerance, noise)
                 if self._is_near(found, factor * tolerance, limit):
                     return found
-        return self._limited(tolerance, tolerance, limit, noise)
+        while True:
+            try:
+                return self._limited(tolerance, tolerance, limit, noise)
+            except InfeasibleError as error:
+                if not self._restored(error.result, max_offset, spikes):
+                    raise
 
-    def _robust(self, tolerance: float, outliers: Mask) -> tuple[Path, Array]:
-        """Fit without outliers; return the path, and the waypoints with others that exceed moved onto it."""
-        points = self._points[~outliers]
+    def _restored(self, path: object, max_offset: float, spikes: Mask) -> bool:
+        """Take outliers that a path misses by too much for curves; return whether there are any."""
+        if not isinstance(path, Path) or path.fit_report is None:
+            return False
+        missed = np.zeros(len(self._points), dtype=bool)
+        missed[path.fit_report.missed] = path.fit_report.missed_by > max_offset
+        missed &= self._outliers & ~spikes
+        self._outliers &= ~missed
+        self._fitted = self._points[~self._outliers]
+        return bool(missed.any())
+
+    def _robust(self, tolerance: float, max_ignored: float) -> Path:
+        """Fit without outliers, and without other single waypoints that bend the path."""
+        points = self._fitted
         plain: Path | None = None
         try:
             plain = SmoothFit(points, tolerance, self._closed).free(self._per_segment)
@@ -103,17 +120,17 @@ class RouteFit:
             if len(points) < 8 or self._closed:
                 raise
         if plain and (max_curvature(plain) <= _GENTLE or len(points) < 8 or self._closed):
-            return plain, points
+            return plain
         path = SmoothFit(points, tolerance, False, 1 + len(points) // 50).free(self._per_segment)
         if plain and max_curvature(plain) <= 1.5 * max_curvature(path):
-            return plain, points
+            return plain
         s, d = path.project(points)
-        exceeding = isolated(np.abs(d) > tolerance)
+        exceeding = isolated(np.abs(d) > tolerance) & (np.abs(d) <= max_ignored)
         if not exceeding.any():
-            return path, points
+            return path
         points = points.copy()
         points[exceeding] = path.position(s[exceeding])
-        return SmoothFit(points, tolerance, False).free(self._per_segment), points
+        return SmoothFit(points, tolerance, False).free(self._per_segment)
 
     def _smooth(self, tolerance: float) -> SmoothFit:
         return SmoothFit(self._fitted, tolerance, self._closed)
@@ -156,6 +173,10 @@ class RouteFit:
         if self._max_deviation is not None:
             return max(self._max_deviation, tolerance + 0.01)
         return max(_MAX_DEVIATION, 3.0 * tolerance, min(0.6 / limit + tolerance, 3.0 * _MAX_DEVIATION))
+
+    def _max_ignored(self, tolerance: float, limit: float) -> float:
+        """Largest distance of a waypoint that is ignored [m]; a given bound refuses those farther away."""
+        return self._bound(tolerance, limit) if self._max_deviation is None else math.inf
 
     def _is_near(self, path: Path, tolerance: float, limit: float) -> bool:
         return path.fit_report is not None and path.fit_report.max_deviation <= self._bound(tolerance, limit)

@@ -3,27 +3,35 @@
 import math
 
 import numpy as np
-import pytest
 
-from cca_core.path.dubins import dubins_paths
+from cca_core.path.dubins import WORDS, along_dubins, dubins_lengths
 from cca_core.path.interpolate import interpolate_path
 from cca_core.path.rounding import round_bends
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_dubins_paths_join_poses_with_radius(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    first, last = ((*rng.uniform(-20.0, 20.0, 2), rng.uniform(-3.0, 3.0)) for _ in range(2))
-    paths = list(dubins_paths(first, last, 6.0, 0.1))
-    assert len(paths) >= 2
-    for xy in paths:
-        steps = np.diff(xy, axis=0)
-        psi = np.arctan2(steps[:, 1], steps[:, 0])
-        np.testing.assert_allclose(xy[[0, -1]], [first[:2], last[:2]], rtol=0.0, atol=1e-6)
-        assert abs(math.remainder(psi[0] - first[2], 2.0 * math.pi)) <= 0.02
-        assert abs(math.remainder(psi[-1] - last[2], 2.0 * math.pi)) <= 0.02
-        turn = np.abs((np.diff(psi) + math.pi) % (2.0 * math.pi) - math.pi)
-        assert turn.max() <= 0.1 / 6.0 + 1e-3
+def test_dubins_paths_join_poses_with_radius() -> None:
+    rng = np.random.default_rng(0)
+    first, last = (
+        np.column_stack((rng.uniform(-20.0, 20.0, (200, 2)), rng.uniform(-3.0, 3.0, 200))) for _ in range(2)
+    )
+    lengths = dubins_lengths(first, last, 6.0)
+    possible = np.isfinite(lengths).all(axis=2)
+    assert (possible.sum(axis=1) >= 2).all()
+    for word, turns in enumerate(WORDS):
+        rows = np.flatnonzero(possible[:, word])
+        taken = lengths[rows, word]
+        at = taken.sum(axis=1)[:, None] * np.linspace(0.0, 1.0, 1001)
+        xy = along_dubins(first[rows], np.tile(turns, (len(rows), 1)), taken, 6.0, at)
+        np.testing.assert_allclose(xy[:, 0], first[rows, :2], rtol=0.0, atol=1e-6)
+        np.testing.assert_allclose(xy[:, -1], last[rows, :2], rtol=0.0, atol=1e-6)
+        steps = np.diff(xy, axis=1)
+        psi = np.arctan2(steps[..., 1], steps[..., 0])
+        apart = at[:, 1]  # between two positions
+        for end, pose in ((0, first), (-1, last)):
+            off = (psi[:, end] - pose[rows, 2] + math.pi) % (2.0 * math.pi) - math.pi
+            assert (np.abs(off) <= apart / 6.0).all()
+        turn = np.abs((np.diff(psi, axis=1) + math.pi) % (2.0 * math.pi) - math.pi)
+        assert (turn.max(axis=1) <= apart / 6.0 + 1e-3).all()
 
 
 def test_only_sharp_curve_is_replaced() -> None:
