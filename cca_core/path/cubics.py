@@ -4,8 +4,10 @@ import math
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from cca_core._checks import Array
+from cca_core._checks import Array, as_array, check_any, check_array, explained
+from cca_core.errors import InputError
 from cca_core.kernel import bind
 from cca_core.kernel.curve import (
     Curve,
@@ -21,8 +23,20 @@ from cca_core.kernel.memory import lend
 _curve_point, _curvature_at = bind(curve_point), bind(curvature_at)
 _foot_point, _foot_points, _nearest_points = bind(foot_point), bind(foot_points), bind(nearest_points)
 
-_SPACING = 2.0  # of the samples for a search without initial guess [m]
+_SPACING = 2.0  # of the samples for a search without initial guess [m]; longer on paths above 400 km
+_MAX_SAMPLES = 200_000  # but for those in tight curves
 _SAMPLE_TURN = 0.15  # largest turn between such samples [rad]
+
+
+def check_cubics(breaks: ArrayLike, coefficients: ArrayLike) -> tuple[Array, Array]:
+    """Return copies of breaks and coefficients if they are those of cubics."""
+    s = check_array("breaks", breaks, (None,))
+    c = check_array("coefficients", coefficients, (None, 2, 4))
+    if len(s) < 2 or len(c) != len(s) - 1:
+        raise InputError(f"breaks, coefficients must be (n + 1,), (n, 2, 4), were {s.shape}, {c.shape}")
+    if not (np.diff(s) > 0.0).all():
+        raise InputError("breaks must increase")
+    return s, c
 
 
 class Cubics:
@@ -35,8 +49,9 @@ class Cubics:
         scale = np.array((rate * rate * rate, rate * rate, rate, np.ones_like(rate)))
         self._powers = coefficients.transpose(2, 0, 1) * scale[:, :, None]
 
-    def derivatives(self, s: Array) -> tuple[Array, Array, Array]:
+    def derivatives(self, s: ArrayLike) -> tuple[Array, Array, Array]:
         """Position, first and second derivative, shapes (..., 2)."""
+        s = as_array("s", s)
         on = np.minimum(np.maximum(s, self._breaks[0]), self._breaks[-1])
         i = np.searchsorted(self._inner, on, side="right")
         a, b, c, d = self._powers.take(i, axis=1)
@@ -49,6 +64,27 @@ class Cubics:
             position = position + beyond * first
             second = np.where(beyond == 0.0, second, 0.0)
         return position, first, second
+
+    def heading(self, s: ArrayLike) -> Array:
+        """Direction of the tangent."""
+        first = self.derivatives(s)[1]
+        psi: Array = np.arctan2(first[..., 1], first[..., 0])
+        return psi
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Signed curvature."""
+        _, first, second = self.derivatives(s)
+        cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+        kappa: Array = cross / np.sum(first * first, axis=-1) ** 1.5
+        return kappa
+
+    def to_cartesian(self, s: ArrayLike, d: ArrayLike) -> Array:
+        """Positions at lateral offsets, shape (..., 2)."""
+        position, first, _ = self.derivatives(s)
+        normal = np.stack((-first[..., 1], first[..., 0]), axis=-1)
+        normal /= np.hypot(first[..., 0], first[..., 1])[..., None]
+        xy: Array = position + as_array("d", d)[..., None] * normal
+        return xy
 
     def cut(self, start: float, end: float, coefficients: Array) -> tuple[Array, Array]:
         """Return breaks and coefficients over lambda between two s."""
@@ -74,11 +110,29 @@ class Cubics:
 
     def curvature_at(self, s: float) -> float:
         """Signed curvature at one s."""
-        return _curvature_at(self.curve, s)
+        try:
+            return _curvature_at(self.curve, s)
+        except (TypeError, ValueError, ArithmeticError) as error:
+            raise explained(error, {"s": s}) from None
 
     def foot_point(self, x: float, y: float, s_guess: float) -> tuple[float, float, float, float]:
         """Foot point of one position: s, d, heading and curvature."""
-        return _foot_point(self.curve, x, y, s_guess)
+        try:
+            return _foot_point(self.curve, x, y, s_guess)
+        except (TypeError, ValueError, ArithmeticError) as error:
+            raise explained(error, {"x": x, "y": y, "s_guess": s_guess}) from None
+
+    def project(self, xy: Array, s_guess: ArrayLike | None) -> tuple[Array, Array]:
+        """Foot points s, d of positions, shape (..., 2), nearest on all or from initial guesses."""
+        shape, points = xy.shape[:-1], xy.reshape(-1, 2)
+        if s_guess is None:
+            s, d = self.nearest(points)
+        else:
+            start = check_any("s_guess", s_guess)
+            if start.shape not in ((), shape):
+                raise InputError(f"s_guess must have shape () or {shape}, had {start.shape}")
+            s, d = self.foot_points(points, np.broadcast_to(start, shape).reshape(-1))
+        return s.reshape(shape)[()], d.reshape(shape)[()]  # scalars for one position
 
     def foot_points(self, xy: Array, s_guess: Array) -> tuple[Array, Array]:
         """Foot points s, d of positions, shape (n, 2), by Newton from initial guesses, shape (n,)."""
@@ -103,16 +157,25 @@ class Cubics:
         return lent.workspace
 
     @cached_property
+    def sharpest(self) -> tuple[float, float]:
+        """Station of the largest absolute curvature of nine samples a segment, and its value."""
+        s = self._breaks[:-1, None] + np.linspace(0.0, 1.0, 9) * np.diff(self._breaks)[:, None]
+        kappa = np.abs(self.curvature(s)).ravel()
+        i = int(np.argmax(kappa))
+        return float(s.ravel()[i]), float(kappa[i])
+
+    @cached_property
     def _samples(self) -> CurveSamples:
         whole = self._breaks[-1] - self._breaks[0]
-        s = np.linspace(self._breaks[0], self._breaks[-1], max(2, math.ceil(whole / _SPACING) + 1))
+        spacing = max(_SPACING, whole / _MAX_SAMPLES)
+        s = np.linspace(self._breaks[0], self._breaks[-1], max(2, math.ceil(whole / spacing) + 1))
         length = np.diff(self._breaks)
         at = self._breaks[:-1, None] + length[:, None] * np.linspace(0.0, 1.0, 9)
         _, first, second = self.derivatives(at)
         speed = np.maximum(np.hypot(first[..., 0], first[..., 1]), 1e-9)
         cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
         rate = (np.abs(cross) / speed**2).max(axis=1)  # of the heading along each segment [rad/m]
-        tight = np.flatnonzero(rate * _SPACING > 2.5 * _SAMPLE_TURN)  # radius below 5.3 m
+        tight = np.flatnonzero(rate * spacing > 2.5 * _SAMPLE_TURN)  # radius below 5.3 m
         parts = np.ceil(np.minimum(rate * length / _SAMPLE_TURN, 1000.0)).astype(int)
         more = [np.linspace(self._breaks[i], self._breaks[i + 1], parts[i], endpoint=False) for i in tight]
         if more:

@@ -36,11 +36,16 @@ class FitReport:
     missed_by: Array
     outliers: Index
 
+    @property
+    def farthest(self) -> str:
+        """Text of the largest deviation and where it is."""
+        return f"max deviation {self.max_deviation:.2f} m at s={self.s_max_deviation:.1f}"
+
     def __repr__(self) -> str:
         parts = [f"tolerance {self.tolerance:.2g} m"]
         if self.noise is not None:
             parts.append(f"noise {self.noise:.2g} m")
-        parts.append(f"max deviation {self.max_deviation:.2f} m at s={self.s_max_deviation:.1f}")
+        parts.append(self.farthest)
         if len(self.missed):
             found = zip(self.missed[:6].tolist(), self.missed_by[:6].tolist(), strict=True)
             rows = ", ".join(f"{row} by {distance:.1f} m" for row, distance in found)

@@ -8,10 +8,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, check_any, check_array, check_real
-from cca_core.errors import InputError
+from cca_core._checks import Array, check_any, check_real
 from cca_core.kernel.curve import Curve
-from cca_core.path.cubics import Cubics
+from cca_core.path.cubics import Cubics, check_cubics
 from cca_core.path.fit_report import FitReport
 
 
@@ -31,7 +30,7 @@ class Path:
     Raises
     ------
     InputError
-        If the shapes disagree, a value is not finite, or `breaks` does not increase.
+        If the shapes disagree, a value (here or in a query) is no number, or `breaks` does not increase.
 
     Examples
     --------
@@ -41,27 +40,20 @@ class Path:
     """
 
     def __init__(self, breaks: ArrayLike, coefficients: ArrayLike) -> None:
-        s = check_array("breaks", breaks, (None,))
-        c = check_array("coefficients", coefficients, (None, 2, 4))
-        if len(s) < 2 or len(c) != len(s) - 1:
-            raise InputError(f"breaks, coefficients must be (n + 1,), (n, 2, 4), were {s.shape}, {c.shape}")
-        if not (np.diff(s) > 0.0).all():
-            raise InputError("breaks must increase")
-        self._set(s, c)
+        self._set(*check_cubics(breaks, coefficients))
 
     @classmethod
     def _trusted(cls, breaks: Array, coefficients: Array, report: FitReport | None = None) -> Self:
         """Make a path without checks and copies; the arrays become read-only."""
         path = cls.__new__(cls)
-        path._set(breaks, coefficients)
-        path._fit_report = report
+        path._set(breaks, coefficients, report)
         return path
 
-    def _set(self, breaks: Array, coefficients: Array) -> None:
+    def _set(self, breaks: Array, coefficients: Array, report: FitReport | None = None) -> None:
         breaks.setflags(write=False)
         coefficients.setflags(write=False)
         self._breaks, self._coefficients = breaks, coefficients
-        self._fit_report: FitReport | None = None
+        self._fit_report = report
 
     @cached_property
     def _cubics(self) -> Cubics:
@@ -73,15 +65,10 @@ class Path:
         return self._cubics.curve
 
     def __repr__(self) -> str:
-        parts = [f"{len(self._coefficients)} segments", f"{self.length:.1f} m"]
-        radius = self.min_radius
-        parts.append(
-            "straight" if radius > 1e5 else f"min radius {radius:.3g} m at s={self.s_min_radius:.1f}"
-        )
-        if self._fit_report is not None:
-            report = self._fit_report
-            parts.append(f"max deviation {report.max_deviation:.2f} m at s={report.s_max_deviation:.1f}")
-        return f"Path({', '.join(parts)})"
+        radius, report = self.min_radius, self._fit_report
+        curve = "straight" if radius > 1e5 else f"min radius {radius:.3g} m at s={self.s_min_radius:.1f}"
+        farthest = f", {report.farthest}" if report is not None else ""
+        return f"Path({len(self._coefficients)} segments, {self.length:.1f} m, {curve}{farthest})"
 
     def _repr_svg_(self) -> str:
         svg: str = import_module("cca_core.plot.svg").to_svg(self)
@@ -118,25 +105,18 @@ class Path:
     @property
     def min_radius(self) -> float:
         """Least radius of curvature [m]; infinite on a straight path."""
-        return self._sharpest[0]
+        kappa = self._cubics.sharpest[1]
+        return 1.0 / kappa if kappa > 1e-12 else math.inf
 
     @property
     def s_min_radius(self) -> float:
         """Station of the least radius [m]."""
-        return self._sharpest[1]
+        return self._cubics.sharpest[0]
 
     @property
     def fit_report(self) -> FitReport | None:
         """Distance from the waypoints of `fit_path`; None for other paths."""
         return self._fit_report
-
-    @cached_property
-    def _sharpest(self) -> tuple[float, float]:
-        fraction = np.linspace(0.0, 1.0, 9)
-        s = self._breaks[:-1, None] + fraction * np.diff(self._breaks)[:, None]
-        kappa = np.abs(self.curvature(s)).ravel()
-        i = int(np.argmax(kappa))
-        return (1.0 / float(kappa[i]) if kappa[i] > 1e-12 else math.inf), float(s.ravel()[i])
 
     def derivatives(self, s: ArrayLike) -> tuple[Array, Array, Array]:
         """Position with first and second derivative by arc length.
@@ -153,7 +133,7 @@ class Path:
         first, second : ndarray, shape (..., 2)
             Tangent [-], of length 1 if `s` is exact arc length, and its rate of change [1/m].
         """
-        return self._cubics.derivatives(np.asarray(s, dtype=np.float64))
+        return self._cubics.derivatives(s)
 
     def position(self, s: ArrayLike) -> Array:
         """Point on the path.
@@ -183,9 +163,7 @@ class Path:
         psi : ndarray, shape (...)
             Heading [rad] in (-pi, pi], counter-clockwise from +x.
         """
-        first = self.derivatives(s)[1]
-        psi: Array = np.arctan2(first[..., 1], first[..., 0])
-        return psi
+        return self._cubics.heading(s)
 
     def curvature(self, s: ArrayLike) -> Array:
         """Signed curvature (X'Y'' - Y'X'') / (X'^2 + Y'^2)^1.5.
@@ -200,10 +178,7 @@ class Path:
         kappa : ndarray, shape (...)
             Curvature [1/m], left turn positive.
         """
-        _, first, second = self.derivatives(s)
-        cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-        kappa: Array = cross / np.sum(first * first, axis=-1) ** 1.5
-        return kappa
+        return self._cubics.curvature(s)
 
     def to_cartesian(self, s: ArrayLike, d: ArrayLike) -> Array:
         """Cartesian position of Frenet coordinates.
@@ -220,11 +195,7 @@ class Path:
         xy : ndarray, shape (..., 2)
             Position [m].
         """
-        position, first, _ = self.derivatives(s)
-        normal = np.stack((-first[..., 1], first[..., 0]), axis=-1)
-        normal /= np.hypot(first[..., 0], first[..., 1])[..., None]
-        xy: Array = position + np.asarray(d, dtype=np.float64)[..., None] * normal
-        return xy
+        return self._cubics.to_cartesian(s, d)
 
     def sample(self, spacing: float) -> Array:
         """Equidistant nodes from the first to the last point.
@@ -293,16 +264,7 @@ class Path:
         InputError
             If `xy` or `s_guess` has the wrong shape or is not finite.
         """
-        xy = check_any("xy", xy, (2,))
-        shape, points = xy.shape[:-1], xy.reshape(-1, 2)
-        if s_guess is None:
-            s, d = self._cubics.nearest(points)
-        else:
-            start = check_any("s_guess", s_guess)
-            if start.shape not in ((), shape):
-                raise InputError(f"s_guess must have shape () or {shape}, had {start.shape}")
-            s, d = self._cubics.foot_points(points, np.broadcast_to(start, shape).reshape(-1))
-        return s.reshape(shape)[()], d.reshape(shape)[()]  # scalars for one position
+        return self._cubics.project(check_any("xy", xy, (2,)), s_guess)
 
     def foot_point(self, x: float, y: float, s_guess: float) -> tuple[float, float, float, float]:
         """Project one position in plain floats, for control loops.

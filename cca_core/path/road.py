@@ -1,7 +1,6 @@
 """Lanes along a path."""
 
 import math
-import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -11,13 +10,11 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, check_real, shown
+from cca_core._checks import Array, check_real, check_reals, shown
 from cca_core.errors import InputError
-from cca_core.path.clean import clean_route
-from cca_core.path.fit import fit_path
 from cca_core.path.local_frame import LocalFrame
 from cca_core.path.path import Path
-from cca_core.path.waypoints import Waypoints, read_waypoints
+from cca_core.path.road_file import read_route
 
 _SIGMA_ELEVATION = 3.0  # of heights of satellite receivers [m]
 
@@ -107,7 +104,7 @@ class Road:
             raise InputError(f"lanes must be a sequence of Lane, was {given!r}")
         self.lanes = tuple(sorted(lanes, key=lambda lane: lane.d))
         self.speed_limit = check_real("speed_limit", speed_limit, gt=0.0)
-        self.stop_lines = tuple(check_real("stop_lines", line) for line in stop_lines)
+        self.stop_lines = check_reals("stop_lines", stop_lines)
         self.elevation = None if elevation is None else _check_elevation(elevation)
         self.sigma_elevation = check_real("sigma_elevation", sigma_elevation, ge=0.0)
         ego_lane = self.lane_at(0.0)
@@ -148,7 +145,8 @@ class Road:
         max_gap : float
             Largest distance between two parts that are joined [m].
         origin : tuple of float, optional
-            Origin of the local frame, as for `Waypoints.to_local`.
+            Origin of the local frame, as for `Waypoints.to_local`; by default the first waypoint of the file,
+            or of the part if that is more than 1000 km away.
         skip_invalid : bool
             As for `read_waypoints`.
         **fit : Any
@@ -173,22 +171,10 @@ class Road:
         UserWarning
             If parts were joined.
         """
-        points = read_waypoints(file, skip_invalid=skip_invalid)
-        xy = points.to_local(origin)
-        rows = _rows_of(points, xy, part, check_real("max_gap", max_gap, gt=0.0), FilePath(file).name)
-        times = points.t[rows]
-        route = clean_route(xy[rows], t=times if np.isfinite(times).all() else None)
-        if len(route.parts) > 1:
-            raise InputError(
-                f"file {FilePath(file).name!r} must have no gap within a part, had {len(route.report.gaps)}, "
-                f"after the points {(rows.start + route.report.gaps[:5]).tolist()} of the part"
-            )
-        path = fit_path(route.parts[0], **fit)
-        heights = _elevation_along(path, route.parts[0], xy[rows], points.z[rows])
+        max_gap = check_real("max_gap", max_gap, gt=0.0)
+        path, heights, frame = read_route(file, part, max_gap, origin, skip_invalid, fit)
         road = cls(path, lanes, speed_limit, stop_lines, heights, _SIGMA_ELEVATION)
-        if not len(points.xy):
-            lat0, lon0 = (points.lat[0], points.lon[0]) if origin is None else origin
-            road.frame = LocalFrame(lat0, lon0)
+        road.frame = frame
         return road
 
     def __repr__(self) -> str:
@@ -240,32 +226,14 @@ class Road:
         -------
         lane : Lane or None
             The lane that contains `d`; None off the road.
+
+        Raises
+        ------
+        InputError
+            If `d` is no real number.
         """
+        d = check_real("d", d, allow_inf=True)
         return next((lane for lane in self.lanes if lane.right <= d <= lane.left), None)
-
-
-def _rows_of(points: Waypoints, xy: Array, part: int | None, max_gap: float, name: str) -> slice:
-    """Return the rows of one part, or of all if they can be joined."""
-    starts = [*points.parts.tolist(), len(xy)]
-    n = len(starts) - 1
-    if part is not None:
-        if part not in range(n):
-            raise InputError(f"part must be 0 to {n - 1} for file {name!r}, was {shown(part)}")
-        if starts[part + 1] - starts[part] < 2:
-            raise InputError(f"part {part} of file {name!r} must have at least two points, had 1")
-        return slice(starts[part], starts[part + 1])
-    inner = np.array(starts[1:-1], dtype=np.intp)
-    gaps = np.hypot(*(xy[inner] - xy[inner - 1]).T)
-    if gaps.max(initial=0.0) > max_gap:
-        far = int(np.argmax(gaps > max_gap))
-        raise InputError(
-            f"file {name!r} has {n} parts; those before and after point {inner[far]} must be at most "
-            f"{max_gap:g} m apart, were {gaps[far]:.0f} m; give part=, or a larger max_gap="
-        )
-    if n > 1:
-        text = f"file {name!r} has {n} parts, which were joined over gaps of up to {gaps.max():.0f} m"
-        warnings.warn(text, stacklevel=3)
-    return slice(0, len(xy))
 
 
 def _check_elevation(elevation: ArrayLike) -> Array:
@@ -281,22 +249,4 @@ def _check_elevation(elevation: ArrayLike) -> Array:
     if not (np.isfinite(s).all() and (np.diff(s) > 0.0).all() and not np.isinf(z).any()):
         raise InputError(f"{words}, was not")
     table.setflags(write=False)
-    return table
-
-
-def _elevation_along(path: Path, nodes: Array, xy: Array, z: Array) -> Array | None:
-    """Return stations of waypoints and their heights above the first one; None without heights."""
-    heights = dict(zip(map(tuple, xy.tolist()), z.tolist(), strict=False))
-    rows: list[tuple[float, float]] = []
-    s, last = path.start, (float(nodes[0, 0]), float(nodes[0, 1]))
-    for x, y in nodes.tolist():
-        s = path.foot_point(x, y, s + math.dist((x, y), last))[0]
-        height = heights.get((x, y), math.nan)
-        if math.isfinite(height) and not (rows and s <= rows[-1][0]):
-            rows.append((s, height))
-        last = x, y
-    if not rows:
-        return None
-    table = np.array(rows)
-    table[:, 1] -= table[0, 1]
     return table

@@ -147,3 +147,13 @@ def test_nearest_point_of_tight_path_is_exact(seed: int) -> None:
     nearest = np.array([np.hypot(*(on - point).T).min() for point in xy])
     assert (np.abs(d) <= nearest + 1e-6).all()
     np.testing.assert_allclose(np.hypot(*(path.position(s) - xy).T), np.abs(d), rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("length", [1e6, 3e7])
+def test_project_on_a_very_long_path_is_exact(length: float) -> None:
+    x = np.linspace(0.0, length, 400)
+    path = interpolate_path(np.column_stack((x, 5.0 * length / 400.0 * np.sin(x / (length / 60.0)))))
+    s = np.random.default_rng(0).uniform(path.start, path.end, 20)
+    found, d = path.project(path.to_cartesian(s, 30.0))
+    np.testing.assert_allclose(found, s, rtol=0.0, atol=1e-3)
+    np.testing.assert_allclose(d, 30.0, rtol=0.0, atol=1e-3)

@@ -63,6 +63,18 @@ def test_parts_far_apart_are_refused(tmp_path: FilePath) -> None:
             Road.from_file(file, part=part)  # type: ignore[arg-type]
 
 
+def test_part_beyond_the_plane_of_the_first_is_read(tmp_path: FilePath) -> None:
+    """A file with tracks of two continents: only the part asked for is projected."""
+    south = NORTH - 70.0
+    file = put(tmp_path, "a.gpx", track([NORTH, south]))
+    road = Road.from_file(file, part=1)
+    assert road.frame is not None
+    assert road.frame.lat0 == pytest.approx(south[0])
+    assert road.path.length == pytest.approx(Road.from_file(file, part=0).path.length, rel=0.02)
+    with pytest.raises(InputError, match="within 1000 km"):
+        Road.from_file(file)
+
+
 def test_road_of_a_table_in_meters(tmp_path: FilePath) -> None:
     rows = "".join(f"{10 * i};{0.0}\n" for i in range(20))
     road = Road.from_file(put(tmp_path, "a.csv", "x;y\n" + rows))
