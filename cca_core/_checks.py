@@ -1,13 +1,18 @@
 """Checks of arguments; each raises `InputError` that names the argument."""
 
+import inspect
 import math
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core.errors import InputError
+from cca_core.errors import CcaError, InputError
 
+P = ParamSpec("P")
+R = TypeVar("R")
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Complex = np.ndarray[Any, np.dtype[np.complex128]]
 Mask = np.ndarray[Any, np.dtype[np.bool_]]
@@ -40,6 +45,13 @@ def check_real(
     return number
 
 
+def check_reals(name: str, values: object, *, ge: float = -math.inf) -> tuple[float, ...]:
+    """Return `values` as floats if they are a sequence of real numbers from `ge` up."""
+    if not isinstance(values, Iterable) or isinstance(values, (str, bytes)):
+        raise InputError(f"{name} must be a sequence of real numbers, was {shown(values)}")
+    return tuple(check_real(name, value, ge=ge) for value in values)
+
+
 def read_real(name: str, value: object, *, ge: float = -math.inf, le: float = math.inf) -> float:
     """Return `value` as `check_real` does; it may be written as text, as in a file."""
     if isinstance(value, str):
@@ -68,6 +80,42 @@ def shown(value: object) -> str:
     except Exception:  # such as ten thousand digits, lists in lists without end, foreign code
         return f"a {type(value).__name__}"
     return text if len(text) <= 80 else f"{text[:80]}..."
+
+
+def explained(error: Exception, values: Mapping[str, object]) -> Exception:
+    """Return the error of a formula as `InputError` that names the value to blame, or as it is."""
+    reals: dict[str, float] = {}
+    for name, value in values.items():
+        try:
+            reals[name] = check_real(name, value, allow_inf=True)
+        except InputError as refusal:
+            return refusal
+    if isinstance(error, TypeError) or not reals:
+        return error
+    name, value = max(reals.items(), key=lambda item: abs(item[1]))
+    condition = "finite" if math.isinf(value) else "less in magnitude"
+    return InputError(f"{name} must be {condition}, was {value:g}: {error}")
+
+
+def formula(function: Callable[P, R]) -> Callable[P, R]:
+    """Let a formula of plain numbers raise `InputError` where it fails; a result costs no checks."""
+
+    @wraps(function)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            return function(*args, **kwargs)
+        except CcaError:
+            raise
+        except (TypeError, ValueError, ArithmeticError) as error:
+            signature = inspect.signature(function)
+            try:
+                given = signature.bind(*args, **kwargs).arguments
+            except TypeError:
+                raise error from None
+            reals = {k: v for k, v in given.items() if signature.parameters[k].annotation in (float, int)}
+            raise explained(error, reals) from None
+
+    return checked
 
 
 def check_array(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:

@@ -7,7 +7,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, as_array
+from cca_core._checks import Array, as_array, explained
 from cca_core.kernel import bind
 from cca_core.kernel.box_gaps import box_gaps
 
@@ -35,6 +35,11 @@ def wrap_angle(angle: float | Array) -> float | Array:
     wrapped : float or ndarray
         The same direction in [-pi, pi) [rad].
 
+    Raises
+    ------
+    InputError
+        If the angle is a plain number that is not finite.
+
     Examples
     --------
     >>> round(wrap_angle(3.5), 4)
@@ -43,7 +48,10 @@ def wrap_angle(angle: float | Array) -> float | Array:
     if isinstance(angle, np.ndarray):
         wrapped = (angle + np.pi) % (2.0 * np.pi) - np.pi
         return np.where(wrapped >= np.pi, -np.pi, wrapped)
-    rest = math.remainder(angle, 2.0 * math.pi)
+    try:
+        rest = math.remainder(angle, 2.0 * math.pi)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise explained(error, {"angle": angle}) from None
     return -math.pi if rest >= math.pi else rest
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, as_array
+from cca_core._checks import Array, as_array, formula
 from cca_core.geometry import Boxes
 from cca_core.kernel import bind, reach
 from cca_core.path.path import Path
@@ -16,6 +16,7 @@ _occupancy_boxes = bind(reach.occupancy_boxes)
 _BOUND = 2.0  # standard deviations of the 95 % uncertainty bound on each side
 
 
+@formula
 def predict_distance(v_x: float, a_x: float, t: ArrayLike) -> Array:
     """Distance driven in a time.
 
@@ -50,6 +51,7 @@ def predict_distance(v_x: float, a_x: float, t: ArrayLike) -> Array:
     return distance[()]
 
 
+@formula
 def reachable_interval(
     v: ArrayLike,
     t: ArrayLike,
@@ -186,6 +188,7 @@ def predict_ctra(remote: RemoteVehicle, t: ArrayLike) -> tuple[Array, Array, Arr
     )
 
 
+@formula
 def predict_along(remote: RemoteVehicle, path: Path, s: float, d: float, t: ArrayLike) -> Boxes:
     """Boxes of a vehicle that keeps its lateral offset on the road.
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, check_array, check_points, check_real
+from cca_core._checks import Array, as_array, check_array, check_points, check_real
 from cca_core.errors import InputError
 
 _TENSION, _BENDING = np.array([2, -1, 0, 0]), np.array([6, -4, 1, 0])
@@ -29,7 +29,7 @@ def stiffness_matrix(n: int) -> Array:
     Raises
     ------
     InputError
-        If `n` is below 3.
+        If `n` is below 3 or above 10 000.
 
     Notes
     -----
@@ -42,7 +42,7 @@ def stiffness_matrix(n: int) -> Array:
     array([[ 2., -1.],
            [-1.,  2.]])
     """
-    if check_real("n", n, ge=3) != int(n):
+    if check_real("n", n, ge=3, le=1e4) != int(n):
         raise InputError(f"n must be a whole number, was {n}")
     inner = int(n) - 2
     return 2.0 * np.eye(inner) - np.eye(inner, k=1) - np.eye(inner, k=-1)
@@ -215,8 +215,13 @@ class BandStiffness:
             Diagonal and three off-diagonals of the stiffness [N/m]; every row of the matrix is the same
             because the band continues undisplaced beyond its pinned ends. In extended precision: a
             rounding error of the row sum would act like a spring to the ground.
+
+        Raises
+        ------
+        InputError
+            If `h` is no array of real numbers.
         """
-        spacing = np.asarray(h, dtype=np.longdouble)[..., None]
+        spacing = as_array("h", h).astype(np.longdouble)[..., None]
         squared = spacing * spacing
         stencil: Array = self.k_c / (squared * squared * spacing) * _CURVATURE_RATE
         if self.k_s:

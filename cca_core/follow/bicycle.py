@@ -143,7 +143,7 @@ def kinematic_rates(
     10.0
     """
     psi, v = as_array("psi", psi), as_array("v_x", v_x)
-    r = v * np.tan(delta) / vehicle.wheelbase
+    r = v * np.tan(as_array("delta", delta)) / vehicle.wheelbase
     v_y = vehicle.l_r * r
     return v * np.cos(psi) - v_y * np.sin(psi), v * np.sin(psi) + v_y * np.cos(psi), r
 
@@ -164,9 +164,14 @@ def steady_steering(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     -------
     delta : ndarray, shape (...)
         kappa (L + K v^2) [rad], left positive, K the understeer gradient.
+
+    Raises
+    ------
+    InputError
+        If a value is no array of real numbers.
     """
-    gain = vehicle.wheelbase + vehicle.understeer_gradient * np.square(v_x)
-    return np.asarray(kappa, dtype=np.float64) * gain
+    gain = vehicle.wheelbase + vehicle.understeer_gradient * np.square(as_array("v_x", v_x))
+    return as_array("kappa", kappa) * gain
 
 
 def steady_sideslip(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) -> Array:
@@ -185,9 +190,14 @@ def steady_sideslip(kappa: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) ->
     -------
     beta : ndarray, shape (...)
         kappa (l_r - l_f m v^2 / (C_r L)) [rad], left positive.
+
+    Raises
+    ------
+    InputError
+        If a value is no array of real numbers.
     """
     slope = vehicle.l_f * vehicle.m / (vehicle.C_r * vehicle.wheelbase)
-    return np.asarray(kappa, dtype=np.float64) * (vehicle.l_r - slope * np.square(v_x))
+    return as_array("kappa", kappa) * (vehicle.l_r - slope * np.square(as_array("v_x", v_x)))
 
 
 def steady_yaw_rate(delta: ArrayLike, v_x: ArrayLike, vehicle: VehicleParams) -> Array:

@@ -2,9 +2,11 @@
 
 import math
 
+from cca_core._checks import formula
 from cca_core.follow.speed import SpeedSettings
 
 
+@formula
 def follow_acceleration(
     v_x: float, gap: float, v_lead: float, settings: SpeedSettings, a_lead: float = 0.0
 ) -> float:
@@ -53,6 +55,7 @@ def follow_acceleration(
     return max(approach, -settings.b_max)
 
 
+@formula
 def idm_acceleration(
     v_x: float, gap: float, v_lead: float, v_target: float, settings: SpeedSettings
 ) -> float:
@@ -85,6 +88,7 @@ def idm_acceleration(
     return max(a * (free - (target_gap / max(gap, 0.1)) ** 2), -settings.b_max)
 
 
+@formula
 def cacc_acceleration(
     v_x: float,
     gap: float,
@@ -123,6 +127,7 @@ def cacc_acceleration(
     return min(max(target, -settings.b_max), settings.a_max)
 
 
+@formula
 def required_deceleration(
     v_x: float, gap: float, v_lead: float, settings: SpeedSettings, a_lead: float = 0.0
 ) -> float:

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from cca_core._checks import check_real
+from cca_core._checks import check_real, formula
 from cca_core.geometry import wrap_angle
 from cca_core.vehicle import VehicleState
 
@@ -25,7 +25,7 @@ class PoseEstimator:
     Raises
     ------
     InputError
-        If a value is not positive.
+        If a value is not positive or exceeds 1e6.
 
     Notes
     -----
@@ -42,9 +42,9 @@ class PoseEstimator:
         position_drift: float = 0.02,
         heading_drift: float = 0.002,
     ) -> None:
-        self._fix_variance = check_real("fix_sigma", fix_sigma, gt=0.0) ** 2
-        self._q_position = check_real("position_drift", position_drift, gt=0.0) ** 2
-        self._q_heading = check_real("heading_drift", heading_drift, gt=0.0) ** 2
+        self._fix_variance = check_real("fix_sigma", fix_sigma, gt=0.0, le=1e6) ** 2
+        self._q_position = check_real("position_drift", position_drift, gt=0.0, le=1e6) ** 2
+        self._q_heading = check_real("heading_drift", heading_drift, gt=0.0, le=1e6) ** 2
         self._state = state
         # variances along and across; covariance of across and heading; variance of the heading
         self._along = self._across = self._fix_variance
@@ -68,6 +68,7 @@ class PoseEstimator:
         """Estimated motion now."""
         return self._state
 
+    @formula
     def predict(self, measured: VehicleState, dt: float) -> VehicleState:
         """Dead-reckon by speed and yaw rate.
 
@@ -99,6 +100,7 @@ class PoseEstimator:
         self._heading += self._q_heading * dt
         return self._state
 
+    @formula
     def correct(self, x: float, y: float) -> VehicleState:
         """Correct the estimate by a fix.
 

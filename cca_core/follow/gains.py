@@ -198,7 +198,7 @@ def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: Stabilit
     Raises
     ------
     InputError
-        If `v_x` is not positive or `l_s` is negative.
+        If `v_x` is not positive or exceeds 1e6, or `l_s` is negative.
 
     Notes
     -----
@@ -206,7 +206,7 @@ def gain_region(vehicle: VehicleParams, v_x: float, l_s: float, region: Stabilit
     law. At low speed the requested decay is limited to nine tenths of the speed over the preview distance: a
     vehicle cannot return to its path faster than it moves.
     """
-    v_x = check_real("v_x", v_x, gt=0.0)
+    v_x = check_real("v_x", v_x, gt=0.0, le=1e6)
     k_p, ratio = np.meshgrid(np.geomspace(0.5, 60.0, 40) / max(v_x, 3.0) ** 2, np.linspace(0.0, 0.4, 40))
     k_d = ratio * k_p
     decay, damping = np.full(k_p.shape, np.inf), np.full(k_p.shape, np.inf)

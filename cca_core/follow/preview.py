@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from cca_core._checks import check_real
+from cca_core._checks import check_real, formula
 from cca_core.errors import InputError
 from cca_core.follow.feedforward import InverseSteering
 from cca_core.follow.schedule import PreviewGains, shipped_gains
@@ -75,6 +75,7 @@ class PreviewController:
     def __repr__(self) -> str:
         return f"PreviewController(gains at {len(self.gains.speeds)} speeds, delay={self.delay:g} s)"
 
+    @formula
     def steer(
         self, state: VehicleState, path: Path, dt: float = 0.02, *, s_guess: float | None = None
     ) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cca_core._checks import Array, check_real
+from cca_core._checks import Array, check_real, formula
 from cca_core.kernel import bind
 from cca_core.kernel import speed as kernel
 from cca_core.path.path import Path
@@ -58,6 +58,7 @@ class SpeedSettings:
             check_real(name, getattr(self, name), gt=0.0)
 
 
+@formula
 def cruise_acceleration(v_x: float, v_target: float, settings: SpeedSettings) -> float:
     """Acceleration toward a target speed.
 
@@ -76,6 +77,7 @@ def cruise_acceleration(v_x: float, v_target: float, settings: SpeedSettings) ->
     return min(max(v_target - v_x, -settings.b_comfort), settings.a_max)
 
 
+@formula
 def stop_acceleration(v_x: float, distance: float, settings: SpeedSettings) -> float:
     """Acceleration that stops the vehicle at a point.
 
@@ -99,6 +101,7 @@ def stop_acceleration(v_x: float, distance: float, settings: SpeedSettings) -> f
     return -min(need, settings.b_max) if need >= settings.b_comfort else settings.a_max
 
 
+@formula
 def jerk_limited(
     target: float, previous: float, dt: float, settings: SpeedSettings, *, emergency: bool = False
 ) -> float:
@@ -124,6 +127,7 @@ def jerk_limited(
     return min(max(target, previous - step), previous + step)
 
 
+@formula
 def friction_limited(a_x: float, a_y: float, mu: float, *, grip_fraction: float = 0.9) -> float:
     """Longitudinal acceleration that the tires can carry besides a lateral one.
 
@@ -152,6 +156,7 @@ def friction_limited(a_x: float, a_y: float, mu: float, *, grip_fraction: float 
     return min(max(a_x, -limit), limit)
 
 
+@formula
 def arrival_times(v_x: float, v_target: float, distances: Array, settings: SpeedSettings) -> Array:
     """Time that the ego takes for distances ahead if no vehicle limits its speed.
 
@@ -177,6 +182,7 @@ def arrival_times(v_x: float, v_target: float, distances: Array, settings: Speed
     return t
 
 
+@formula
 def squared_speed_limit(
     path: Path, cruise: float, a_y: float, settings: SpeedSettings
 ) -> tuple[Array, Array]:
@@ -208,6 +214,7 @@ def squared_speed_limit(
     return np.append(s, s[-1] + tail), np.append(squared, -2.0 * settings.b_comfort * tail)
 
 
+@formula
 def profile_acceleration(
     s: float, v_x: float, profile: tuple[Array, Array], settings: SpeedSettings
 ) -> float:

@@ -78,6 +78,11 @@ class Driver:
         lights.
     settings : DriverSettings, optional
         What is a hazard.
+
+    Raises
+    ------
+    InputError
+        If `cruise_speed` is not finite, or negative.
     """
 
     def __init__(
@@ -95,7 +100,7 @@ class Driver:
         self.settings = settings or DriverSettings()
         self._crossing = CrossingSettings(a_max=0.0, b_max=0.0, min_pet=self.settings.min_pet)
         self._controller = PreviewController(vehicle)
-        limit = min(cruise_speed, road.speed_limit)
+        limit = min(check_real("cruise_speed", cruise_speed, ge=0.0), road.speed_limit)
         self._speed_profile = squared_speed_limit(road.path, limit, CURVE_ACCELERATION, self.speed)
         self._s: float | None = None
         self._last_s: dict[str, float] = {}

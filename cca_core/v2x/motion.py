@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, fields
 from typing import NamedTuple
 
-from cca_core._checks import check_real
+from cca_core._checks import check_real, formula
 from cca_core.geometry import wrap_angle
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED
 
@@ -85,6 +85,7 @@ class PositionErrorModel:
 _RECORDED = PositionErrorModel()
 
 
+@formula
 def dead_reckon(fix: Fix, t: float) -> Fix:
     """Dead-reckon to a later time.
 
@@ -127,6 +128,7 @@ def predicted_displacement(last: Fix, fix: Fix) -> tuple[float, float, float]:
     return last.x + s * math.cos(mean), last.y + s * math.sin(mean), abs(s)
 
 
+@formula
 def position_bounds(
     v: float, age: float, driven: float = math.inf, *, model: PositionErrorModel = _RECORDED
 ) -> tuple[float, float]:

@@ -97,7 +97,13 @@ class Tracker:
         -------
         saturated : bool
             Whether that happened in the last second.
+
+        Raises
+        ------
+        InputError
+            If `t` is no real number.
         """
+        t = check_real("t", t, allow_inf=True)
         return t - self._intake.clocks.correction - self._intake.t_full <= 1.0
 
     def health(self, t: float) -> TrackerHealth:

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import check_real
+from cca_core._checks import as_array, check_real, formula
 from cca_core.geometry import Boxes, boxes
 
 __all__ = ["VehicleParams"]
@@ -90,6 +90,7 @@ class VehicleParams:
         """Center of gravity to the rear end of the body box [m], forward positive: less than zero."""
         return self.box_offset - 0.5 * self.length
 
+    @formula
     def center_at(self, x: float, y: float, psi: float) -> tuple[float, float]:
         """Center of the body box for one pose of the center of gravity.
 
@@ -117,9 +118,15 @@ class VehicleParams:
         -------
         body : Boxes
             One box for each pose.
+
+        Raises
+        ------
+        InputError
+            If a value is no array of real numbers.
         """
+        x, y, psi = as_array("x", x), as_array("y", y), as_array("psi", psi)
         forward, left = self.box_offset * np.cos(psi), self.box_offset * np.sin(psi)
-        return boxes(np.asarray(x) + forward, np.asarray(y) + left, psi, self.length, self.width)
+        return boxes(x + forward, y + left, psi, self.length, self.width)
 
     @classmethod
     def bmw_320i(cls) -> Self:

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cca_core._checks import Array, Complex, Mask, check_real
+from cca_core._checks import Array, Complex, Mask, check_real, check_reals
 from cca_core.baselines.methods.free_space import (
     FreeCells,
     RouteSamples,
@@ -102,8 +102,7 @@ class MotionPrimitives:
         check_real("weight_offset", self.weight_offset, ge=0.0)
         check_real("cell_width", self.cell_width, gt=0.0)
         check_real("heading_step", self.heading_step, gt=0.0)
-        for factor in self.length_factors:
-            check_real("length_factors", factor, ge=1.0)
+        check_reals("length_factors", self.length_factors, ge=1.0)
         check_real("max_attempts", self.max_attempts, ge=1.0)
         if not self.weight_a_y + self.weight_jerk + self.weight_offset > 0.0:
             raise InputError("weight_a_y, weight_jerk or weight_offset must be greater than 0")

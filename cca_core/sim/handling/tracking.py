@@ -72,11 +72,14 @@ def lane_change_path(width: float, length: float, *, before: float = 80.0, after
     Raises
     ------
     InputError
-        If a value is not finite, or a distance is not positive.
+        If a value is not finite, or a distance is not positive or exceeds 1000 km.
     """
     width = check_real("width", width)
-    length = check_real("length", length, gt=0.0)
-    total = check_real("before", before, gt=0.0) + length + check_real("after", after, gt=0.0)
+    length, before, after = (
+        check_real(name, value, gt=0.0, le=1e6)
+        for name, value in (("length", length), ("before", before), ("after", after))
+    )
+    total = before + length + after
     x = np.linspace(0.0, total, math.ceil(total) + 1)
     fraction = np.clip((x - before) / length, 0.0, 1.0)
     y = quintic_step(fraction, width)

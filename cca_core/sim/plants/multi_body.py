@@ -65,8 +65,9 @@ class MultiBodyPlant:
         steering_lag: float = 0.1,
         drive_lag: float = 0.1,
     ) -> None:
+        vehicle = int(check_real("vehicle", vehicle))
         if vehicle not in _MAX_DECELERATION:
-            raise InputError(f"vehicle must be 1, 2 or 3, was {vehicle!r}")
+            raise InputError(f"vehicle must be 1, 2 or 3, was {vehicle}")
         friction = check_real("friction", friction, gt=0.0)
         mass = check_real("mass", mass, gt=0.0)
         self._lags = (

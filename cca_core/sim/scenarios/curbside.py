@@ -75,7 +75,7 @@ def curbside(
     lane_intrusion = check_real("lane_intrusion", lane_intrusion, ge=0.0, le=LANE_WIDTH)
     radius = check_real("radius", radius, ge=200.0)
     lead_time_gap, lead_ttc = check_real("lead_time_gap", lead_time_gap), check_real("lead_ttc", lead_ttc)
-    start = check_real("start", start)
+    start = check_real("start", start, ge=-1e5, le=1e5)
     t_red = 9.0  # from the start to the parked car at constant speed [s]
     s_red = start + t_red * v_x
     gap = lead_time_gap * v_x

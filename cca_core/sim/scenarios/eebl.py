@@ -82,9 +82,11 @@ def eebl(
     if case not in EEBL_CASES:
         raise InputError(f"case must be one of {', '.join(EEBL_CASES)}, was {case!r}")
     v_x = check_real("v_x", v_x, gt=5.0, le=36.0)
-    time_gap = check_real("time_gap", time_gap, gt=0.0)
-    second_time_gap = check_real("second_time_gap", second_time_gap)
-    start = check_real("start", start)
+    time_gap = check_real("time_gap", time_gap, gt=0.0, le=1e3)
+    second_time_gap = check_real("second_time_gap", second_time_gap, ge=-1e3, le=1e3)
+    start = check_real("start", start, ge=-1e5, le=1e5)
+    brakes_at = check_real("brakes_at", brakes_at, ge=-1e3, le=1e3)
+    standstill_gap = check_real("standstill_gap", standstill_gap, gt=0.0)
     gap = time_gap * v_x
     yellow = start + CAR.box_offset + gap + CAR.length
     red = yellow + CAR.length + second_time_gap * v_x

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cca_core._checks import Array, check_real
+from cca_core._checks import Array, check_array, check_real
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings, squared_speed_limit
 from cca_core.path import Lane, Path, Road, interpolate_path
@@ -79,10 +79,12 @@ def ima(
     if case not in IMA_CASES:
         raise InputError(f"case must be one of {', '.join(IMA_CASES)}, was {case!r}")
     turns = case == "left-turn"
-    v_x = (20.0 if turns else 40.0) / 3.6 if v_x is None else check_real("v_x", v_x, gt=0.0)
+    v_x = (20.0 if turns else 40.0) / 3.6 if v_x is None else check_real("v_x", v_x, gt=0.0, le=100.0)
     v_red = check_real("v_red", v_red, gt=0.0)
     offset = check_real("offset", offset, ge=-5.0, le=5.0)
-    x_stop_line = check_real("x_stop_line", x_stop_line)
+    x_stop_line = check_real("x_stop_line", x_stop_line, ge=-1e3, le=1e3)
+    start = check_real("start", start, ge=-1e3, le=1e3)
+    length, width = check_array("truck", truck, (2,)).tolist()
     speed = SpeedSettings()
     path, red_path, conflict = _left_turn() if turns else _crossing()
     arrival = _arrival_time(path, start, float(path.project(conflict)[0]), v_x, speed)
@@ -96,8 +98,8 @@ def ima(
         left_turn_lane = _straight((_ARM_LENGTH, 0.5 * LANE_WIDTH), (-_ARM_LENGTH, 0.5 * LANE_WIDTH))
         users.append(
             RoadUser(
-                id="truck", s=_ARM_LENGTH + x_stop_line - 0.5 * truck[0], d=0.0, v_x=0.0, length=truck[0],
-                width=truck[1], route=left_turn_lane,
+                id="truck", s=_ARM_LENGTH + x_stop_line - 0.5 * length, d=0.0, v_x=0.0, length=length,
+                width=width, route=left_turn_lane,
             )
         )  # fmt: skip
     stop_line = float(path.project((x_stop_line, -0.5 * LANE_WIDTH))[0])

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from cca_core._checks import Array, check_real
+from cca_core._checks import Array, check_real, check_reals
 from cca_core.baselines.problems.problem import Problem
 from cca_core.errors import InputError
 from cca_core.frenet import FrenetVehicle, to_frenet
@@ -115,9 +115,7 @@ class MpcSettings:
         for name in ("clearance", "weight_v", "weight_a_x", "vehicle_margin", "guess_margin"):
             check_real(name, getattr(self, name), ge=0.0)
         check_real("a_y_fraction", self.a_y_fraction, gt=0.0, le=1.0)
-        for margin in self.corridor_margins:
-            check_real("corridor_margins", margin, ge=0.0)
-        if not self.corridor_margins:
+        if not check_reals("corridor_margins", self.corridor_margins, ge=0.0):
             raise InputError("corridor_margins must contain a margin, was empty")
         if self.solver not in ("ipopt", "fatrop"):
             raise InputError(f"solver must be 'ipopt' or 'fatrop', was {self.solver!r}")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core._checks import Array, check_real
 from cca_core._optional import require_extra
 from cca_core.baselines.methods.mpc.horizon import SAMPLES, FrenetState, Horizon, MpcSettings
 from cca_core.baselines.methods.mpc.linear import LinearMpc
@@ -93,7 +93,13 @@ class NonlinearMpc:
         -------
         program : NonlinearProgram
             The same one for the same settings.
+
+        Raises
+        ------
+        InputError
+            If `vehicles` is no number, or negative.
         """
+        vehicles = int(check_real("vehicles", vehicles, ge=0))
         slots, own = next((m for m in _SLOTS if m >= vehicles), _SLOTS[-1]), self.settings
         return cached_program(
             own.intervals, slots, own.solver, own.iterations, own.cpu_time, own.vehicle_penalty
