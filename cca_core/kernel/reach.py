@@ -42,54 +42,28 @@ def distance_driven(v: Real, a_x: Real, t: Real) -> Real:
     return v * (braking + min(t, 0.0)) + 0.5 * a_x * braking * braking
 
 
-def measured_speed(speed: Real, age: Real, rate: Real) -> Real:
-    """Speed at the time of the measurement, before it was dead-reckoned."""
-    return max(speed - rate * min(age, STALE_AGE), 0.0)
+def measured_motion(v: Real, age: Real, rate: Real, braking: Real) -> tuple[Real, Real, Real]:
+    """Speed when it was measured, distance that dead reckoning has counted since, time until standstill."""
+    speed = abs(v)
+    known = min(age, STALE_AGE)
+    measured = max(speed - rate * known, 0.0)
+    stops = measured / max(braking, SMALLEST) if braking > 0.0 else math.inf
+    return measured, speed * age - 0.5 * rate * known * known, stops
 
 
-def distance_counted(speed: Real, t: Real, age: Real, rate: Real) -> Real:
-    """Distance that was driven before now or before t, or that dead reckoning has counted."""
-    if t < 0.0:
-        return speed * t
-    counted = min(age, STALE_AGE)
-    return -(speed * age - 0.5 * rate * counted * counted)
-
-
-def shortest(speed: Real, t: Real, braking: Real, age: Real, rate: Real) -> Real:
-    """Smallest distance driven, as if forwards."""
-    known = distance_counted(speed, t, age, rate)
-    if t < 0.0:
-        return known
-    measured = measured_speed(speed, age, rate)
-    slows = t + age
-    if braking > 0.0:
-        slows = min(slows, measured / max(braking, SMALLEST))
-    return measured * slows - 0.5 * braking * slows * slows + known
-
-
-def longest(speed: Real, t: Real, acceleration: Real, age: Real, rate: Real) -> Real:
-    """Largest distance driven, as if forwards."""
-    known = distance_counted(speed, t, age, rate)
-    if t < 0.0:
-        return known
-    since = t + age
-    return measured_speed(speed, age, rate) * since + 0.5 * acceleration * since * since + known
-
-
-def reach_low(v: Real, t: Real, braking: Real, acceleration: Real, age: Real, rate: Real) -> Real:
-    """Smallest displacement along the road within assumed limits."""
+def reach(
+    v: Real, t: Real, age: Real, braking: Real, acceleration: Real, measured: Real, counted: Real, stops: Real
+) -> tuple[Real, Real]:
+    """Smallest and largest displacement along the road within assumed limits."""
+    shortest = abs(v) * t  # as if forwards; the speed was constant before now
+    longest = shortest
+    if t >= 0.0:
+        since = t + age
+        slows = min(since, stops)
+        shortest = measured * slows - 0.5 * braking * slows * slows - counted
+        longest = measured * since + 0.5 * acceleration * since * since - counted
     creeping = STANDSTILL_SPEED if acceleration > 0.0 else 0.0
-    if v < creeping:
-        return -longest(abs(v), t, acceleration, age, rate)
-    return shortest(abs(v), t, braking, age, rate)
-
-
-def reach_high(v: Real, t: Real, braking: Real, acceleration: Real, age: Real, rate: Real) -> Real:
-    """Largest displacement along the road within assumed limits."""
-    creeping = STANDSTILL_SPEED if acceleration > 0.0 else 0.0
-    if v > -creeping:
-        return longest(abs(v), t, acceleration, age, rate)
-    return -shortest(abs(v), t, braking, age, rate)
+    return -longest if v < creeping else shortest, longest if v > -creeping else -shortest
 
 
 def distances_driven(n: Int, t: Row, v: Real, a_x: Real, distance: Row) -> None:
@@ -103,8 +77,8 @@ def reachable_intervals(
 ) -> None:
     """Displacements that vehicles can reach, one time for each."""
     for i in range(n):
-        low[i] = reach_low(v[i], t[i], braking, acceleration, age[i], rate[i])
-        high[i] = reach_high(v[i], t[i], braking, acceleration, age[i], rate[i])
+        measured, counted, stops = measured_motion(v[i], age[i], rate[i], braking)
+        low[i], high[i] = reach(v[i], t[i], age[i], braking, acceleration, measured, counted, stops)
 
 
 def occupied_intervals(
@@ -113,40 +87,34 @@ def occupied_intervals(
     """Stations that the bodies of vehicles may cover at common times."""
     for k in range(vehicles):
         v = motion[k, SPEED]
-        braking = motion[k, BRAKING]
-        acceleration = motion[k, ACCELERATION]
+        age = motion[k, AGE]
+        b = motion[k, BRAKING]
+        a = motion[k, ACCELERATION]
+        keeps = b == 0.0 and a == 0.0
+        measured, counted, stops = measured_motion(v, age, motion[k, RATE], b)
         for i in range(times):
-            low = math.copysign(1.0, v) * distance_driven(abs(v), motion[k, A_X], t[i])
-            high = low
-            if not (braking == 0.0 and acceleration == 0.0):
-                low = reach_low(v, t[i], braking, acceleration, motion[k, AGE], motion[k, RATE])
-                high = reach_high(v, t[i], braking, acceleration, motion[k, AGE], motion[k, RATE])
-            rear[k, i] = motion[k, REAR] + low
-            front[k, i] = motion[k, FRONT] + high
+            if keeps:
+                low = math.copysign(1.0, v) * distance_driven(abs(v), motion[k, A_X], t[i])
+                rear[k, i] = motion[k, REAR] + low
+                front[k, i] = motion[k, FRONT] + low
+            else:
+                first, last = reach(v, t[i], age, b, a, measured, counted, stops)
+                rear[k, i] = motion[k, REAR] + first
+                front[k, i] = motion[k, FRONT] + last
 
 
 def danger_zones(vehicles: Int, times: Int, motion: Motions, t: Times, travel: Times, zone: Zones) -> None:
     """Intervals of the road in which vehicles of the adjacent lane block a maneuver, relative to the ego."""
     for k in range(vehicles):
+        v = motion[k, SPEED]
+        age = motion[k, AGE]
+        b = motion[k, BRAKING]
+        a = motion[k, ACCELERATION]
+        measured, counted, stops = measured_motion(v, age, motion[k, RATE], b)
         low = math.inf
         high = -math.inf
         for i in range(times):
-            first = reach_low(
-                motion[k, SPEED],
-                t[i],
-                motion[k, BRAKING],
-                motion[k, ACCELERATION],
-                motion[k, AGE],
-                motion[k, RATE],
-            )
-            last = reach_high(
-                motion[k, SPEED],
-                t[i],
-                motion[k, BRAKING],
-                motion[k, ACCELERATION],
-                motion[k, AGE],
-                motion[k, RATE],
-            )
+            first, last = reach(v, t[i], age, b, a, measured, counted, stops)
             if first - travel[i] <= last - travel[i]:
                 low = min(low, first - travel[i])
                 high = max(high, last - travel[i])

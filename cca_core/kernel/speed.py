@@ -15,6 +15,11 @@ STRAIGHT = 1e-9  # smaller curvatures limit no speed [1/m]
 LOOKAHEAD = 2.0  # least distance to the point that decides on the acceleration [m]
 
 
+def ramp_time(v: Real, a: Real, distance: Real) -> Real:
+    """Time for a distance at a constant acceleration that is not zero [s]."""
+    return (math.sqrt(max(v * v + 2.0 * a * distance, 0.0)) - v) / a
+
+
 def arrival_times(
     n: Int, v_x: Real, v_target: Real, distance: Row, a_max: Real, b_comfort: Real, t: Row
 ) -> None:
@@ -23,10 +28,15 @@ def arrival_times(
     target = max(v_target, STANDSTILL_SPEED)
     a = a_max if target > v else -b_comfort
     ramp = (target * target - v * v) / (2.0 * a)
+    t_ramp = ramp_time(v, a, ramp)
+    unknown = ramp if math.isnan(ramp) else 0.0  # what is no number stays none
     for i in range(n):
-        on_ramp = min(max(distance[i], 0.0), ramp)
-        t[i] = (math.sqrt(max(v * v + 2.0 * a * on_ramp, 0.0)) - v) / a
-        t[i] += min(distance[i], 0.0) / v + max(distance[i] - ramp, 0.0) / target
+        if distance[i] >= ramp:
+            t[i] = t_ramp + (distance[i] - ramp) / target
+        elif distance[i] > 0.0:
+            t[i] = ramp_time(v, a, distance[i]) + unknown
+        else:
+            t[i] = distance[i] / v + unknown
 
 
 def squared_speed_limits(

@@ -2427,68 +2427,30 @@ static double reach_distance_driven(double v, double a_x, double t)
     return v * (braking + real_min(t, 0.0)) + 0.5 * a_x * braking * braking;
 }
 
-/* Speed at the time of the measurement, before it was dead-reckoned. */
-static double reach_measured_speed(double speed, double age, double rate)
+/* Speed when it was measured, distance that dead reckoning has counted since, time until standstill. */
+static cca_ddd reach_measured_motion(double v, double age, double rate, double braking)
 {
-    return real_max(speed - rate * real_min(age, CONSTANTS_STALE_AGE), 0.0);
+    double speed = fabs(v);
+    double known = real_min(age, CONSTANTS_STALE_AGE);
+    double measured = real_max(speed - rate * known, 0.0);
+    double stops = braking > 0.0 ? measured / real_max(braking, REACH_SMALLEST) : HUGE_VAL;
+    return (cca_ddd){measured, speed * age - 0.5 * rate * known * known, stops};
 }
 
-/* Distance that was driven before now or before t, or that dead reckoning has counted. */
-static double reach_distance_counted(double speed, double t, double age, double rate)
+/* Smallest and largest displacement along the road within assumed limits. */
+static cca_dd reach_reach(double v, double t, double age, double braking, double acceleration,
+    double measured, double counted, double stops)
 {
-    if (t < 0.0) {
-        return speed * t;
+    double shortest = fabs(v) * t;
+    double longest = shortest;
+    if (t >= 0.0) {
+        double since = t + age;
+        double slows = real_min(since, stops);
+        shortest = measured * slows - 0.5 * braking * slows * slows - counted;
+        longest = measured * since + 0.5 * acceleration * since * since - counted;
     }
-    double counted = real_min(age, CONSTANTS_STALE_AGE);
-    return -(speed * age - 0.5 * rate * counted * counted);
-}
-
-/* Smallest distance driven, as if forwards. */
-static double reach_shortest(double speed, double t, double braking, double age, double rate)
-{
-    double known = reach_distance_counted(speed, t, age, rate);
-    if (t < 0.0) {
-        return known;
-    }
-    double measured = reach_measured_speed(speed, age, rate);
-    double slows = t + age;
-    if (braking > 0.0) {
-        slows = real_min(slows, measured / real_max(braking, REACH_SMALLEST));
-    }
-    return measured * slows - 0.5 * braking * slows * slows + known;
-}
-
-/* Largest distance driven, as if forwards. */
-static double reach_longest(double speed, double t, double acceleration, double age, double rate)
-{
-    double known = reach_distance_counted(speed, t, age, rate);
-    if (t < 0.0) {
-        return known;
-    }
-    double since = t + age;
-    return reach_measured_speed(speed, age, rate) * since + 0.5 * acceleration * since * since + known;
-}
-
-/* Smallest displacement along the road within assumed limits. */
-static double reach_reach_low(double v, double t, double braking, double acceleration, double age,
-    double rate)
-{
     double creeping = acceleration > 0.0 ? CONSTANTS_STANDSTILL_SPEED : 0.0;
-    if (v < creeping) {
-        return -reach_longest(fabs(v), t, acceleration, age, rate);
-    }
-    return reach_shortest(fabs(v), t, braking, age, rate);
-}
-
-/* Largest displacement along the road within assumed limits. */
-static double reach_reach_high(double v, double t, double braking, double acceleration, double age,
-    double rate)
-{
-    double creeping = acceleration > 0.0 ? CONSTANTS_STANDSTILL_SPEED : 0.0;
-    if (v > -creeping) {
-        return reach_longest(fabs(v), t, acceleration, age, rate);
-    }
-    return -reach_shortest(fabs(v), t, braking, age, rate);
+    return (cca_dd){v < creeping ? -longest : shortest, v > -creeping ? longest : -shortest};
 }
 
 /* Distance driven at many times. */
@@ -2504,8 +2466,14 @@ void cca_reachable_intervals(int n, const double *v, const double *t, const doub
     *rate, double braking, double acceleration, double *low, double *high)
 {
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        low[i] = reach_reach_low(v[i], t[i], braking, acceleration, age[i], rate[i]);
-        high[i] = reach_reach_high(v[i], t[i], braking, acceleration, age[i], rate[i]);
+        const cca_ddd result1_ = reach_measured_motion(v[i], age[i], rate[i], braking);
+        double measured = result1_.item0;
+        double counted = result1_.item1;
+        double stops = result1_.item2;
+        const cca_dd result2_ = reach_reach(v[i], t[i], age[i], braking, acceleration, measured, counted,
+            stops);
+        low[i] = result2_.item0;
+        high[i] = result2_.item1;
     }
 }
 
@@ -2515,19 +2483,27 @@ void cca_occupied_intervals(int vehicles, int times, const double *motion, const
 {
     for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
         double v = motion[k * 8 + REACH_SPEED];
-        double braking = motion[k * 8 + REACH_BRAKING];
-        double acceleration = motion[k * 8 + REACH_ACCELERATION];
+        double age = motion[k * 8 + REACH_AGE];
+        double b = motion[k * 8 + REACH_BRAKING];
+        double a = motion[k * 8 + REACH_ACCELERATION];
+        bool keeps = b == 0.0 && a == 0.0;
+        const cca_ddd result1_ = reach_measured_motion(v, age, motion[k * 8 + REACH_RATE], b);
+        double measured = result1_.item0;
+        double counted = result1_.item1;
+        double stops = result1_.item2;
         for (int i = 0, i_end_ = times; i < i_end_; i += 1) {
-            double low = copysign(1.0, v) * reach_distance_driven(fabs(v), motion[k * 8 + REACH_A_X], t[i]);
-            double high = low;
-            if (!(braking == 0.0 && acceleration == 0.0)) {
-                low = reach_reach_low(v, t[i], braking, acceleration, motion[k * 8 + REACH_AGE], motion[k
-                    * 8 + REACH_RATE]);
-                high = reach_reach_high(v, t[i], braking, acceleration, motion[k * 8 + REACH_AGE],
-                    motion[k * 8 + REACH_RATE]);
+            if (keeps) {
+                double low = copysign(1.0, v) * reach_distance_driven(fabs(v), motion[k * 8 + REACH_A_X],
+                    t[i]);
+                rear[k * times + i] = motion[k * 8 + REACH_REAR] + low;
+                front[k * times + i] = motion[k * 8 + REACH_FRONT] + low;
+            } else {
+                const cca_dd result2_ = reach_reach(v, t[i], age, b, a, measured, counted, stops);
+                double first = result2_.item0;
+                double last = result2_.item1;
+                rear[k * times + i] = motion[k * 8 + REACH_REAR] + first;
+                front[k * times + i] = motion[k * 8 + REACH_FRONT] + last;
             }
-            rear[k * times + i] = motion[k * 8 + REACH_REAR] + low;
-            front[k * times + i] = motion[k * 8 + REACH_FRONT] + high;
         }
     }
 }
@@ -2537,15 +2513,20 @@ void cca_danger_zones(int vehicles, int times, const double *motion, const doubl
     *travel, double *zone)
 {
     for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
+        double v = motion[k * 8 + REACH_SPEED];
+        double age = motion[k * 8 + REACH_AGE];
+        double b = motion[k * 8 + REACH_BRAKING];
+        double a = motion[k * 8 + REACH_ACCELERATION];
+        const cca_ddd result1_ = reach_measured_motion(v, age, motion[k * 8 + REACH_RATE], b);
+        double measured = result1_.item0;
+        double counted = result1_.item1;
+        double stops = result1_.item2;
         double low = HUGE_VAL;
         double high = -HUGE_VAL;
         for (int i = 0, i_end_ = times; i < i_end_; i += 1) {
-            double first = reach_reach_low(motion[k * 8 + REACH_SPEED], t[i], motion[k * 8
-                + REACH_BRAKING], motion[k * 8 + REACH_ACCELERATION], motion[k * 8 + REACH_AGE], motion[k * 8
-                + REACH_RATE]);
-            double last = reach_reach_high(motion[k * 8 + REACH_SPEED], t[i], motion[k * 8
-                + REACH_BRAKING], motion[k * 8 + REACH_ACCELERATION], motion[k * 8 + REACH_AGE], motion[k * 8
-                + REACH_RATE]);
+            const cca_dd result2_ = reach_reach(v, t[i], age, b, a, measured, counted, stops);
+            double first = result2_.item0;
+            double last = result2_.item1;
             if (first - travel[i] <= last - travel[i]) {
                 low = real_min(low, first - travel[i]);
                 high = real_max(high, last - travel[i]);
@@ -2789,6 +2770,12 @@ void cca_drive(SingleTrackCar *car, double delta, double a_x, double dt)
 #define SPEED_STRAIGHT 1e-09
 #define SPEED_LOOKAHEAD 2.0
 
+/* Time for a distance at a constant acceleration that is not zero [s]. */
+static double speed_ramp_time(double v, double a, double distance)
+{
+    return (sqrt(real_max(v * v + 2.0 * a * distance, 0.0)) - v) / a;
+}
+
 /* Compute when points ahead are reached if the target speed is approached freely. */
 void cca_arrival_times(int n, double v_x, double v_target, const double *distance, double a_max,
     double b_comfort, double *t)
@@ -2797,10 +2784,16 @@ void cca_arrival_times(int n, double v_x, double v_target, const double *distanc
     double target = real_max(v_target, CONSTANTS_STANDSTILL_SPEED);
     double a = target > v ? a_max : -b_comfort;
     double ramp = (target * target - v * v) / (2.0 * a);
+    double t_ramp = speed_ramp_time(v, a, ramp);
+    double unknown = isnan(ramp) ? ramp : 0.0;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double on_ramp = real_min(real_max(distance[i], 0.0), ramp);
-        t[i] = (sqrt(real_max(v * v + 2.0 * a * on_ramp, 0.0)) - v) / a;
-        t[i] += real_min(distance[i], 0.0) / v + real_max(distance[i] - ramp, 0.0) / target;
+        if (distance[i] >= ramp) {
+            t[i] = t_ramp + (distance[i] - ramp) / target;
+        } else if (distance[i] > 0.0) {
+            t[i] = speed_ramp_time(v, a, distance[i]) + unknown;
+        } else {
+            t[i] = distance[i] / v + unknown;
+        }
     }
 }
 

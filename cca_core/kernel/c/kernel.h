@@ -232,6 +232,8 @@ void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const d
     const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
     double *u, int *solves, int *converged);
 
+typedef struct cca_ddd { double item0; double item1; double item2; } cca_ddd;
+
 void cca_distances_driven(int n, const double *t, double v, double a_x, double *distance);
 
 void cca_reachable_intervals(int n, const double *v, const double *t, const double *age, const double

@@ -1493,7 +1493,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "4a263a70ef5bf690648c05d2759f8b694ea271155753db668495483df8b2ab0b") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "d5cd58237f7ac42ecdb8dac2cdc08e244b68ce12fbad02ca3319c7f3cc160333") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
