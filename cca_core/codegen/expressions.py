@@ -106,11 +106,11 @@ class Expressions:
         """Translate a variable or a constant."""
         if name in self.variables:
             return Term(name, self.variables[name])
+        if name in self.assigned:
+            self.source.fail(node, f"{name} is assigned in an inner block only, assign it before")
         found = self.scope.get(name)
         if isinstance(found, Constant):
             return Term(found.c_name, found.kind)
-        if name in self.assigned:
-            self.source.fail(node, f"{name} is assigned in an inner block only, assign it before")
         self.source.fail(node, f"{name} is not known here")
 
     def field(self, node: ast.expr, owner: str, name: str) -> Term:

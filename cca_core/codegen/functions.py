@@ -11,7 +11,7 @@ RESERVED = MATH.keys() | set(
     """auto bool break case char const continue default do double else enum extern false float for goto if
     inline int long register restrict return short signed sizeof static struct switch true typedef union
     unsigned void volatile while I NULL EOF NAN INFINITY HUGE_VAL main floor fabs isfinite isnan real_max
-    real_min int_max int_min int_floor int_rest floor_within""".split()
+    real_min int_max int_min int_floor int_rest floor_within abs float int math max min range""".split()
 )
 ORDERED = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 
@@ -30,20 +30,16 @@ class Function(Expressions):
         self.results = 0  # groups received so far
         self.depth = 0
         for name in (*self.variables, *self.assigned):
-            if (
-                name in RESERVED
-                or (name != "_" and name.endswith("_"))
-                or isinstance(scope.get(name), Signature)
-            ):
-                source.fail(node, f"{name} is a word of C or a function, it must not name a variable")
+            if name in RESERVED or name in scope or not is_plain(name):
+                source.fail(node, f"{name} is a word of C or in use, it must not name a variable")
 
     def lines(self) -> list[str]:
         """Translate the function to lines of C."""
         body, comment = self.node.body, ast.get_docstring(self.node)
         lines = [""]
         if comment:
-            if "*/" in comment:
-                self.source.fail(self.node, "a docstring must not end a comment of C")
+            if "*/" in comment or "/*" in comment:
+                self.source.fail(self.node, "a docstring must not hold the marks of a comment of C")
             lines, body = ["", *f"/* {comment} */".split("\n")], body[1:]
         text = self.block(body)
         if self.signature.returns is not None and not ends(body):
@@ -219,12 +215,12 @@ class Function(Expressions):
 
     def check_flag(self, value: ast.expr) -> None:
         """Refuse a flag that NaN raises: one from a comparison that must not hold."""
-        if (
-            isinstance(value, ast.UnaryOp)
-            and isinstance(value.op, ast.Not)
-            and self.orders_reals(value.operand)
-        ):
-            self.source.fail(value, "NaN passes this comparison: write the opposite one without `not`")
+        for part in value.values if isinstance(value, ast.BoolOp) else [value]:
+            match part:
+                case ast.UnaryOp(op=ast.Not(), operand=operand) if self.orders_reals(operand):
+                    self.source.fail(
+                        value, "NaN passes this comparison: write the opposite one without `not`"
+                    )
 
     def orders_reals(self, test: ast.expr) -> bool:
         """Return whether a condition is, or is joined of, comparisons of reals that fail for NaN."""
@@ -233,6 +229,11 @@ class Function(Expressions):
         if not isinstance(test, ast.Compare) or not any(isinstance(op, ORDERED) for op in test.ops):
             return False
         return any(self.operand(side).kind is REAL for side in (test.left, *test.comparators))
+
+
+def is_plain(name: str) -> bool:
+    """Return whether C takes a name, and the translator does not make it itself."""
+    return name == "_" or (name.isascii() and not name.endswith("_"))
 
 
 def lowers_flag(node: ast.stmt) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from cca_core.codegen.expressions import Expressions, Scope, c_size
-from cca_core.codegen.functions import RESERVED, Function, changed_names
+from cca_core.codegen.functions import RESERVED, Function, changed_names, is_plain
 from cca_core.codegen.kinds import (
     Array,
     Constant,
@@ -20,6 +20,7 @@ from cca_core.codegen.kinds import (
 )
 
 PACKAGE = "cca_core.kernel"
+SIZE_PARTS = (ast.Name, ast.Constant, ast.BinOp, ast.Add, ast.Mult, ast.Load)
 PRIMITIVE: dict[str, Kind] = {
     "Real": Scalar.REAL,
     "Int": Scalar.INT,
@@ -40,6 +41,7 @@ class Program:
         self.structures: dict[str, Structure] = {}
         self.groups: dict[str, Group] = {}
         self.kernels: dict[str, Signature] = {}  # what Python and C programs may call
+        self.names: set[str] = set()  # in C
         self.header: list[str] = []
         self.lines: list[str] = []
 
@@ -65,15 +67,18 @@ class Module:
         tree = ast.parse(self.source.path.read_text(encoding="utf-8"), str(self.source.path))
         for i, node in enumerate(tree.body):
             match node:
-                case ast.Expr(value=ast.Constant(value=str(text))) if i == 0 and "*/" not in text:
+                case ast.Expr(value=ast.Constant(value=str(text))) if i == 0:
+                    if "*/" in text or "/*" in text:
+                        self.source.fail(node, "a docstring must not hold the marks of a comment of C")
                     self.program.lines += ["", f"/* {self.name}.py: {text.strip()} */"]
                 case ast.Import(names=[ast.alias(name="math", asname=None)]):
                     pass
                 case ast.ImportFrom(module=str(module), names=names, level=0):
-                    self.imports(node, module, [each.name for each in names if each.asname is None])
+                    self.imports(node, module, names)
                 case ast.Assign(targets=[ast.Name(id="__all__")], value=ast.List(elts=names)):
                     self.public = {ast.literal_eval(each) for each in names}
                 case ast.Assign(targets=[ast.Name(id=name)], value=ast.Subscript() as value):
+                    self.check_new(node, name)
                     self.aliases[name] = self.kind(value)
                 case ast.Assign(targets=[ast.Name(id=name)], value=value):
                     self.constant(node, name, value)
@@ -87,8 +92,10 @@ class Module:
             if not isinstance(self.scope.get(name), Signature | Structure):
                 self.source.fail(tree.body[0], f"{name} in __all__ is neither a function nor a class")
 
-    def imports(self, node: ast.stmt, module: str, names: list[str]) -> None:
+    def imports(self, node: ast.stmt, module: str, names: list[ast.alias]) -> None:
         """Make the names of another module known."""
+        if any(each.asname for each in names):
+            self.source.fail(node, "a kernel imports names as they are")
         if module in ("typing", f"{PACKAGE}.types"):
             return
         if not module.startswith(f"{PACKAGE}."):
@@ -97,26 +104,40 @@ class Module:
             )
         other = module.removeprefix(f"{PACKAGE}.")
         self.program.add(other)
-        for name in names:
+        for name in (each.name for each in names):
             if name in self.program.aliases[other]:
+                self.check_new(node, name)
                 self.aliases[name] = self.program.aliases[other][name]
             elif name in self.program.scopes[other]:
-                self.scope[name] = self.program.scopes[other][name]
+                self.define(node, name, self.program.scopes[other][name])
             else:
                 self.source.fail(node, f"{name} is not defined in {other}.py, or the two import each other")
 
+    def check_new(self, node: ast.AST, name: str) -> None:
+        """Refuse a name that has a meaning."""
+        taken = name in self.scope or name in self.aliases or name in PRIMITIVE
+        if taken or name in RESERVED or not is_plain(name):
+            self.source.fail(node, f"{name} is defined twice, or a word of C")
+
     def define(self, node: ast.AST, name: str, what: Constant | Structure | Signature) -> None:
         """Make a name known."""
-        if name in self.scope or name in self.aliases or name in PRIMITIVE or name in RESERVED:
-            self.source.fail(node, f"{name} is defined twice, or a word of C")
+        self.check_new(node, name)
         self.scope[name] = what
+
+    def c_name(self, node: ast.AST, name: str) -> str:
+        """Return a name in C, which no other module has."""
+        if name in self.program.names:
+            self.source.fail(node, f"{name} is a name in C of another module")
+        self.program.names.add(name)
+        return name
 
     def constant(self, node: ast.stmt, name: str, value: ast.expr) -> None:
         """Translate a number with a name."""
         term = Expressions(self.source, self.scope).term(value)
         if not isinstance(term.kind, Scalar):
             self.source.fail(node, f"{name} must be a number")
-        c_name = f"{self.name}_{name}".upper()
+        self.check_new(node, name)
+        c_name = self.c_name(node, f"{self.name}_{name}".upper())
         self.define(node, name, Constant(c_name, term.kind))
         self.program.lines.append(f"#define {c_name} {term.within(20)}")
 
@@ -147,9 +168,11 @@ class Module:
     def check_sizes(self, node: ast.AST, name: str, kind: Kind, known: Mapping[str, Kind]) -> None:
         """Refuse an array whose sizes are not whole numbers beside it."""
         for size in kind.shape if isinstance(kind, Array) else ():
-            names = [n.id for n in ast.walk(ast.parse(size)) if isinstance(n, ast.Name)]
-            if not size or any(known.get(each) is not Scalar.INT for each in names):
-                self.source.fail(node, f"the sizes of {name} must be Ints beside it, were {size!r}")
+            parts = list(ast.walk(ast.parse(size or "None", mode="eval").body))
+            names = [part.id for part in parts if isinstance(part, ast.Name)]
+            is_sum = all(isinstance(part, SIZE_PARTS) for part in parts)
+            if size in ("", "None") or not is_sum or any(known.get(each) is not Scalar.INT for each in names):
+                self.source.fail(node, f"the sizes of {name} must be sums of Ints beside it, was {size!r}")
 
     def function(self, node: ast.FunctionDef) -> None:
         """Translate a function."""
@@ -160,7 +183,8 @@ class Module:
             self.source.fail(node, "a function must have plain arguments only")
         kinds = {each.arg: self.kind(each.annotation, each) for each in arguments.args}
         is_public = node.name in self.public
-        c_name = f"cca_{node.name}" if is_public else f"{self.name}_{node.name}"
+        self.check_new(node, node.name)
+        c_name = self.c_name(node, f"cca_{node.name}" if is_public else f"{self.name}_{node.name}")
         changed = frozenset(changed_names(node, self.scope) & kinds.keys())
         for name, kind in kinds.items():
             if is_public or (isinstance(kind, Array) and len(kind.shape) == 2):
@@ -174,8 +198,6 @@ class Module:
         lines = function.lines()
         self.define(node, node.name, signature)  # only now: a function must not call itself
         if is_public:
-            if node.name in self.program.kernels:
-                self.source.fail(node, f"{node.name} is a kernel of another module")
             self.program.kernels[node.name] = signature
             self.program.header += ["", f"{function.head()};"]
         else:

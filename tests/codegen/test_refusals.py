@@ -14,6 +14,7 @@ from typing import Annotated
 from cca_core.kernel.types import Flag, Grid, Int, Ints, Real, Reals, floor_within
 
 Row = Annotated[Reals, "n"]
+LIMIT = 3.0
 
 
 class Work:
@@ -36,6 +37,11 @@ def pair(a: Real) -> tuple[Real, Int]:
 
 """
 BODIES = {
+    "constant_as_variable": ("y = LIMIT\nLIMIT = 2.0\nreturn y", "LIMIT is a word of C or in use"),
+    "class_as_variable": ("Work = 2.0\nreturn Work", "Work is a word of C or in use"),
+    "builtin_as_variable": ("max = a\nreturn max", "max is a word of C"),
+    "foreign_letter": ("δ = a\nreturn δ", "δ is a word of C"),
+    "negated_part": ("w.done = n > 1 or not a > 1.0\nreturn a", "NaN passes"),
     "use_before_assignment": ("return y", "y is not known here"),
     "one_branch_only": ("if a > 0.0:\n    y = 1.0\nreturn y", "y is assigned in an inner block only"),
     "both_branches_only": ("if a > 0.0:\n    y = 1.0\nelse:\n    y = 2.0\nreturn y", "inner block only"),
@@ -46,7 +52,7 @@ BODIES = {
     ),
     "word_of_c": ("long = a\nreturn long", "long is a word of C"),
     "function_of_libm": ("sin = a\nreturn sin", "sin is a word of C"),
-    "name_of_function": ("change = a\nreturn change", "change is a word of C or a function"),
+    "name_of_function": ("change = a\nreturn change", "change is a word of C or in use"),
     "trailing_underscore": ("turn1_ = a\nreturn turn1_", "turn1_ is a word of C"),
     "int_of_real": ("return float(int(a))", "use floor_within"),
     "math_floor": ("return float(math.floor(a))", "use floor_within"),
@@ -107,7 +113,7 @@ BODIES = {
     "missing_argument": ("return change()", "takes 1 arguments, was given 0"),
     "keyword_argument": ("return change(w=w)", "not part"),
     "unknown_function": ("return late(w)", "not a function defined before"),
-    "recursion": ("return case(n, a, w)", "not a function defined before"),
+    "recursion": ("return subject(n, a, w)", "not a function defined before"),
     "group_as_number": ("y = pair(a)\nreturn a", "must be a number"),
     "short_unpacking": ("x, y, z = pair(a)\nreturn a", "3 variables do not receive"),
     "unpacked_number": ("x, y = change(w)\nreturn a", "2 variables do not receive"),
@@ -145,9 +151,15 @@ MODULES = {
     "word_as_field": ("class Other:\n    double: Real", "word of C"),
     "field_twice": ("class Other:\n    k: Real\n    k: Int", "defined twice"),
     "class_in_class": ("class Other:\n    w: Work", "no number or array"),
-    "missing_size": ('class Other:\n    x: Annotated[Reals, "k"]', "must be Ints"),
-    "real_size": ('class Other:\n    k: Real\n    x: Annotated[Reals, "k"]', "must be Ints"),
-    "field_without_size": ("class Other:\n    x: Reals", "must be Ints"),
+    "missing_size": ('class Other:\n    x: Annotated[Reals, "k"]', "must be sums"),
+    "real_size": ('class Other:\n    k: Real\n    x: Annotated[Reals, "k"]', "must be sums"),
+    "field_without_size": ("class Other:\n    x: Reals", "must be sums"),
+    "difference_as_size": ('class Other:\n    n: Int\n    x: Annotated[Reals, "n - 1"]', "must be sums"),
+    "call_as_size": ('class Other:\n    n: Int\n    x: Annotated[Reals, "abs(n)"]', "must be sums"),
+    "import_as_other": ("from cca_core.kernel.types import Int as Whole", "as they are"),
+    "alias_twice": ('Row = Annotated[Reals, "n"]', "defined twice"),
+    "constant_twice": ("LIMIT = 4.0", "defined twice"),
+    "comment_begin": ('def f(a: Real) -> Real:\n    """Begin /* here."""\n    return a', "comment of C"),
     "unknown_type": ("def f(a: float) -> Real:\n    return a", "float is not a type"),
     "no_type": ("def f(a) -> Real:\n    return a", "nothing is not a type"),
     "no_return_type": ("def f(a: Real):\n    return a", "nothing is not a type"),
@@ -160,7 +172,7 @@ MODULES = {
     "word_as_argument": ("def f(register: Real) -> Real:\n    return register", "word of C"),
     "comment_end": ('def f(a: Real) -> Real:\n    """End */ here."""\n    return a', "comment of C"),
     "constant_of_text": ("NAME = 'a'", "not part"),
-    "public_without_size": ('__all__ = ["f"]\ndef f(x: Reals) -> Real:\n    return x[0]', "must be Ints"),
+    "public_without_size": ('__all__ = ["f"]\ndef f(x: Reals) -> Real:\n    return x[0]', "must be sums"),
     "public_but_missing": ('__all__ = ["late"]', "late in __all__"),
     "async": ("async def f(a: Real) -> Real:\n    return a", "a module holds"),
 }
@@ -177,7 +189,7 @@ def refused(folder: Path, text: str) -> str:
 @pytest.mark.parametrize("name", BODIES)
 def test_body_is_refused_with_line(name: str, tmp_path: Path) -> None:
     body, message = BODIES[name]
-    begin = HEAD + "def case(n: Int, a: Real, w: Work) -> Real:\n"
+    begin = HEAD + "def subject(n: Int, a: Real, w: Work) -> Real:\n"
     text = begin + "".join(f"    {line}\n" for line in body.split("\n"))
     found = re.fullmatch(r"case\.py:(\d+): (.+)", refused(tmp_path, text))
     assert found is not None
@@ -197,11 +209,17 @@ def test_module_is_refused_with_line(name: str, tmp_path: Path) -> None:
 def test_kernels_of_two_modules_have_other_names(tmp_path: Path) -> None:
     text = '__all__ = ["f"]\nfrom cca_core.kernel.types import Real\ndef f(a: Real) -> Real:\n    return a\n'
     (tmp_path / "other.py").write_text(text, encoding="utf-8")
-    assert "f is a kernel of another module" in refused(tmp_path, text).replace("other.py", "case.py")
+    assert "cca_f is a name in C of another module" in refused(tmp_path, text)
 
 
 def test_text_of_a_module_does_not_end_a_comment(tmp_path: Path) -> None:
-    assert "a module holds" in refused(tmp_path, '"""One */ two."""\n')
+    assert "comment of C" in refused(tmp_path, '"""One */ two."""\n')
+
+
+def test_imported_name_must_be_new(tmp_path: Path) -> None:
+    (tmp_path / "other.py").write_text("LIMIT = 2.0\n", encoding="utf-8")
+    text = "LIMIT = 3.0\nfrom cca_core.kernel.other import LIMIT\n"
+    assert "LIMIT is defined twice" in refused(tmp_path, text)
 
 
 def test_modules_do_not_import_each_other(tmp_path: Path) -> None:
