@@ -12,6 +12,7 @@ from cca_core.band.settings import BandSettings
 from cca_core.band.sides import former_sides, parse_sides
 from cca_core.band.solver import relax
 from cca_core.band.stiffness import BandStiffness
+from cca_core.errors import InputError
 from cca_core.geometry import Boxes
 from cca_core.vehicle import VehicleParams
 
@@ -112,6 +113,9 @@ def relax_band(
         start=start,
         settings=_SETTINGS if settings is None else settings,
     )
+    count: object = threads  # may be anything
+    if not isinstance(count, int) or count < 1:
+        raise InputError(f"threads must be an integer of at least 1, was {threads!r}")
     bands, m = len(problem.nodes), problem.boxes.shape[1]
     rule, sides = parse_sides(side, m, bands)
     former = former_sides(previous, m, bands) if side is None else None

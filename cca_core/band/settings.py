@@ -5,6 +5,8 @@ from dataclasses import dataclass, fields
 from cca_core._checks import check_real
 from cca_core.errors import InputError
 
+_MAX_FREE_SIDES = 16  # more would take minutes
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BandSettings:
@@ -15,7 +17,8 @@ class BandSettings:
     max_tightenings : int
         Rounds of constraint tightening [-].
     max_solves : int
-        Banded solves after which a band is not tightened any more [-]; a drivable band takes 10 to 100.
+        Banded solves after which a band is not tightened any more [-]; a drivable band takes 1 to 30. A round
+        takes at most 60, so no band with given sides takes more than this and 60.
     min_progress : float
         A round counts as progress if it reduces the violation to this fraction of the best so far [-].
     max_stalls : int
@@ -28,7 +31,7 @@ class BandSettings:
         Shortfall of clearance at a pinned end above which the search ends at once [m]: no deformation
         changes it.
     max_free_sides : int
-        Obstacles of which both sides are tried, nearest first [-]; each doubles the assignments.
+        Obstacles of which both sides are tried, nearest first [-]; each doubles the assignments. At most 16.
     max_certified_sides : int
         Side assignments that are relaxed to the end, cheapest first [-].
     side_change_fraction : float
@@ -64,3 +67,5 @@ class BandSettings:
                     raise InputError(f"{field.name} must be an integer of at least 1, was {value!r}")
             else:
                 check_real(field.name, value, ge=0.0, le=1.0)
+        if self.max_free_sides > _MAX_FREE_SIDES:
+            raise InputError(f"max_free_sides must be at most {_MAX_FREE_SIDES}, was {self.max_free_sides}")

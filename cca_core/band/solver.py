@@ -76,7 +76,7 @@ class Measured:
     found: Relaxed  # with the bounds for the sides
 
 
-class _Workspace:
+class Workspace:
     """Memory of this thread for bands of up to some size."""
 
     def __init__(self, problem: BandProblem) -> None:
@@ -139,7 +139,7 @@ def _relax_part(
 ) -> None:
     """Relax bands that a workspace holds, into a part of the result."""
     bands, m = len(problem.nodes), problem.boxes.shape[1]
-    space = _Workspace(problem)
+    space = Workspace(problem)
     space.take(problem, rule, sides, former)
     reals, codes = found.reals[part], found.codes[part]
     _relax_bands(
@@ -167,7 +167,7 @@ def _refuse(problem: BandProblem, status: list[int]) -> None:
 def measure(problem: BandProblem, u: Array | None = None, passes_left: Mask | None = None) -> Measured:
     """Certify a displacement (n,) of a single band, by default none; find its bounds for sides (m,)."""
     n, m = problem.nodes.shape[1], problem.boxes.shape[1]
-    space, result = _Workspace(problem), Relaxed(1, m, n)
+    space, result = Workspace(problem), Relaxed(1, m, n)
     space.take(problem, 0, np.ones(m, dtype=np.bool_) if passes_left is None else passes_left, None)
     status = _measure_band(
         space.batch.workspace, space.work.workspace, space.equilibrium.workspace,

@@ -1,5 +1,6 @@
 """A batch of bands equals single bands."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
 
 import numpy as np
@@ -75,6 +76,29 @@ def test_batch_equals_single_bands(side: object, mesh: bool) -> None:
     many = relax_band(**arguments, side=side)  # type: ignore[arg-type]
     for i in range(COUNT):
         assert_same(many[i], relax_band(**single(arguments, (i,)), side=side))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("threads", [2, 3, 100])
+def test_threads_give_the_same_bits(threads: int) -> None:
+    arguments = batch(np.random.default_rng(7))
+    many, one = (relax_band(**arguments, threads=count) for count in (threads, 1))
+    for i in range(COUNT):
+        assert_same(many[i], one[i])
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, "2"])
+def test_invalid_threads_raise(threads: object) -> None:
+    with pytest.raises(InputError, match=r"^threads must be an integer of at least 1, was"):
+        relax_band(straight(), vehicle=CAR, threads=threads)  # type: ignore[arg-type]
+
+
+def test_callers_in_threads_do_not_disturb_each_other() -> None:
+    arguments = batch(np.random.default_rng(8), 24)
+    expected = relax_band(**arguments)
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda i: relax_band(**single(arguments, (i % 24,))), range(96)))
+    for i, band in enumerate(found):
+        assert_same(expected[i % 24], band)
 
 
 def test_batch_fields_have_batch_shape() -> None:

@@ -202,11 +202,74 @@ def test_settings_limit_the_search() -> None:
 
 
 @pytest.mark.parametrize(
-    "values", [{"max_solves": 0}, {"max_stalls": 1.5}, {"min_progress": 1.1}, {"clearance_margin": -1.0}]
+    "values",
+    [
+        {"max_free_sides": 17},
+        {"max_solves": 0},
+        {"max_stalls": 1.5},
+        {"min_progress": 1.1},
+        {"clearance_margin": -1.0},
+    ],
 )
 def test_invalid_settings_raise(values: dict) -> None:
     with pytest.raises(InputError, match=next(iter(values))):
         BandSettings(**values)
+
+
+def test_finite_limit_next_to_infinite_one() -> None:
+    """A limit on a part of the route bounds the curvature there."""
+    limit = np.full(151, math.inf)
+    limit[:90] = 0.0028
+    band = relax_band(straight(), [GOOD], side="left", vehicle=CAR, curvature_limit=limit)
+    free = relax_band(straight(), [GOOD], side="left", vehicle=CAR)
+    assert band.ok, band.message
+    assert free.curvature > 0.003
+    assert np.abs(np.diff(band.displacement, n=2))[:88].max() <= 0.0028
+    assert np.isfinite(band.displacement).all()
+
+
+HUGE = [1e9, 1e200, 1e308]
+
+
+@pytest.mark.parametrize("start", [0.0, (0.5, 0.6, 0.7)])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"corridor": (math.inf, math.inf)},
+        {"corridor": (-math.inf, -math.inf)},
+        *({"corridor": (huge, huge)} for huge in HUGE),
+        *({"clearance": huge} for huge in HUGE),
+        *({"lead_distance": huge} for huge in HUGE),
+        *({"obstacles": [boxes(75.0, huge, 0.0, 4.5, 1.8)]} for huge in HUGE),
+        *({"obstacles": [boxes(75.0, 0.0, huge, 4.5, 1.8)]} for huge in HUGE),
+        *({"obstacles": [boxes(75.0, 0.0, 0.0, huge, huge)]} for huge in HUGE),
+        *({"curvature_limit": tiny} for tiny in (1e-300, 1e-9)),
+        {"stiffness": BandStiffness(k_s=1e-300, k_c=1e-320)},
+        {"stiffness": BandStiffness(k_e=1e300)},
+        {"stiffness": BandStiffness(k_s=1e300, k_c=0.0)},
+    ],
+)
+@pytest.mark.parametrize("side", [None, "left"])
+def test_extreme_arguments_give_finite_bands(changes: dict, side: object, start: object) -> None:
+    band = relax_band(
+        **{"nodes": straight(), "obstacles": [GOOD], "vehicle": CAR, "side": side, "start": start, **changes}
+    )
+    assert np.isfinite(band.nodes).all()
+    assert np.isfinite(band.displacement).all()
+    assert np.isfinite(band.moment_over_6).all()
+    assert not math.isnan(band.clearance)
+    if band.ok:
+        assert band.clearance >= changes.get("clearance", 1.0) - 1e-9
+        assert band.edge_clearance >= -1e-9
+
+
+def test_number_of_solves_is_bounded() -> None:
+    settings = BandSettings(max_tightenings=1000, max_stalls=1000, max_solves=100)
+    solves = [
+        relax(scene(straight(), [boxes(75.0, d, 0.3, 4.5, 1.8)], curvature_limit=0.003), settings=settings)
+        for d in np.linspace(-1.5, 1.5, 15)
+    ]
+    assert max(band.n_solves for band in solves) <= 160
 
 
 def test_result_is_read_only_and_input_unchanged() -> None:
