@@ -50,19 +50,21 @@ GRAMMAR = {
 ENDS = {"R": "a|b|x|0.5|-1.25|1e-3|math.pi|float(n)", "W": "n|m|3|-7", "F": "a < b|n >= m|n == 3"}
 
 
-def drawn(kind: str, depth: int, random: np.random.Generator) -> str:
+def sample_expression(kind: str, depth: int, random: np.random.Generator) -> str:
     """Draw an expression."""
     choices = (GRAMMAR if depth else ENDS)[kind].split("|")
     pattern = choices[random.integers(len(choices))]
-    return re.sub(r"\b[RWF]\b", lambda part: drawn(part[0], max(depth - 1, 0), random), pattern)
+    return re.sub(r"\b[RWF]\b", lambda part: sample_expression(part[0], max(depth - 1, 0), random), pattern)
 
 
-def drawn_function(k: int, random: np.random.Generator) -> str:
+def sample_function(k: int, random: np.random.Generator) -> str:
     """Draw a function."""
-    first, second = (re.sub(r"\bx\b", "a", drawn(kind, 4, random)) for kind in "RW")
+    first, second = (re.sub(r"\bx\b", "a", sample_expression(kind, 4, random)) for kind in "RW")
     parts = {"first": first, "second": second, "k": k, "bound": BOUNDS[k % 4], "sign": "+-*"[k % 3]}
-    parts |= {"third": drawn("R", 2, random), "fourth": drawn("W", 2, random)}
-    return FUNCTION.format(**parts, **{name: drawn("F", 2, random) for name in ("test", "other", "stop")})
+    parts |= {"third": sample_expression("R", 2, random), "fourth": sample_expression("W", 2, random)}
+    return FUNCTION.format(
+        **parts, **{name: sample_expression("F", 2, random) for name in ("test", "other", "stop")}
+    )
 
 
 def both_forms(folder: Path, seed: int, *flags: str) -> tuple[dict[str, object], ModuleType]:
@@ -70,7 +72,7 @@ def both_forms(folder: Path, seed: int, *flags: str) -> tuple[dict[str, object],
     random = np.random.default_rng(seed)
     names = [f"f{k}" for k in range(FUNCTIONS)]
     text = HEAD.format(names=", ".join(map(repr, names)))
-    text += "".join(drawn_function(k, random) for k in range(FUNCTIONS))
+    text += "".join(sample_function(k, random) for k in range(FUNCTIONS))
     (folder / "case.py").write_text(text, encoding="utf-8")
     for name, c in translate(folder).items():
         (folder / name).write_text(c, encoding="utf-8")
