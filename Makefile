@@ -40,7 +40,7 @@ test: .venv/kernel.stamp
 
 # with the developer's Python, or another: make kernel PY=python
 PY ?= $(BIN)/python
-kernel:
+kernel: $(if $(filter $(BIN)/python,$(PY)),.venv/dev.stamp)
 	CCA_KERNEL=python $(PY) -m cca_core.codegen
 	$(PY) cca_core/codegen/build.py
 

@@ -37,13 +37,12 @@ class Filled:
 
 def check_forms(function: Callable[..., Any], sampler: Sampler, count: int = QUICK, seed: int = 0) -> None:
     """Compare both forms of a kernel on random inputs: results, arrays and workspaces, bit for bit."""
+    forms = {form: bind(function, form) for form in ("python", "c")}
     for k in range(count):
         calls = []
-        for form in ("python", "c"):
+        for form, call in forms.items():
             given = [prepare(each, form, seed + k) for each in sampler(np.random.default_rng((seed, k)))]
-            calls.append(
-                (bind(function, form)(*(what for what, _ in given)), [state(w, a) for w, a in given])
-            )
+            calls.append((call(*(what for what, _ in given)), [state(w, a) for w, a in given]))
         python, compiled = calls
         assert same(python, compiled), f"draw {k} of seed {seed}: {python} in Python, {compiled} in C"
         if k < STRICT:
