@@ -4,7 +4,7 @@ import math
 from typing import Annotated
 
 from cca_core.kernel.box_gaps import norm
-from cca_core.kernel.types import Grid, Int, Real, Reals
+from cca_core.kernel.types import Grid, Int, Real, Reals, floor_within
 
 __all__ = [
     "Curve",
@@ -21,6 +21,7 @@ MAX_ITERATIONS = 12  # Newton converges in 2 to 4; positions far off a tight cur
 STEP_TOLERANCE = 1e-9  # of the arc length [m]
 BISECTIONS = 50
 SMALLEST_SPEED = 1e-90  # of a degenerate segment, which has no direction; its cube is no zero [-]
+FAR = 50.0  # from the last position, beyond which the next one is searched anew [m]
 MAX_HALVINGS = 32  # of an interval of whole numbers
 
 Breaks = Annotated[Reals, "segments + 1"]
@@ -42,8 +43,7 @@ class CurveSamples:
 
     count: Int
     stride: Int  # between the samples that are compared first
-    spacing: Real  # largest arc length between two samples [m]
-    max_speed: Real  # bound of the first derivative of the path; 1 if s is exact arc length [-]
+    max_gap: Real  # bound of the length of the curve between two samples [m]
     s: Samples
     x: Samples
     y: Samples
@@ -141,23 +141,12 @@ def sample_distance(samples: CurveSamples, x: Real, y: Real, i: Int) -> Real:
 
 
 def sample_after(samples: CurveSamples, i: Int, excess: Real) -> Int:
-    """First sample after another one, by at least a length of the curve; one past the last if none is."""
-    s = samples.s[i] + excess / samples.max_speed
-    low = i + 1
-    high = samples.count
-    for _ in range(MAX_HALVINGS):
-        if low >= high or samples.s[low] >= s:
-            break
-        middle = (low + high) // 2
-        if samples.s[middle] < s:
-            low = middle + 1
-        else:
-            high = middle
-    return low
+    """Next sample that may be nearer than a distance, which this one exceeds; past the last if none is."""
+    return i + floor_within(excess / samples.max_gap, 1, samples.count)
 
 
-def nearest_sample_distance(samples: CurveSamples, x: Real, y: Real) -> Real:
-    """Distance of a position from the nearest sample [m]."""
+def distance_at_most(samples: CurveSamples, x: Real, y: Real) -> Real:
+    """Distance of a position from the nearest of a few samples [m]."""
     distance = math.inf
     i = 0
     for _ in range(samples.count):
@@ -165,6 +154,12 @@ def nearest_sample_distance(samples: CurveSamples, x: Real, y: Real) -> Real:
         i += samples.stride
         if i >= samples.count:
             break
+    return distance
+
+
+def nearest_sample_distance(samples: CurveSamples, x: Real, y: Real, bound: Real) -> Real:
+    """Distance of a position from the nearest sample [m]; it is not above a known distance of one."""
+    distance = bound
     i = 0
     for _ in range(samples.count):
         here = sample_distance(samples, x, y, i)
@@ -175,11 +170,11 @@ def nearest_sample_distance(samples: CurveSamples, x: Real, y: Real) -> Real:
     return distance
 
 
-def nearest_point(curve: Curve, samples: CurveSamples, x: Real, y: Real) -> tuple[Real, Real]:
-    """Foot point s, d of a position that is nearest on the whole path."""
+def nearest_within(curve: Curve, samples: CurveSamples, x: Real, y: Real, bound: Real) -> tuple[Real, Real]:
+    """Foot point s, d that is nearest on the whole path, from a distance of any sample."""
     n = samples.count
-    # the nearest point of the curve has a sample within half a spacing
-    limit = nearest_sample_distance(samples, x, y) + 0.5 * samples.max_speed * samples.spacing
+    # the nearest point of the curve has a sample within half a gap
+    limit = nearest_sample_distance(samples, x, y, bound) + 0.5 * samples.max_gap
     best_s = samples.s[0]
     best_d = math.inf
     smallest = math.inf
@@ -203,6 +198,11 @@ def nearest_point(curve: Curve, samples: CurveSamples, x: Real, y: Real) -> tupl
     return best_s, best_d
 
 
+def nearest_point(curve: Curve, samples: CurveSamples, x: Real, y: Real) -> tuple[Real, Real]:
+    """Foot point s, d of a position that is nearest on the whole path."""
+    return nearest_within(curve, samples, x, y, distance_at_most(samples, x, y))
+
+
 def foot_points(
     curve: Curve, n: Int, x: Row, y: Row, s_guess: Row, s: Row, d: Row, heading: Row, curvature: Row
 ) -> None:
@@ -212,6 +212,12 @@ def foot_points(
 
 
 def nearest_points(curve: Curve, samples: CurveSamples, n: Int, x: Row, y: Row, s: Row, d: Row) -> None:
-    """Nearest points of n positions on the whole path."""
+    """Nearest points of n positions on the whole path; those that follow each other are found sooner."""
+    last = 0
     for i in range(n):
-        s[i], d[i] = nearest_point(curve, samples, x[i], y[i])
+        few = sample_distance(samples, x[i], y[i], last)
+        if i == 0 or few > FAR:
+            few = distance_at_most(samples, x[i], y[i])
+        s[i], d[i] = nearest_within(curve, samples, x[i], y[i], few)
+        along = (s[i] - samples.s[0]) / (samples.s[samples.count - 1] - samples.s[0])
+        last = floor_within(along * samples.count, 0, samples.count - 1)

@@ -9,15 +9,22 @@ from cca_core.kernel.curve import SMALLEST_SPEED, Curve, curvature_of, curve_poi
 from cca_core.kernel.types import Grid, Int, Real, Reals
 
 __all__ = [
-    "danger_zones", "distances_driven", "occupancy_boxes", "occupied_intervals", "reachable_intervals",
-]  # fmt: skip
+    "danger_zones",
+    "distances_driven",
+    "occupancy_boxes",
+    "occupied_intervals",
+    "reachable_intervals",
+    "vehicle_boxes",
+]
 
 Row = Annotated[Reals, "n"]
 Times = Annotated[Reals, "times"]
 Motions = Annotated[Grid, "vehicles", 8]
 VehicleTimes = Annotated[Grid, "vehicles", "times"]
 Zones = Annotated[Grid, "vehicles", 2]
-BoxRows = Annotated[Grid, "n", 5]
+PerVehicle = Annotated[Reals, "vehicles"]
+Boxes = Annotated[Grid, "n", 5]
+VehicleBoxes = Annotated[Grid, "vehicles * times", 5]
 
 BELIEVED_BRAKING = -1.0  # harder braking lasts until standstill [m/s^2]
 SMALLEST = 1e-300  # no denormal deceleration overflows a division [m/s^2]
@@ -125,19 +132,38 @@ def danger_zones(vehicles: Int, times: Int, motion: Motions, t: Times, travel: T
         zone[k, 1] = motion[k, FRONT] + high
 
 
+def occupancy_box(
+    curve: Curve, s: Real, rear: Real, front: Real, d: Real, half_width: Real
+) -> tuple[Real, Real, Real, Real, Real]:
+    """Box that covers an occupied interval near a station: x, y, heading, length and width."""
+    first = min(max(rear, s - WINDOW), front)
+    last = max(min(front, s + WINDOW), rear)
+    length = abs(last - first)
+    x, y, dx, dy, ddx, ddy = curve_point(curve, 0.5 * (first + last))
+    speed = max(norm(dx, dy), SMALLEST_SPEED)
+    # wider by the deviation of the road from a straight line
+    width = 2.0 * half_width + 0.25 * abs(curvature_of(dx, dy, ddx, ddy)) * length * length
+    return x - d * dy / speed, y + d * dx / speed, math.atan2(dy, dx), length, width
+
+
 def occupancy_boxes(
-    curve: Curve, n: Int, s: Row, rear: Row, front: Row, d: Row, half_width: Row, boxes: BoxRows
+    curve: Curve, n: Int, s: Row, rear: Row, front: Row, d: Row, half_width: Row, boxes: Boxes
 ) -> None:
-    """Boxes that cover occupied intervals near given stations: x, y, heading, length and width of each."""
+    """Boxes that cover occupied intervals near given stations."""
     for i in range(n):
-        first = min(max(rear[i], s[i] - WINDOW), front[i])
-        last = max(min(front[i], s[i] + WINDOW), rear[i])
-        length = abs(last - first)
-        x, y, dx, dy, ddx, ddy = curve_point(curve, 0.5 * (first + last))
-        speed = max(norm(dx, dy), SMALLEST_SPEED)
-        boxes[i, 0] = x - d[i] * dy / speed
-        boxes[i, 1] = y + d[i] * dx / speed
-        boxes[i, 2] = math.atan2(dy, dx)
-        boxes[i, 3] = length
-        # wider by the deviation of the road from a straight line
-        boxes[i, 4] = 2.0 * half_width[i] + 0.25 * abs(curvature_of(dx, dy, ddx, ddy)) * length * length
+        boxes[i, 0], boxes[i, 1], boxes[i, 2], boxes[i, 3], boxes[i, 4] = occupancy_box(
+            curve, s[i], rear[i], front[i], d[i], half_width[i]
+        )
+
+
+def vehicle_boxes(
+    curve: Curve, vehicles: Int, times: Int, s: Times, rear: VehicleTimes, front: VehicleTimes, d: PerVehicle,
+    half_width: PerVehicle, boxes: VehicleBoxes,
+) -> None:  # fmt: skip
+    """Boxes of vehicles at common times, one vehicle after another, near the stations of the ego then."""
+    for k in range(vehicles):
+        for i in range(times):
+            at = k * times + i
+            boxes[at, 0], boxes[at, 1], boxes[at, 2], boxes[at, 3], boxes[at, 4] = occupancy_box(
+                curve, s[i], rear[k, i], front[k, i], d[k], half_width[k]
+            )

@@ -181,7 +181,7 @@ class Cubics:
         if more:
             s = np.unique(np.concatenate([s, *more]))
         lent = lend(CurveSamples, count=len(s), stride=math.isqrt(len(s)))
-        lent.workspace.spacing, lent.workspace.max_speed = float(np.diff(s).max()), self._max_speed()
+        lent.workspace.max_gap = float(np.diff(s).max()) * self._max_speed()
         lent.arrays["s"][:] = s
         lent.arrays["x"][:], lent.arrays["y"][:] = self.derivatives(s)[0].T
         return lent.workspace

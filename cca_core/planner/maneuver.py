@@ -16,6 +16,8 @@ from cca_core.decide import Candidate, Rejection, RejectionKind
 from cca_core.errors import Status
 from cca_core.frenet import FrenetEgo, FrenetVehicle
 from cca_core.geometry import Boxes
+from cca_core.kernel import bind
+from cca_core.kernel.reach import vehicle_boxes
 from cca_core.path import Lane, Path, Road, splice_path
 from cca_core.planner.committed import (
     committed_nodes,
@@ -26,9 +28,9 @@ from cca_core.planner.committed import (
 from cca_core.planner.gap_acceptance import check_adjacent_lane
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.window import Window, assumed_interval, is_following_ego, plan_window
-from cca_core.predict import occupancy_boxes
 from cca_core.vehicle import GRAVITY
 
+_vehicle_boxes = bind(vehicle_boxes)
 _MAX_NODES = 140  # of a band; they are never closer than 1 m
 _STEERING_LIMITED_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
 _GAP_SAMPLES = 24  # times at which a gap is checked
@@ -138,9 +140,13 @@ def predicted_occupancy(
 ) -> Boxes:
     """Return a box for each vehicle, first the overtaken one, and each station of the ego, shape (m, n)."""
     intervals = [assumed_interval(o, t, settings, o is others[0]) for o in others]
-    rear, front = np.array(intervals).transpose(1, 0, 2)
-    d, half_width = np.array([(o.d, o.half_width) for o in others]).T[:, :, None]
-    return occupancy_boxes(path, s, rear, front, d, half_width)
+    rear, front = (np.array(ends) for ends in zip(*intervals, strict=True))
+    d, half_width = np.array([o.d for o in others]), np.array([o.half_width for o in others])
+    boxes = np.empty((*rear.shape, 5))
+    vehicles, times = rear.shape
+    at, rows = np.ascontiguousarray(s), boxes.reshape(-1, 5)
+    _vehicle_boxes(path.curve, vehicles, times, at, rear, front, d, half_width, rows)
+    return Boxes(*np.moveaxis(boxes, -1, 0))
 
 
 def _plan_stretch(ego: FrenetEgo, window: Window, current: Maneuver | None) -> _Stretch:

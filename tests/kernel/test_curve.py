@@ -114,3 +114,12 @@ def test_segment_without_direction_gives_numbers() -> None:
     assert (s, heading, kappa) == (5.0, 0.0, 0.0)
     assert abs(d) == 0.0
     assert math.isfinite(float(path.project((0.0, 0.0))[0]))
+
+
+def test_nearest_points_do_not_depend_on_their_order() -> None:
+    """A position is found from the last one, or anew; the result is that of a single search."""
+    phi = np.arange(0.0, 3.5 * math.pi, 0.25)
+    path = fit_path(np.column_stack(((12.0 + phi) * np.cos(phi), (12.0 + phi) * np.sin(phi))), tolerance=0.02)
+    xy = np.random.default_rng(4).uniform(-90.0, 90.0, (200, 2))
+    s, d = path.project(xy)
+    assert [path.project(point) for point in xy] == list(zip(s, d, strict=True))

@@ -12,6 +12,7 @@ from cca_core.kernel.reach import (
     occupancy_boxes,
     occupied_intervals,
     reachable_intervals,
+    vehicle_boxes,
 )
 from cca_core.path import interpolate_path
 from cca_core.predict import occupancy_boxes as occupancy_of
@@ -62,6 +63,25 @@ def covered(random: np.random.Generator) -> tuple[object, ...]:
     return curve, n, s, rear, front, random.normal(0, 4, n), random.uniform(0.5, 3, n), np.empty((n, 5))
 
 
+def covered_together(random: np.random.Generator) -> tuple[object, ...]:
+    path, curve = random_curve(random)
+    k, n = random.integers(0, 4, 2).tolist()
+    s = random.uniform(path.start - 20.0, path.end + 20.0, n)
+    rear = s + random.normal(0.0, 20.0, (k, n))
+    front = rear + random.normal(8.0, 10.0, (k, n))
+    return (
+        curve,
+        k,
+        n,
+        s,
+        rear,
+        front,
+        random.normal(0, 4, k),
+        random.uniform(0.5, 3, k),
+        np.empty((k * n, 5)),
+    )
+
+
 @needs_c
 @pytest.mark.parametrize("count", [QUICK, pytest.param(FULL, marks=pytest.mark.slow)])
 def test_prediction_in_c_equals_python(count: int) -> None:
@@ -70,6 +90,7 @@ def test_prediction_in_c_equals_python(count: int) -> None:
     check_forms(occupied_intervals, occupied, count)
     check_forms(danger_zones, zones, count)
     check_forms(occupancy_boxes, covered, count)
+    check_forms(vehicle_boxes, covered_together, count)
 
 
 @pytest.mark.parametrize("column", range(7))
@@ -125,3 +146,21 @@ def test_boxes_cover_interval_of_curved_road() -> None:
     along, across = turned.real, turned.imag
     assert np.abs(along).max() <= 0.5 * boxes.length + 0.2
     assert np.abs(across).max() <= 0.5 * boxes.width + 1e-6
+
+
+def test_boxes_of_vehicles_equal_single_ones() -> None:
+    """Two vehicles at three times."""
+    s = np.arange(0.0, 301.0, 5.0)
+    road = interpolate_path(80.0 * np.column_stack((np.sin(s / 80.0), 1.0 - np.cos(s / 80.0))))
+    random = np.random.default_rng(3)
+    at, rear = np.array([90.0, 100.0, 110.0]), random.uniform(60.0, 140.0, (2, 3))
+    front, d, half_width = (
+        rear + random.uniform(4.0, 40.0, (2, 3)),
+        np.array([0.0, 3.5]),
+        np.array([0.9, 1.2]),
+    )
+    boxes = np.empty((6, 5))
+    bind(vehicle_boxes)(road.curve, 2, 3, at, rear, front, d, half_width, boxes)
+    single = occupancy_of(road, at, rear, front, d[:, None], half_width[:, None])
+    expected = np.stack((single.x, single.y, single.psi, single.length, single.width), axis=-1)
+    np.testing.assert_array_equal(boxes, expected.reshape(6, 5))

@@ -32,5 +32,5 @@ def random_samples(random: np.random.Generator, path: Path) -> Filled:
     n = int(random.integers(2, 40))
     s = np.linspace(path.start, path.end, n)
     x, y = path.position(s).T
-    numbers = {"stride": math.isqrt(n), "spacing": float(s[1] - s[0]), "max_speed": 1.5}
+    numbers = {"stride": math.isqrt(n), "max_gap": 1.5 * float(s[1] - s[0])}
     return Filled(CurveSamples, {"count": n}, {"s": s, "x": x, "y": y, **numbers})

@@ -2143,6 +2143,7 @@ void cca_join_cubics(int segments, const double *nodes, const double *moments, d
 #define CURVE_STEP_TOLERANCE 1e-09
 #define CURVE_BISECTIONS 50
 #define CURVE_SMALLEST_SPEED 1e-90
+#define CURVE_FAR 50.0
 #define CURVE_MAX_HALVINGS 32
 
 /* Segment in which an arc length on the path lies. */
@@ -2273,28 +2274,14 @@ static double curve_sample_distance(const CurveSamples *samples, double x, doubl
     return box_gaps_norm(samples->x[i] - x, samples->y[i] - y);
 }
 
-/* First sample after another one, by at least a length of the curve; one past the last if none is. */
+/* Next sample that may be nearer than a distance, which this one exceeds; past the last if none is. */
 static int curve_sample_after(const CurveSamples *samples, int i, double excess)
 {
-    double s = samples->s[i] + excess / samples->max_speed;
-    int low = i + 1;
-    int high = samples->count;
-    for (int turn1_ = 0, turn1__end_ = CURVE_MAX_HALVINGS; turn1_ < turn1__end_; turn1_ += 1) {
-        if (low >= high || samples->s[low] >= s) {
-            break;
-        }
-        int middle = int_floor(low + high, 2);
-        if (samples->s[middle] < s) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
+    return i + floor_within(excess / samples->max_gap, 1, samples->count);
 }
 
-/* Distance of a position from the nearest sample [m]. */
-static double curve_nearest_sample_distance(const CurveSamples *samples, double x, double y)
+/* Distance of a position from the nearest of a few samples [m]. */
+static double curve_distance_at_most(const CurveSamples *samples, double x, double y)
 {
     double distance = HUGE_VAL;
     int i = 0;
@@ -2305,7 +2292,14 @@ static double curve_nearest_sample_distance(const CurveSamples *samples, double 
             break;
         }
     }
-    i = 0;
+    return distance;
+}
+
+/* Distance of a position from the nearest sample [m]; it is not above a known distance of one. */
+static double curve_nearest_sample_distance(const CurveSamples *samples, double x, double y, double bound)
+{
+    double distance = bound;
+    int i = 0;
     for (int turn1_ = 0, turn1__end_ = samples->count; turn1_ < turn1__end_; turn1_ += 1) {
         double here = curve_sample_distance(samples, x, y, i);
         distance = real_min(distance, here);
@@ -2317,11 +2311,12 @@ static double curve_nearest_sample_distance(const CurveSamples *samples, double 
     return distance;
 }
 
-/* Foot point s, d of a position that is nearest on the whole path. */
-cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double x, double y)
+/* Foot point s, d that is nearest on the whole path, from a distance of any sample. */
+static cca_dd curve_nearest_within(const Curve *curve, const CurveSamples *samples, double x, double y,
+    double bound)
 {
     int n = samples->count;
-    double limit = curve_nearest_sample_distance(samples, x, y) + 0.5 * samples->max_speed * samples->spacing;
+    double limit = curve_nearest_sample_distance(samples, x, y, bound) + 0.5 * samples->max_gap;
     double best_s = samples->s[0];
     double best_d = HUGE_VAL;
     double smallest = HUGE_VAL;
@@ -2351,6 +2346,12 @@ cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double
     return (cca_dd){best_s, best_d};
 }
 
+/* Foot point s, d of a position that is nearest on the whole path. */
+cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double x, double y)
+{
+    return curve_nearest_within(curve, samples, x, y, curve_distance_at_most(samples, x, y));
+}
+
 /* Foot points of n positions from initial guesses. */
 void cca_foot_points(const Curve *curve, int n, const double *x, const double *y, const double *s_guess,
     double *s, double *d, double *heading, double *curvature)
@@ -2364,14 +2365,21 @@ void cca_foot_points(const Curve *curve, int n, const double *x, const double *y
     }
 }
 
-/* Nearest points of n positions on the whole path. */
+/* Nearest points of n positions on the whole path; those that follow each other are found sooner. */
 void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x,
     const double *y, double *s, double *d)
 {
+    int last = 0;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        const cca_dd result1_ = cca_nearest_point(curve, samples, x[i], y[i]);
+        double few = curve_sample_distance(samples, x[i], y[i], last);
+        if (i == 0 || few > CURVE_FAR) {
+            few = curve_distance_at_most(samples, x[i], y[i]);
+        }
+        const cca_dd result1_ = curve_nearest_within(curve, samples, x[i], y[i], few);
         s[i] = result1_.item0;
         d[i] = result1_.item1;
+        double along = (s[i] - samples->s[0]) / (samples->s[samples->count - 1] - samples->s[0]);
+        last = floor_within(along * samples->count, 0, samples->count - 1);
     }
 }
 
@@ -2540,28 +2548,54 @@ void cca_danger_zones(int vehicles, int times, const double *motion, const doubl
     }
 }
 
-/* Boxes that cover occupied intervals near given stations: x, y, heading, length and width of each. */
+/* Box that covers an occupied interval near a station: x, y, heading, length and width. */
+static cca_ddddd reach_occupancy_box(const Curve *curve, double s, double rear, double front, double d,
+    double half_width)
+{
+    double first = real_min(real_max(rear, s - REACH_WINDOW), front);
+    double last = real_max(real_min(front, s + REACH_WINDOW), rear);
+    double length = fabs(last - first);
+    const cca_dddddd result1_ = cca_curve_point(curve, 0.5 * (first + last));
+    double x = result1_.item0;
+    double y = result1_.item1;
+    double dx = result1_.item2;
+    double dy = result1_.item3;
+    double ddx = result1_.item4;
+    double ddy = result1_.item5;
+    double speed = real_max(box_gaps_norm(dx, dy), CURVE_SMALLEST_SPEED);
+    double width = 2.0 * half_width + 0.25 * fabs(curve_curvature_of(dx, dy, ddx, ddy)) * length * length;
+    return (cca_ddddd){x - d * dy / speed, y + d * dx / speed, atan2(dy, dx), length, width};
+}
+
+/* Boxes that cover occupied intervals near given stations. */
 void cca_occupancy_boxes(const Curve *curve, int n, const double *s, const double *rear, const double
     *front, const double *d, const double *half_width, double *boxes)
 {
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double first = real_min(real_max(rear[i], s[i] - REACH_WINDOW), front[i]);
-        double last = real_max(real_min(front[i], s[i] + REACH_WINDOW), rear[i]);
-        double length = fabs(last - first);
-        const cca_dddddd result1_ = cca_curve_point(curve, 0.5 * (first + last));
-        double x = result1_.item0;
-        double y = result1_.item1;
-        double dx = result1_.item2;
-        double dy = result1_.item3;
-        double ddx = result1_.item4;
-        double ddy = result1_.item5;
-        double speed = real_max(box_gaps_norm(dx, dy), CURVE_SMALLEST_SPEED);
-        boxes[i * 5 + 0] = x - d[i] * dy / speed;
-        boxes[i * 5 + 1] = y + d[i] * dx / speed;
-        boxes[i * 5 + 2] = atan2(dy, dx);
-        boxes[i * 5 + 3] = length;
-        boxes[i * 5 + 4] = 2.0 * half_width[i] + 0.25 * fabs(curve_curvature_of(dx, dy, ddx, ddy))
-            * length * length;
+        const cca_ddddd result1_ = reach_occupancy_box(curve, s[i], rear[i], front[i], d[i], half_width[i]);
+        boxes[i * 5 + 0] = result1_.item0;
+        boxes[i * 5 + 1] = result1_.item1;
+        boxes[i * 5 + 2] = result1_.item2;
+        boxes[i * 5 + 3] = result1_.item3;
+        boxes[i * 5 + 4] = result1_.item4;
+    }
+}
+
+/* Boxes of vehicles at common times, one vehicle after another, near the stations of the ego then. */
+void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double *s, const double *rear,
+    const double *front, const double *d, const double *half_width, double *boxes)
+{
+    for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
+        for (int i = 0, i_end_ = times; i < i_end_; i += 1) {
+            int at = k * times + i;
+            const cca_ddddd result1_ = reach_occupancy_box(curve, s[i], rear[k * times + i], front[k
+                * times + i], d[k], half_width[k]);
+            boxes[at * 5 + 0] = result1_.item0;
+            boxes[at * 5 + 1] = result1_.item1;
+            boxes[at * 5 + 2] = result1_.item2;
+            boxes[at * 5 + 3] = result1_.item3;
+            boxes[at * 5 + 4] = result1_.item4;
+        }
     }
 }
 

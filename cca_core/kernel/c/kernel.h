@@ -201,8 +201,7 @@ typedef struct Curve {
 typedef struct CurveSamples {
     int count;
     int stride;
-    double spacing;
-    double max_speed;
+    double max_gap;
     double *s;
     double *x;
     double *y;
@@ -245,8 +244,13 @@ void cca_occupied_intervals(int vehicles, int times, const double *motion, const
 void cca_danger_zones(int vehicles, int times, const double *motion, const double *t, const double
     *travel, double *zone);
 
+typedef struct cca_ddddd { double item0; double item1; double item2; double item3; double item4; } cca_ddddd;
+
 void cca_occupancy_boxes(const Curve *curve, int n, const double *s, const double *rear, const double
     *front, const double *d, const double *half_width, double *boxes);
+
+void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double *s, const double *rear,
+    const double *front, const double *d, const double *half_width, double *boxes);
 
 typedef struct RssReaction {
     double response_time;

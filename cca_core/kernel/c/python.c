@@ -903,6 +903,72 @@ static PyObject *call_occupancy_boxes(PyObject *self_, PyObject *const *given_, 
     Py_RETURN_NONE;
 }
 
+static PyObject *call_vehicle_boxes(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("vehicle_boxes", 9, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    int vehicles;
+    int times;
+    const double *s;
+    const double *rear;
+    const double *front;
+    const double *d;
+    const double *half_width;
+    double *boxes;
+    if (!lend_whole(given_[1], &vehicles)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &times)) {
+        return NULL;
+    }
+    Lent lent_[7];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s = lend_array("s", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)times, 0, 0);
+    if (s == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    rear = lend_array("rear", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, (Py_ssize_t)times, 0);
+    if (rear == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    front = lend_array("front", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, (Py_ssize_t)times, 0);
+    if (front == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    d = lend_array("d", given_[6], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)vehicles, 0, 0);
+    if (d == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    half_width = lend_array("half_width", given_[7], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)vehicles, 0, 0);
+    if (half_width == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    boxes = lend_array("boxes", given_[8], &lent_[held_], &held_, 'd', 2, ((Py_ssize_t)vehicles * (Py_ssize_t)times), 5, 1);
+    if (boxes == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_vehicle_boxes(curve, vehicles, times, s, rear, front, d, half_width, boxes);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
 static PyObject *call_same_direction_distances(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1473,6 +1539,7 @@ static PyMethodDef methods[] = {
     {"occupied_intervals", (PyCFunction)(void (*)(void))call_occupied_intervals, METH_FASTCALL, NULL},
     {"danger_zones", (PyCFunction)(void (*)(void))call_danger_zones, METH_FASTCALL, NULL},
     {"occupancy_boxes", (PyCFunction)(void (*)(void))call_occupancy_boxes, METH_FASTCALL, NULL},
+    {"vehicle_boxes", (PyCFunction)(void (*)(void))call_vehicle_boxes, METH_FASTCALL, NULL},
     {"same_direction_distances", (PyCFunction)(void (*)(void))call_same_direction_distances, METH_FASTCALL, NULL},
     {"opposite_distances", (PyCFunction)(void (*)(void))call_opposite_distances, METH_FASTCALL, NULL},
     {"lateral_distances", (PyCFunction)(void (*)(void))call_lateral_distances, METH_FASTCALL, NULL},
@@ -1493,7 +1560,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "d5cd58237f7ac42ecdb8dac2cdc08e244b68ce12fbad02ca3319c7f3cc160333") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "9ae9feddd83cddfe664a1a54e205393f71b0f5a1ccde86ce7c41056224002a08") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
