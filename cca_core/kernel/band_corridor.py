@@ -4,7 +4,7 @@ import math
 
 from cca_core.kernel.band_workspace import BandWork
 from cca_core.kernel.box_gaps import norm
-from cca_core.kernel.types import Flag, Int, Real
+from cca_core.kernel.types import Flag, Int
 
 ALIGNED = 0.02  # sine of the angle below which a box counts as parallel
 END_SLOPE = 0.5  # at which bounds fall beyond the ends of an obstacle, steeper than any band [-]
@@ -28,44 +28,48 @@ def set_heading(w: BandWork, o: Int, i: Int) -> None:
         w.max_step[o] = max(w.max_step[o], step + turn * w.radius[o, i])
 
 
-def is_stationary(w: BandWork, o: Int, i: Int) -> Flag:
-    """Return whether the box of an obstacle is that at the last node."""
-    if w.box_x[o, i] != w.box_x[o, i - 1] or w.box_y[o, i] != w.box_y[o, i - 1]:
-        return False
-    if w.half_length[o, i] != w.half_length[o, i - 1] or w.half_width[o, i] != w.half_width[o, i - 1]:
-        return False
-    return w.box_psi[o, i] == w.box_psi[o, i - 1]
-
-
-def set_headings(w: BandWork) -> Flag:
-    """Compute headings, radii and steps of the obstacles; return whether all are parallel to the route."""
-    max_sine = 0.0
+def set_headings(w: BandWork) -> None:
+    """Compute headings, radii and steps of the obstacles."""
+    x = w.box_x
+    y = w.box_y
+    psi = w.box_psi
+    length = w.half_length
+    width = w.half_width
     for o in range(w.m):
         w.max_step[o] = 0.0
         w.max_radius[o] = 0.0
         set_heading(w, o, 0)
         for i in range(1, w.n):
-            if is_stationary(w, o, i):
-                w.box_ahead_x[o, i] = w.box_ahead_x[o, i - 1]
-                w.box_ahead_y[o, i] = w.box_ahead_y[o, i - 1]
-                w.radius[o, i] = w.radius[o, i - 1]
-            else:
+            k = i - 1
+            if x[o, i] != x[o, k] or y[o, i] != y[o, k] or psi[o, i] != psi[o, k]:
                 set_heading(w, o, i)
+            elif length[o, i] != length[o, k] or width[o, i] != width[o, k]:
+                set_heading(w, o, i)
+            else:
+                w.box_ahead_x[o, i] = w.box_ahead_x[o, k]
+                w.box_ahead_y[o, i] = w.box_ahead_y[o, k]
+                w.radius[o, i] = w.radius[o, k]
+
+
+def measure_overlaps(w: BandWork) -> Flag:
+    """Compute how far obstacles overlap the ego along the route; return whether all are parallel to it."""
+    # the ego reaches from -reach to reach + lead
+    reach = 0.5 * w.length
+    clearance = w.clearance
+    max_sine = 0.0
+    for o in range(w.m):
         for i in range(w.n):
-            sine = w.box_ahead_y[o, i] * w.tangent_x[i] - w.box_ahead_x[o, i] * w.tangent_y[i]
-            max_sine = max(max_sine, abs(sine))
+            tx = w.tangent_x[i]
+            ty = w.tangent_y[i]
+            ax = w.box_ahead_x[o, i]
+            ay = w.box_ahead_y[o, i]
+            x = (w.box_x[o, i] - w.route_x[i]) * tx + (w.box_y[o, i] - w.route_y[i]) * ty - w.box_offset
+            cosine = abs(ax * tx + ay * ty)
+            sine = abs(ay * tx - ax * ty)
+            max_sine = max(max_sine, sine)
+            half_x = (w.half_length[o, i] + clearance) * cosine + (w.half_width[o, i] + clearance) * sine
+            w.overlap[o, i] = half_x + reach - max(-x, x - w.lead_distance[o])
     return max_sine < ALIGNED
-
-
-def overlap_along(w: BandWork, o: Int, i: Int) -> Real:
-    """Return how far an obstacle overlaps the ego along the route: from -reach to reach + lead."""
-    dx = w.box_x[o, i] - w.route_x[i]
-    dy = w.box_y[o, i] - w.route_y[i]
-    x = dx * w.tangent_x[i] + dy * w.tangent_y[i] - w.box_offset
-    cosine = abs(w.box_ahead_x[o, i] * w.tangent_x[i] + w.box_ahead_y[o, i] * w.tangent_y[i])
-    sine = abs(w.box_ahead_y[o, i] * w.tangent_x[i] - w.box_ahead_x[o, i] * w.tangent_y[i])
-    half_x = (w.half_length[o, i] + w.clearance) * cosine + (w.half_width[o, i] + w.clearance) * sine
-    return half_x + 0.5 * w.length - max(-x, x - w.lead_distance[o])
 
 
 def measure_range(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
@@ -104,17 +108,19 @@ def measure_range(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
 def set_passing(w: BandWork) -> None:
     """Compute the displacements at which the ego passes obstacles; infinite where one is not alongside."""
     # bounds at the nodes with an overlap alone would jump by a node when an end moves past one
-    aligned = set_headings(w)
+    set_headings(w)
+    aligned = measure_overlaps(w)
     slope = END_SLOPE * norm(w.route_x[1] - w.route_x[0], w.route_y[1] - w.route_y[0])
-    overlap = w.overlap
+    last = w.n - 1
     for o in range(w.m):
         for i in range(w.n):
-            overlap[i] = overlap_along(w, o, i)
-        for i in range(w.n):
-            near = max(overlap[max(i - 1, 0)], overlap[i], overlap[min(i + 1, w.n - 1)])
-            if near >= 0.0:
+            overlap = w.overlap[o, i]
+            before = w.overlap[o, i - 1] if i > 0 else overlap
+            after = w.overlap[o, i + 1] if i < last else overlap
+            if before >= 0.0 or overlap >= 0.0 or after >= 0.0:
                 measure_range(w, o, i, aligned)
-                relief = slope * (min(overlap[i], 0.0) / min(overlap[i] - near, -MIN_DROP))
+                near = max(before, overlap, after)
+                relief = slope * (min(overlap, 0.0) / min(overlap - near, -MIN_DROP))
                 w.passing_right[o, i] += relief
                 w.passing_left[o, i] -= relief
             else:

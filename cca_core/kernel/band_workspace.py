@@ -161,7 +161,7 @@ class BandWork:
     radius: ObstacleNodes
     max_radius: ObstacleReals
     max_step: ObstacleReals  # longest way of a corner from node to node
-    overlap: Nodes  # of one obstacle with the ego along the route
+    overlap: ObstacleNodes  # of an obstacle and the ego along the route
     passing_right: ObstacleNodes  # displacement at which the ego passes on the right; infinite if far
     passing_left: ObstacleNodes
     # displacement and its bounds

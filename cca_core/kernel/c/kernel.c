@@ -642,59 +642,58 @@ static void band_corridor_set_heading(BandWork *w, int o, int i)
     }
 }
 
-/* Return whether the box of an obstacle is that at the last node. */
-static bool band_corridor_is_stationary(const BandWork *w, int o, int i)
+/* Compute headings, radii and steps of the obstacles. */
+static void band_corridor_set_headings(BandWork *w)
 {
-    if (w->box_x[o * w->max_n + i] != w->box_x[o * w->max_n + i - 1] || w->box_y[o * w->max_n
-        + i] != w->box_y[o * w->max_n + i - 1]) {
-        return false;
-    }
-    if (w->half_length[o * w->max_n + i] != w->half_length[o * w->max_n + i - 1] || w->half_width[o
-        * w->max_n + i] != w->half_width[o * w->max_n + i - 1]) {
-        return false;
-    }
-    return w->box_psi[o * w->max_n + i] == w->box_psi[o * w->max_n + i - 1];
-}
-
-/* Compute headings, radii and steps of the obstacles; return whether all are parallel to the route. */
-static bool band_corridor_set_headings(BandWork *w)
-{
-    double max_sine = 0.0;
+    const double *x = w->box_x;
+    const double *y = w->box_y;
+    const double *psi = w->box_psi;
+    const double *length = w->half_length;
+    const double *width = w->half_width;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         w->max_step[o] = 0.0;
         w->max_radius[o] = 0.0;
         band_corridor_set_heading(w, o, 0);
         for (int i = 1, i_end_ = w->n; i < i_end_; i += 1) {
-            if (band_corridor_is_stationary(w, o, i)) {
-                w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + i - 1];
-                w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + i - 1];
-                w->radius[o * w->max_n + i] = w->radius[o * w->max_n + i - 1];
-            } else {
+            int k = i - 1;
+            if (x[o * w->max_n + i] != x[o * w->max_n + k] || y[o * w->max_n + i] != y[o * w->max_n + k]
+                || psi[o * w->max_n + i] != psi[o * w->max_n + k]) {
                 band_corridor_set_heading(w, o, i);
+            } else if (length[o * w->max_n + i] != length[o * w->max_n + k] || width[o * w->max_n
+                + i] != width[o * w->max_n + k]) {
+                band_corridor_set_heading(w, o, i);
+            } else {
+                w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + k];
+                w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + k];
+                w->radius[o * w->max_n + i] = w->radius[o * w->max_n + k];
             }
         }
+    }
+}
+
+/* Compute how far obstacles overlap the ego along the route; return whether all are parallel to it. */
+static bool band_corridor_measure_overlaps(BandWork *w)
+{
+    double reach = 0.5 * w->length;
+    double clearance = w->clearance;
+    double max_sine = 0.0;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            double sine = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
-                + i] * w->tangent_y[i];
-            max_sine = real_max(max_sine, fabs(sine));
+            double tx = w->tangent_x[i];
+            double ty = w->tangent_y[i];
+            double ax = w->box_ahead_x[o * w->max_n + i];
+            double ay = w->box_ahead_y[o * w->max_n + i];
+            double x = (w->box_x[o * w->max_n + i] - w->route_x[i]) * tx + (w->box_y[o * w->max_n + i]
+                - w->route_y[i]) * ty - w->box_offset;
+            double cosine = fabs(ax * tx + ay * ty);
+            double sine = fabs(ay * tx - ax * ty);
+            max_sine = real_max(max_sine, sine);
+            double half_x = (w->half_length[o * w->max_n + i] + clearance) * cosine + (w->half_width[o
+                * w->max_n + i] + clearance) * sine;
+            w->overlap[o * w->max_n + i] = half_x + reach - real_max(-x, x - w->lead_distance[o]);
         }
     }
     return max_sine < BAND_CORRIDOR_ALIGNED;
-}
-
-/* Return how far an obstacle overlaps the ego along the route: from -reach to reach + lead. */
-static double band_corridor_overlap_along(const BandWork *w, int o, int i)
-{
-    double dx = w->box_x[o * w->max_n + i] - w->route_x[i];
-    double dy = w->box_y[o * w->max_n + i] - w->route_y[i];
-    double x = dx * w->tangent_x[i] + dy * w->tangent_y[i] - w->box_offset;
-    double cosine = fabs(w->box_ahead_x[o * w->max_n + i] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n
-        + i] * w->tangent_y[i]);
-    double sine = fabs(w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
-        + i] * w->tangent_y[i]);
-    double half_x = (w->half_length[o * w->max_n + i] + w->clearance) * cosine + (w->half_width[o
-        * w->max_n + i] + w->clearance) * sine;
-    return half_x + 0.5 * w->length - real_max(-x, x - w->lead_distance[o]);
 }
 
 /* Compute the lateral range of an obstacle along the ego, and where the ego passes it. */
@@ -735,20 +734,20 @@ static void band_corridor_measure_range(BandWork *w, int o, int i, bool aligned)
 /* Compute the displacements at which the ego passes obstacles; infinite where one is not alongside. */
 static void band_corridor_set_passing(BandWork *w)
 {
-    bool aligned = band_corridor_set_headings(w);
+    band_corridor_set_headings(w);
+    bool aligned = band_corridor_measure_overlaps(w);
     double slope = BAND_CORRIDOR_END_SLOPE * box_gaps_norm(w->route_x[1] - w->route_x[0], w->route_y[1]
         - w->route_y[0]);
-    double *overlap = w->overlap;
+    int last = w->n - 1;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            overlap[i] = band_corridor_overlap_along(w, o, i);
-        }
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            double near = real_max(real_max(overlap[int_max(i - 1, 0)], overlap[i]), overlap[int_min(i
-                + 1, w->n - 1)]);
-            if (near >= 0.0) {
+            double overlap = w->overlap[o * w->max_n + i];
+            double before = i > 0 ? w->overlap[o * w->max_n + i - 1] : overlap;
+            double after = i < last ? w->overlap[o * w->max_n + i + 1] : overlap;
+            if (before >= 0.0 || overlap >= 0.0 || after >= 0.0) {
                 band_corridor_measure_range(w, o, i, aligned);
-                double relief = slope * (real_min(overlap[i], 0.0) / real_min(overlap[i] - near,
+                double near = real_max(real_max(before, overlap), after);
+                double relief = slope * (real_min(overlap, 0.0) / real_min(overlap - near,
                     -BAND_CORRIDOR_MIN_DROP));
                 w->passing_right[o * w->max_n + i] += relief;
                 w->passing_left[o * w->max_n + i] -= relief;

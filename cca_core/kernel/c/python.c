@@ -1560,7 +1560,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "9ae9feddd83cddfe664a1a54e205393f71b0f5a1ccde86ce7c41056224002a08") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "85d390e5773e73fe2a7bc89bfb655d64e7ce5361bdc5b5c71288d461117056be") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
