@@ -57,7 +57,7 @@ def measure_scaling(
 def _timed(point: ScalingPoint, limit: float, core: int | None) -> ScalingResult:
     """Time of one point."""
     with Worker(point.make, limit=limit, core=core) as worker:
-        timed = worker.time(point.problem, repeats=5, enough=0.5)
+        timed = worker.time(point.problem, repeats=5, enough=2.0)  # a program is built in 0.5 s
     plan, peak = timed.plan, math.nan
     if plan is not None and len(plan.xy):
         d = point.problem.road.path.project(plan.xy)[1]

@@ -23,7 +23,13 @@ from cca_core.baselines.table1.statistics import Statistics, code_lines, number
 
 _CYCLE_MS = 20.0  # cycle of the controller: a method below it is fast [ms]
 _MODULES = {
-    BAND: ("band/*.py", "baselines/methods/band_methods.py"),
+    BAND: (
+        "band/*.py",
+        "kernel/band_*.py",
+        "kernel/equilibrium*.py",
+        "kernel/stiffness.py",
+        "baselines/methods/band_methods.py",
+    ),
     LATTICE: tuple(f"baselines/methods/{name}.py" for name in ("primitive*", "free_space")),
     TREE: tuple(f"baselines/methods/{name}.py" for name in ("rrt", "road_space", "free_space")),
     LINEAR: tuple(
