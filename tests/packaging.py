@@ -244,7 +244,7 @@ def run(
     cwd = cwd or python.parent  # in the checkout, Python would import that instead of what is installed
     env = os.environ | variables
     done = subprocess.run(
-        command, cwd=cwd, env=env, capture_output=True, text=True, timeout=1800, check=False
+        command, cwd=cwd, env=env, capture_output=True, text=True, timeout=7200, check=False
     )
     report = f"{' '.join(command)}\n{done.stdout[-6000:]}\n{done.stderr[-4000:]}"
     expect(bool(done.returncode) == fails, report)
