@@ -11,6 +11,7 @@ __all__ = [
     "CurveSamples",
     "curvature_at",
     "curve_point",
+    "curve_points",
     "foot_point",
     "foot_points",
     "nearest_point",
@@ -28,6 +29,7 @@ Breaks = Annotated[Reals, "segments + 1"]
 Cubics = Annotated[Grid, "segments", 8]
 Samples = Annotated[Reals, "count"]
 Row = Annotated[Reals, "n"]
+Points = Annotated[Grid, "n", 2]
 
 
 class Curve:
@@ -84,6 +86,14 @@ def curve_point(curve: Curve, s: Real) -> tuple[Real, Real, Real, Real, Real, Re
             6.0 * powers[i, 1] * t + 2.0 * powers[i, 3],
         )
     return x + (s - on) * dx, y + (s - on) * dy, dx, dy, 0.0, 0.0
+
+
+def curve_points(curve: Curve, n: Int, s: Row, position: Points, first: Points, second: Points) -> None:
+    """Positions, first and second derivatives at n arc lengths."""
+    for i in range(n):
+        position[i, 0], position[i, 1], first[i, 0], first[i, 1], second[i, 0], second[i, 1] = curve_point(
+            curve, s[i]
+        )
 
 
 def curvature_of(dx: Real, dy: Real, ddx: Real, ddy: Real) -> Real:

@@ -8,19 +8,21 @@ from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, as_array, check_any, check_array, explained
 from cca_core.errors import InputError
-from cca_core.kernel import bind
+from cca_core.kernel import backend, bind
 from cca_core.kernel.curve import (
     Curve,
     CurveSamples,
     curvature_at,
     curve_point,
+    curve_points,
     foot_point,
     foot_points,
     nearest_points,
 )
 from cca_core.kernel.memory import lend
 
-_curve_point, _curvature_at = bind(curve_point), bind(curvature_at)
+_curve_point, _curve_points = bind(curve_point), bind(curve_points)
+_curvature_at = bind(curvature_at)
 _foot_point, _foot_points, _nearest_points = bind(foot_point), bind(foot_points), bind(nearest_points)
 
 _SPACING = 2.0  # of the samples for a search without initial guess [m]; longer on paths above 400 km
@@ -43,7 +45,7 @@ class Cubics:
     """Cubics over s in powers of meters, straight beyond both ends; `Path` checks the arguments."""
 
     def __init__(self, breaks: Array, coefficients: Array) -> None:
-        self._breaks, self._inner = breaks, breaks[1:-1]
+        self._breaks = breaks
         # shape (4, n_segments, 2), cubic term first
         rate = 1.0 / (breaks[1:] - breaks[:-1])
         scale = np.array((rate * rate * rate, rate * rate, rate, np.ones_like(rate)))
@@ -51,19 +53,24 @@ class Cubics:
 
     def derivatives(self, s: ArrayLike) -> tuple[Array, Array, Array]:
         """Position, first and second derivative, shapes (..., 2)."""
-        s = as_array("s", s)
+        s = np.asarray(as_array("s", s), order="C")
+        if backend() == "python":
+            return self._derivatives_without_c(s)
+        points = np.empty((3, *s.shape, 2))
+        position, first, second = points.reshape(3, -1, 2)
+        _curve_points(self.curve, s.size, s.reshape(-1), position, first, second)
+        return points[0], points[1], points[2]
+
+    def _derivatives_without_c(self, s: Array) -> tuple[Array, Array, Array]:
+        """Return the same bits: a loop over the many points of a fit is slow in Python."""
         on = np.minimum(np.maximum(s, self._breaks[0]), self._breaks[-1])
-        i = np.searchsorted(self._inner, on, side="right")
+        i = np.searchsorted(self._breaks[1:-1], on, side="right")
         a, b, c, d = self._powers.take(i, axis=1)
-        t = (on - self._breaks.take(i))[..., None]
-        first = (3.0 * a * t + 2.0 * b) * t + c
-        position = ((a * t + b) * t + c) * t + d
-        second = 6.0 * a * t + 2.0 * b
-        beyond = (s - on)[..., None]
-        if beyond.any():
-            position = position + beyond * first
-            second = np.where(beyond == 0.0, second, 0.0)
-        return position, first, second
+        t, beyond = (on - self._breaks.take(i))[..., None], (s - on)[..., None]
+        position, first = ((a * t + b) * t + c) * t + d, (3.0 * a * t + 2.0 * b) * t + c
+        inside = beyond == 0.0
+        ahead = np.where(inside, position, position + beyond * first)
+        return ahead, first, np.where(inside, 6.0 * a * t + 2.0 * b, 0.0)
 
     def heading(self, s: ArrayLike) -> Array:
         """Direction of the tangent."""

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.interpolate import PPoly
 
 from cca_core.kernel.curve import (
     curvature_at,
     curve_point,
+    curve_points,
     foot_point,
     foot_points,
     nearest_point,
@@ -37,6 +39,13 @@ def searched(random: np.random.Generator) -> tuple[object, ...]:
     return curve, random_samples(random, path), *random.uniform(-50.0, 300.0, 2)
 
 
+def many_on_curve(random: np.random.Generator) -> tuple[object, ...]:
+    path, curve = random_curve(random)
+    n = int(random.integers(0, 6))
+    s = random.uniform(path.start - 10.0, path.end + 10.0, n)
+    return curve, n, s, *(np.empty((n, 2)) for _ in range(3))
+
+
 def many_near_curve(random: np.random.Generator) -> tuple[object, ...]:
     path, curve = random_curve(random)
     n = int(random.integers(0, 6))
@@ -56,6 +65,7 @@ def many_searched(random: np.random.Generator) -> tuple[object, ...]:
 def test_curve_in_c_equals_python(count: int) -> None:
     check_forms(curve_point, on_curve, count)
     check_forms(curvature_at, on_curve, count)
+    check_forms(curve_points, many_on_curve, count)
     check_forms(foot_point, near_curve, count)
     check_forms(foot_points, many_near_curve, count)
 
@@ -68,14 +78,29 @@ def test_search_in_c_equals_python(count: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_point_equals_numpy_form(seed: int) -> None:
+def test_points_equal_piecewise_polynomials(seed: int) -> None:
+    """On the path those of SciPy; beyond its ends straight lines."""
     random = np.random.default_rng(seed)
     path = random_path(random)
     s = random.uniform(path.start - 20.0, path.end + 20.0, 50)
-    position, first, second = path.derivatives(s)
-    expected = np.hstack((position, first, second))
-    np.testing.assert_allclose([path._cubics.at(u) for u in s.tolist()], expected, rtol=0.0, atol=1e-11)
-    assert [path.curvature_at(u) for u in s.tolist()] == pytest.approx(path.curvature(s).tolist(), abs=1e-11)
+    powers = path.coefficients / np.diff(path.breaks)[:, None, None] ** np.array([3.0, 2.0, 1.0, 0.0])
+    curve = PPoly(powers.transpose(2, 0, 1), path.breaks)
+    on = s.clip(path.start, path.end)
+    expected = curve(on) + (s - on)[:, None] * curve(on, 1), curve(on, 1), curve(on, 2) * (s == on)[:, None]
+    for part, reference in zip(path.derivatives(s), expected, strict=True):
+        np.testing.assert_allclose(part, reference, rtol=0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_points_have_same_bits_alone_and_together(seed: int) -> None:
+    """Whether the kernel is C or not: without C, NumPy computes them together."""
+    random = np.random.default_rng(seed)
+    path = random_path(random)
+    s = np.append(random.uniform(path.start - 20.0, path.end + 20.0, 50), path.breaks)
+    together = np.hstack(path.derivatives(s))
+    alone = [path._cubics.at(u) for u in s.tolist()]
+    np.testing.assert_array_equal(together, alone)
+    assert path.curvature(s).tolist() == pytest.approx([path.curvature_at(u) for u in s.tolist()], abs=1e-11)
 
 
 def test_foot_points_equal_single_ones() -> None:

@@ -2182,6 +2182,21 @@ cca_dddddd cca_curve_point(const Curve *curve, double s)
     return (cca_dddddd){x + (s - on) * dx, y + (s - on) * dy, dx, dy, 0.0, 0.0};
 }
 
+/* Positions, first and second derivatives at n arc lengths. */
+void cca_curve_points(const Curve *curve, int n, const double *s, double *position, double *first, double
+    *second)
+{
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        const cca_dddddd result1_ = cca_curve_point(curve, s[i]);
+        position[i * 2 + 0] = result1_.item0;
+        position[i * 2 + 1] = result1_.item1;
+        first[i * 2 + 0] = result1_.item2;
+        first[i * 2 + 1] = result1_.item3;
+        second[i * 2 + 0] = result1_.item4;
+        second[i * 2 + 1] = result1_.item5;
+    }
+}
+
 /* Signed curvature from derivatives [1/m]. */
 static double curve_curvature_of(double dx, double dy, double ddx, double ddy)
 {

@@ -211,6 +211,9 @@ typedef struct cca_dddddd { double item0; double item1; double item2; double ite
 
 cca_dddddd cca_curve_point(const Curve *curve, double s);
 
+void cca_curve_points(const Curve *curve, int n, const double *s, double *position, double *first, double
+    *second);
+
 double cca_curvature_at(const Curve *curve, double s);
 
 typedef struct cca_dddd { double item0; double item1; double item2; double item3; } cca_dddd;

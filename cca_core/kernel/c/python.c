@@ -340,6 +340,56 @@ static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_s
     return lend_group(items_, 6);
 }
 
+static PyObject *call_curve_points(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("curve_points", 6, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    int n;
+    const double *s;
+    double *position;
+    double *first;
+    double *second;
+    if (!lend_whole(given_[1], &n)) {
+        return NULL;
+    }
+    Lent lent_[5];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s = lend_array("s", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (s == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    position = lend_array("position", given_[3], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 2, 1);
+    if (position == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    first = lend_array("first", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 2, 1);
+    if (first == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    second = lend_array("second", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 2, 1);
+    if (second == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_curve_points(curve, n, s, position, first, second);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
 static PyObject *call_curvature_at(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1528,6 +1578,7 @@ static PyMethodDef methods[] = {
     {"measure_band", (PyCFunction)(void (*)(void))call_measure_band, METH_FASTCALL, NULL},
     {"join_cubics", (PyCFunction)(void (*)(void))call_join_cubics, METH_FASTCALL, NULL},
     {"curve_point", (PyCFunction)(void (*)(void))call_curve_point, METH_FASTCALL, NULL},
+    {"curve_points", (PyCFunction)(void (*)(void))call_curve_points, METH_FASTCALL, NULL},
     {"curvature_at", (PyCFunction)(void (*)(void))call_curvature_at, METH_FASTCALL, NULL},
     {"foot_point", (PyCFunction)(void (*)(void))call_foot_point, METH_FASTCALL, NULL},
     {"nearest_point", (PyCFunction)(void (*)(void))call_nearest_point, METH_FASTCALL, NULL},
@@ -1560,7 +1611,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "85d390e5773e73fe2a7bc89bfb655d64e7ce5361bdc5b5c71288d461117056be") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "0f70307eb59dacc7f3bb1dbcc970da2f831779a77b6df5320e1c707c5322355c") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
