@@ -1,99 +1,208 @@
-"""Candidates: maneuvers around the lead vehicle on both sides, at the first feasible level."""
+"""Candidates: paths by levels, speed profiles, and the motions that they give."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
+import numpy as np
+
+from cca_core._checks import Array
 from cca_core.band import Side
-from cca_core.decide import Candidate, LeadVehicle, Rejection, RejectionKind
-from cca_core.errors import Status
-from cca_core.frenet import FrenetEgo, FrenetVehicle
-from cca_core.path import Road
-from cca_core.planner.blocking import excluding
-from cca_core.planner.lead import vehicles_to_follow
-from cca_core.planner.maneuver import Maneuver, plan_maneuver
-from cca_core.planner.settings import EvasionSettings
-from cca_core.vehicle import GRAVITY, VehicleParams
-
-Levels = Sequence[tuple[EvasionSettings, Status]]
-"""Maneuver levels, the most comfortable first, each with the status of its maneuvers."""
-
-Plans = tuple[dict[str, Maneuver], list[Candidate], Status]
-"""Maneuvers by side, the candidates, and the status of their level."""
+from cca_core.decide import Rejection, RejectionKind
+from cca_core.path import Lane
+from cca_core.planner.occupancy import N_STOPS, TIMES, Traffic
+from cca_core.planner.paths import Surroundings, return_paths, route_path, swerve
+from cca_core.planner.records import LateralPath, Level, Plan, Profile
+from cca_core.planner.scene import N_ROWS, Scene
 
 _SIDES: tuple[Side, Side] = ("left", "right")
+_MAX_GROUP = 3  # vehicles that are passed at once
+_CONFLICT_MARGIN = 0.5  # gap within which a crossing vehicle conflicts with a station [m]
+_YIELD_DELAY = 0.4  # after a crossing vehicle has passed [s]
 
 
-def maneuver_levels(settings: EvasionSettings, vehicle: VehicleParams) -> Levels:
-    """Return the settings of each maneuver level: comfort, hard, and last resort."""
-    grip, resort = vehicle.mu * GRAVITY, settings.last_resort
-    hard = replace(settings, lateral_acceleration_limit=resort.grip_fraction * grip)
-    last = replace(
-        hard, clearance=min(resort.clearance, hard.clearance), min_ttc=resort.min_ttc,
-        lateral_acceleration=min(resort.lateral_acceleration, 0.5 * grip),
-    )  # fmt: skip
-    return (settings, Status.OK), (hard, Status.DEGRADED), (last, Status.DEGRADED)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stop:
+    """Where the ego stops for a vehicle that crosses its route, and until when."""
+
+    vehicle_id: str
+    row: int
+    s: float  # of the center of gravity, absolute
+    t_enter: float
+    until: float
 
 
-def plan_candidates(
-    ego: FrenetEgo,
-    road: Road,
-    blocking: Sequence[FrenetVehicle],
-    others: Sequence[FrenetVehicle],
-    levels: Levels,
-    *,
-    start_now: bool,
-    braking_insufficient: bool = False,
-    awareness_range: float = math.inf,
-) -> Plans:
-    """Plan both sides at the first level with a feasible candidate; of the best level if there is none."""
-    found: list[Plans] = []
-    attempts = [(settings, status, blocking) for settings, status in levels]
-    if braking_insufficient:  # a collision is certain otherwise: pass the nominal positions
-        attempts.append((*levels[-1], [b.nominal() for b in blocking]))
-    for settings, status, overtaken in attempts:
-        plans: dict[str, Maneuver] = {}
-        candidates = []
-        for side in _SIDES:
-            plan = plan_maneuver(
-                ego, road, overtaken, others, side, settings, start_now=start_now,
-                awareness_range=awareness_range,
-            )  # fmt: skip
-            if isinstance(plan, Maneuver):
-                plans[side] = plan
-                plan = plan.candidate
-            candidates.append(plan)
-        found.append((plans, candidates, status))
-        if not all(c.rejection for c in candidates):
-            return found[-1]
-    return found[0]
+def home_paths(around: Surroundings) -> list[LateralPath]:
+    """Return the paths along or back to the route."""
+    if around.lateral.on_route:
+        return [route_path(around.lateral.base)]
+    return return_paths(around)
 
 
-def plan_around_lead(
-    ego: FrenetEgo,
-    road: Road,
-    lead: LeadVehicle,
-    blocking: Sequence[FrenetVehicle],
-    vehicles: Sequence[FrenetVehicle],
-    levels: Levels,
-    *,
-    start_now: bool,
+def blocking_rows(around: Surroundings, overtaken: frozenset[str]) -> list[int]:
+    """Return the rows of the vehicles that the ego would meet on its route, in the order of meeting."""
+    traffic, half = around.traffic, 0.5 * around.vehicle.width
+    found = []
+    center, rear = around.free_s + around.offset, around.s + around.vehicle.rear
+    for j, n in enumerate(traffic.vehicles):
+        if traffic.crosses[j]:
+            continue
+        on_route = np.abs(traffic.d[j]) < traffic.half_w[j] + half + around.settings.lead.blocking_gap
+        alongside = np.abs(traffic.s[j] - center) < traffic.half_l[j] + 0.5 * around.vehicle.length + 0.5
+        met = np.flatnonzero(on_route & alongside)
+        ahead = traffic.s[j, 0] + traffic.half_l[j] > rear
+        if ahead and (len(met) or (n.id in overtaken and on_route[0])):
+            found.append((int(met[0]) if len(met) else 0, j))
+    return [j for _, j in sorted(found)]
+
+
+def swerves(
+    around: Surroundings,
+    levels: Sequence[Level],
+    last: LateralPath | None,
+    max_speed: float,
     awareness_range: float,
-) -> tuple[Plans, set[str]]:
-    """Plan maneuvers around the lead vehicle; also return the ids of the vehicles that the ego follows."""
-    settings = levels[0][0]
-    ahead = [b for b in blocking if b.s > ego.s_cg]
-    followed = vehicles_to_follow(ahead, lead, ego, settings.lead)
-    ids, max_speed = {n.id for n in followed}, ego.v_target - settings.min_speed_advantage
-    if lead.v_x > max_speed:
-        kind = RejectionKind.TOO_FAST
-        rejection = Rejection(kind=kind, vehicle_id=lead.id, value=lead.v_x, limit=max_speed)
-        return ({}, [Candidate(side="left", rejection=rejection)], Status.OK), ids
-    grip = settings.actuation.emergency_grip_fraction * ego.vehicle.mu * GRAVITY
-    insufficient = lead.required_deceleration > min(ego.speed.b_max, grip)
-    plans = plan_candidates(
-        ego, road, excluding(ahead, followed), excluding(vehicles, ahead),
-        (levels[0], levels[-1]) if insufficient else levels[:1], start_now=start_now,
-        braking_insufficient=insufficient, awareness_range=awareness_range,
-    )  # fmt: skip
-    return plans, ids
+) -> tuple[list[LateralPath], list[Rejection]]:
+    """Return swerves around the vehicles that block the route, and why others are rejected."""
+    traffic, road = around.traffic, around.road
+    rows = blocking_rows(around, frozenset() if last is None else last.overtaken)
+    paths: list[LateralPath] = []
+    rejections: list[Rejection] = []
+    sides = _SIDES if last is None else ((last.kind.value),)
+    for size in range(1, min(len(rows), _MAX_GROUP) + 1):
+        group = rows[:size]
+        fast = next((j for j in group if traffic.v[j, 0] > max_speed), None)
+        if fast is not None:
+            rejections.append(
+                Rejection(
+                    kind=RejectionKind.TOO_FAST, vehicle_id=traffic.ids[fast], value=float(traffic.v[fast, 0]),
+                    limit=max_speed,
+                )
+            )  # fmt: skip
+            break
+        for side in sides:
+            lane = road.lane_at(road.ego_lane.left + 0.1 if side == "left" else road.ego_lane.right - 0.1)
+            lanes: tuple[Lane | None, ...] = (None,) if lane is None else (None, lane)
+            for level in levels:
+                for corridor in lanes:
+                    refused = None if corridor is None else _lane_refusal(around, corridor, side, awareness_range)
+                    found = refused or swerve(around, group, side, corridor, level, last)
+                    if isinstance(found, Rejection):
+                        rejections.append(found)
+                    else:
+                        paths.append(found)
+                        break
+    return paths, rejections
+
+
+def _lane_refusal(around: Surroundings, lane: Lane, side: Side, awareness_range: float) -> Rejection | None:
+    """Return why an adjacent lane cannot be known to be free; None if it can."""
+    if awareness_range == 0.0:
+        return Rejection(kind=RejectionKind.UNAWARE, side=side, value=0.0)
+    tolerance = around.settings.lane_entry_tolerance
+    for n in around.traffic.vehicles:
+        in_lane = n.d + n.half_width > lane.right + tolerance and n.d - n.half_width < lane.left - tolerance
+        if in_lane and n.remote.age > around.settings.stale_after:
+            return Rejection(
+                kind=RejectionKind.STALE, side=side, vehicle_id=n.id, value=n.remote.age,
+                limit=around.settings.stale_after,
+            )  # fmt: skip
+    return None
+
+
+def find_stops(scene: Scene, around: Surroundings, path: int) -> list[Stop]:
+    """Return the points at which the ego lets crossing vehicles pass, in the order of their arrival."""
+    traffic, settings = around.traffic, around.settings.crossing
+    found = []
+    reach = max(settings.horizon * max(around.v, 5.0), 40.0)
+    for j in np.flatnonzero(traffic.crosses):
+        if not scene.call("conflict", path, int(j), int(reach), settings.horizon, _CONFLICT_MARGIN):
+            continue
+        enter = scene.get("s_enter") - 1.0 + around.lateral.base
+        if enter < around.s:
+            continue
+        front = around.vehicle.front
+        lines = [line - front for line in around.road.stop_lines if around.s - 0.5 < line - front < enter]
+        until = scene.get("t_exit") + _YIELD_DELAY
+        found.append(
+            Stop(
+                vehicle_id=traffic.ids[j], row=int(j), s=max(lines, default=enter),
+                t_enter=scene.get("t_enter"), until=until,
+            )
+        )  # fmt: skip
+    stops = sorted(found, key=lambda stop: stop.t_enter)[:N_STOPS]
+    for i, stop in enumerate(stops):
+        scene["stop_s"][i], scene["stop_until"][i] = stop.s - around.lateral.base, stop.until
+    scene.set(stops=len(stops))
+    return stops
+
+
+def profiles(
+    path: LateralPath, n_stops: int, b_comfort: float, b_max: float, *, kept: bool, desperate: bool
+) -> list[Profile]:
+    """Return the speed profiles of a path."""
+    found = [Profile("go", yields=y) for y in range(n_stops + 1)]
+    if not path.kind.is_swerve or path.is_last or desperate:
+        for braking in (b_comfort, 0.5 * (b_comfort + b_max), b_max):
+            found.append(Profile(f"brake {braking:.0f}", yields=n_stops, braking=braking))
+    if kept:
+        found.append(Profile("kept", follows=False, kept=True))
+    return found
+
+
+class Rollout:
+    """Motions of candidates in a scene, one row each."""
+
+    def __init__(self, scene: Scene, around: Surroundings) -> None:
+        self.scene, self.around = scene, around
+        self.n_rows = self.n_paths = 0
+
+    def add_path(self, path: LateralPath, a_y: float) -> int:
+        """Put a path into the scene."""
+        scene, i, lateral = self.scene, self.n_paths, self.around.lateral
+        scene["d"][i] = path.on(lateral.base, scene["d"].shape[1])
+        scene["overtakes"][i] = 0.0
+        for j, name in enumerate(self.around.traffic.ids):
+            scene["overtakes"][i, j] = name in path.overtaken
+        scene.call("limit_path", i, a_y)
+        self.n_paths += 1
+        return i
+
+    def add(self, path: LateralPath, i: int, profile: Profile, kept: Array | None = None) -> Plan | None:
+        """Drive a path with a profile; None if the scene is full."""
+        scene, row = self.scene, self.n_rows
+        if row >= N_ROWS - 1:
+            return None
+        self.n_rows += 1
+        if profile.kept and kept is not None:
+            scene["a"][row] = kept
+        scene.call("roll", row, i, profile.follows, profile.yields, profile.braking, 0.0, profile.kept)
+        scene.call("costs", row, i, self.around.settings.cost.horizon)
+        return Plan(
+            path=path, row=row, path_row=i, profile=profile, s=scene["s"][row], v=scene["v"][row], a=scene["a"][row],
+            d=scene["offset_at"][row], limited_by=int(scene["limited_by"][row]), peak=float(scene["terms"][row, 2]),
+        )  # fmt: skip
+
+    @property
+    def is_full(self) -> bool:
+        """Whether no further path fits."""
+        return self.n_paths >= len(self.scene["d"])
+
+
+def shifted(a: Array, elapsed: float) -> Array:
+    """Return an acceleration profile as seen later."""
+    return np.interp(TIMES + elapsed, TIMES, a)
+
+
+def free_motion(rollout: Rollout, path: LateralPath, i: int) -> Plan:
+    """Return the motion that no vehicle limits."""
+    plan = rollout.add(path, i, Profile("free", follows=False))
+    assert plan is not None
+    return plan
+
+
+__all__ = [
+    "Rollout", "Stop", "Traffic", "blocking_rows", "find_stops", "free_motion", "home_paths", "profiles",
+    "shifted", "swerves",
+]  # fmt: skip
+_ = math

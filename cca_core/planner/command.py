@@ -6,6 +6,7 @@ from cca_core.band import Band
 from cca_core.decide import Decision
 from cca_core.errors import Status
 from cca_core.path import Path
+from cca_core.planner.records import Mode, SafeStop
 
 __all__ = ["Command"]
 
@@ -34,6 +35,10 @@ class Command:
     input_faults : tuple of str
         Other inputs of this cycle that are wrong, and what the planner assumes instead: time stamps that
         repeat or step back, awareness ranges that are none, a radio that is not to be trusted.
+    mode : Mode, optional
+        What the ego does; a label of the plan that it drives.
+    safe_stop : SafeStop, optional
+        Steering and braking of the next 5 s that stop the ego in its lane if no further command comes.
     """
 
     delta: float
@@ -44,3 +49,5 @@ class Command:
     status: Status
     dropped: tuple[tuple[str, str], ...] = ()
     input_faults: tuple[str, ...] = ()
+    mode: Mode | None = None
+    safe_stop: SafeStop | None = None

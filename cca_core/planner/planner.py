@@ -1,32 +1,25 @@
-"""Planner: decide, plan the maneuver, follow it, once a cycle."""
+"""Planner: see, enumerate, certify, choose, act, once a cycle."""
 
 import logging
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
 
 from cca_core._checks import Array, check_real
-from cca_core.decide import (
-    Action,
-    Conflict,
-    Decision,
-    LeadVehicle,
-    choose_action,
-)
-from cca_core.decide.action import explained
+from cca_core.decide import Decision
 from cca_core.errors import Status
-from cca_core.follow import PreviewController, SpeedSettings, profile_acceleration, squared_speed_limit
-from cca_core.frenet import INCOMPLETE, FrenetEgo, FrenetVehicle, to_frenet
+from cca_core.follow import PreviewController, SpeedSettings, squared_speed_limit
+from cca_core.frenet import INCOMPLETE, to_frenet
 from cca_core.frenet.branches import Branches
-from cca_core.kernel import bind
-from cca_core.kernel.speed import interpolated
 from cca_core.path import Path, Road, interpolate_path
-from cca_core.planner.abort import delay_return, return_deceleration, vehicle_alongside
-from cca_core.planner.actuation import limit_acceleration, requested_acceleration
-from cca_core.planner.blocking import blocking_vehicles, blocks_offset, excluding, vehicles_on_maneuver
-from cca_core.planner.candidates import Plans, maneuver_levels, plan_around_lead
+from cca_core.planner import modes
+from cca_core.planner.actuate import dead_reckon, planned_acceleration, safe_stop
+from cca_core.planner.candidates import Rollout, find_stops, free_motion, home_paths, profiles, shifted, swerves
+from cca_core.planner.certify import Certifier
+from cca_core.planner.choose import assess, choose
 from cca_core.planner.command import Command
 from cca_core.planner.inputs import (
     CycleClock,
@@ -38,17 +31,20 @@ from cca_core.planner.inputs import (
     vehicles_on_level,
     warn_of_tight_bend,
 )
-from cca_core.planner.lead import find_lead, oncoming_assumed_in_lane
-from cca_core.planner.maneuver import Maneuver
-from cca_core.planner.replan import Outcome, replan
+from cca_core.planner.limits import limits_of
+from cca_core.planner.occupancy import TIMES, SceneFactory, place_vehicles
+from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
+from cca_core.planner.reasons import explain
+from cca_core.planner.records import DrivenPlan, Grade, LateralPath, Level, Mode, Plan, PlannerState, Sight
+from cca_core.planner.scene import N_ROWS
 from cca_core.planner.settings import EvasionSettings
-from cca_core.planner.yielding import find_yield_conflict, virtual_lead
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
 
-_interpolated = bind(interpolated)
 _LOG = logging.getLogger(__name__)
+_N_PATHS = 24
+_ON_PATH = 0.25  # lateral error up to which the ego is on its path [m]
 
 
 class Planner:
@@ -92,7 +88,7 @@ class Planner:
         self._cruise_speed = check_real("cruise_speed", cruise_speed, gt=0.0)
         self.evasion = evasion or EvasionSettings()
         self.speed = speed or SpeedSettings()
-        self._levels = maneuver_levels(self.evasion, vehicle)
+        self._limits = limits_of(vehicle, self.speed, self.evasion)
         self._controller = controller or PreviewController(vehicle)
         self._speed_profile = self._profile(self._cruise_speed)
         # what is slow to import or to build exists before the first cycle
@@ -103,29 +99,16 @@ class Planner:
         self._lateral_range = self.road.right_edge - margin, self.road.left_edge + margin
         branches = Branches(self.road.path)
         self._branches = branches if branches.passes_itself else None
-        self._clock = CycleClock()
-        self._s: float | None = None
-        self._v_x = 0.0
-        self._command: Command | None = None
-        self._a_x = 0.0  # of the last cycle that was no safe stop
-        self._input_faults: tuple[str, ...] = ()
+        self._scenes = SceneFactory(BEHIND + AHEAD, _N_PATHS, N_ROWS)
         self._last_s: dict[str, float] = {}
-        self._awareness_range = math.inf
-        self._known_events: frozenset[tuple[str, frozenset[str]]] = frozenset()
-        self._t_decided = -math.inf
-        self._decision = Decision(action=Action.KEEP, reason="starting")
-        self._maneuver: Maneuver | None = None
-        self._within_lane = True
-        self._returning = False
-        self._conflict: Conflict | None = None
-        self._stopping_for: set[str] = set()
-        self._followed_ids: set[str] = set()
-        self._was_on_route: dict[str, bool] = {}
-        self._status = Status.OK
+        self._clock = CycleClock()
+        self._command: Command | None = None
+        self._input_faults: tuple[str, ...] = ()
+        self._state = PlannerState()
 
     def __repr__(self) -> str:
-        action = self._decision.action.value
-        return f"Planner({self.road!r}, cruise_speed={self.cruise_speed:g}, {action} at t={self._clock.t:g})"
+        mode = self._state.mode.value
+        return f"Planner({self.road!r}, cruise_speed={self.cruise_speed:g}, {mode} at t={self._clock.t:g})"
 
     @property
     def cruise_speed(self) -> float:
@@ -139,23 +122,20 @@ class Planner:
             return
         self._cruise_speed = value
         stations, target = self._profile(value)
-        if self._s is not None and self._v_x > value:  # slow down in comfort from here
-            b, v = self.speed.b_comfort, self._v_x
-            begin = self._s + 0.5 * v * b / self.speed.jerk  # while the deceleration builds up
+        v, s = self._state.v, self._state.s
+        if s is not None and v > value:  # slow down in comfort from here
+            b = self._limits.b_comfort
+            begin = s + 0.5 * v * b / self.speed.jerk  # while the deceleration builds up
             ramp = v * v - 2.0 * b * (stations - begin)
             target = np.minimum(self._profile(v)[1], np.maximum(target, ramp))
         self._speed_profile = stations, target
 
     def _profile(self, cruise: float) -> tuple[Array, Array]:
         """Speed profile of the route for a cruise speed."""
-        max_speed = min(cruise, self.road.speed_limit)
-        curve_acceleration = self.evasion.actuation.curve_acceleration
-        return squared_speed_limit(self.road.path, max_speed, curve_acceleration, self.speed)
-
-    @property
-    def maneuver(self) -> Maneuver | None:
-        """The ongoing maneuver, None while the ego keeps its route."""
-        return self._maneuver
+        speed = replace(self.speed, b_comfort=self._limits.b_comfort)
+        return squared_speed_limit(
+            self.road.path, min(cruise, self.road.speed_limit), self._limits.curve, speed
+        )
 
     def step(
         self,
@@ -191,189 +171,228 @@ class Planner:
             are dropped with a reason; other wrong inputs are listed in `Command.input_faults`; an invalid
             state leads to a safe stop with `Status.INVALID_INPUT`.
         """
+        dt = 0.02
         try:
             dt, fault = self._clock.advance(t)
-            self._awareness_range, faults = usable_range(awareness_range, radio, remotes)
+            known, faults = usable_range(awareness_range, radio, remotes)
             self._input_faults = (*faults, fault) if fault else faults
             reason = invalid_state_reason(self._clock.now, state, self.evasion.decision.max_state_age)
             if not reason and self._clock.is_lost:
                 reason = f"no usable time for {self._clock.lost_time:.1f} s: {fault}"
             if reason:
-                return self._safe_stop(reason)
-            return self._cycle(dt, state, remotes)
+                return self._safe_stop(reason, dt)
+            sight, dropped = self._see(state, remotes, known)
+            if isinstance(sight, str):
+                return self._safe_stop(sight, dt)
+            if self._is_due(sight):
+                self._decide(sight)
+            return self._act(sight, state, dt, dropped)
         except Exception as error:  # no input and no defect may leave the vehicle without a command
             _LOG.exception("internal error at t = %.2f s", self._clock.t)
-            return self._safe_stop(f"internal error: {error!r}")
+            return self._safe_stop(f"internal error: {error!r}", dt)
 
-    def _cycle(self, dt: float, state: VehicleState, remotes: Iterable[RemoteVehicle]) -> Command:
-        path = self.road.path
-        s_guess = first_station(path, state) if self._s is None else self._s
-        s, d, heading, _ = path.foot_point(state.x, state.y, s_guess)
-        max_distance = self.evasion.decision.max_route_distance
-        if not abs(d) < max_distance:
-            return self._safe_stop(f"ego {abs(d):.1f} m off the route (limit {max_distance:.1f} m)")
+    def _see(
+        self, state: VehicleState, remotes: Iterable[RemoteVehicle], known: float
+    ) -> tuple[Sight | str, tuple[tuple[str, str], ...]]:
+        """Return the ego and the other vehicles on the route, or why the ego is not on it."""
+        path, settings = self.road.path, self.evasion.decision
+        guess = first_station(path, state) if self._state.s is None else self._state.s
+        s, d, heading, _ = path.foot_point(state.x, state.y, guess)
+        if not abs(d) < settings.max_route_distance:
+            return f"ego {abs(d):.1f} m off the route (limit {settings.max_route_distance:.1f} m)", ()
         if math.cos(state.psi - heading) < 0.0:
-            return self._safe_stop(f"ego heading {state.psi:.2f} rad, route {heading:.2f} rad (degrees?)")
-        self._s, self._v_x, (stations, squared) = s, max(state.v_x, 0.0), self._speed_profile
-        v_target = math.sqrt(max(_interpolated(len(stations), stations, squared, s), 0.0))
-        ego = FrenetEgo(
-            vehicle=self.vehicle, s=s + self.vehicle.box_offset, d=d, v_x=self._v_x,
-            v_target=v_target, speed=self.speed,
-        )  # fmt: skip
+            return f"ego heading {state.psi:.2f} rad, route {heading:.2f} rad (degrees?)", ()
         branches = None if self._branches is None else (self._branches, s)
         vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range, branches)
-        vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, self.evasion.decision)
+        vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, settings)
         dropped, self._input_faults = dropped + off_level, self._input_faults + faults
-        incomplete = [reason for _, reason in dropped if reason.startswith(INCOMPLETE)]
+        incomplete = tuple(reason for _, reason in dropped if reason.startswith(INCOMPLETE))
         if incomplete:
-            self._awareness_range, self._input_faults = 0.0, (*self._input_faults, *incomplete)
-        lead_settings = self.evasion.lead
-        in_lane = oncoming_assumed_in_lane(vehicles, self.vehicle, self._was_on_route, lead_settings)
-        blocking = blocking_vehicles(vehicles, ego, lead_settings, in_lane)
-        self._end_maneuver(ego)
-        lead = self._select_lead(blocking, ego)
-        if self._replan_due(self._clock.t, vehicles):
-            self._conflict = find_yield_conflict(
-                ego, self.road, vehicles, self.evasion.crossing, self._conflict
-            )
-            lead = self._select_lead(blocking, ego)
-            self._decide(ego, lead, blocking, vehicles)
-        if self._maneuver is not None and self._decision.action.is_evading:
-            kept = vehicles_on_maneuver(
-                self._maneuver, vehicles, ego, lead_settings, self._followed_ids,
-                degraded=self._status is not Status.OK,
-            )  # fmt: skip
-            lead = self._select_lead(kept, ego)
-        reference = path if self._maneuver is None else self._maneuver.reference
-        self._a_x = float(self._acceleration(ego, state.r, lead, vehicles, reference, dt))
-        delta = self._controller.steer(state, reference, dt, s_guess=s)
-        return self._emit(Command(
-            delta=delta, a_x=self._a_x, decision=self._decision, reference=reference, status=self._status,
-            band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,
-            input_faults=self._input_faults,
-        ))  # fmt: skip
+            known, self._input_faults = 0.0, self._input_faults + incomplete
+        angle = math.remainder(state.psi - heading, 2.0 * math.pi)
+        return Sight(
+            t=self._clock.t, s=s, d=d, angle=angle, v=max(state.v_x, 0.0), vehicles=tuple(vehicles),
+            awareness_range=min(known, self.evasion.awareness_range),
+        ), dropped  # fmt: skip
 
-    def _end_maneuver(self, ego: FrenetEgo) -> None:
-        """Note whether the body is still inside the ego lane; end a maneuver behind its window."""
-        if self._maneuver is not None:
-            half, lane, d = 0.5 * self.vehicle.width, self.road.ego_lane, ego.d
-            self._within_lane = self._within_lane and lane.right < d - half and d + half < lane.left
-            if ego.s_cg >= self._maneuver.end:
-                self._maneuver, self._returning = None, False
-                self._status = Status.OK
-                self._decision = Decision(action=Action.KEEP, reason="maneuver complete: back in ego lane")
-                self._t_decided = -math.inf
-        if not (self._decision.action.is_evading or self._returning):
-            self._status = Status.OK
-
-    def _replan_due(self, t: float, vehicles: list[FrenetVehicle]) -> bool:
+    def _is_due(self, sight: Sight) -> bool:
         """Whether to decide again: once a period, and at once when a vehicle or one of its events is new."""
-        events = frozenset((n.id, n.remote.events) for n in vehicles)
-        if t - self._t_decided < self.evasion.decision.period - 1e-6 and events == self._known_events:
+        state = self._state
+        seen = frozenset((n.id, n.remote.events) for n in sight.vehicles)
+        if sight.t - state.t_decided < self.evasion.decision.period - 1e-6 and seen == state.seen:
             return False
-        self._known_events, self._t_decided = events, t
+        self._state = replace(state, seen=seen, t_decided=sight.t)
         return True
 
-    def _select_lead(self, blocking: list[FrenetVehicle], ego: FrenetEgo) -> LeadVehicle | None:
-        """Return what demands most of the ego: a vehicle on the route, or the stop point of a conflict."""
-        lead = find_lead(blocking, ego, self.evasion.lead, self._stopping_for)
-        if self._conflict is None:
-            return lead
-        virtual = virtual_lead(self._conflict, ego, self.evasion.lead)
-        if lead is None or virtual.required_deceleration > lead.required_deceleration:
-            return virtual
-        return lead
+    def _decide(self, sight: Sight) -> None:
+        """Enumerate, certify and choose."""
+        state, settings, limits = self._state, self.evasion, self._limits
+        last = None if state.plan is None else state.plan
+        last_path = None if last is None or sight.s >= last.path.end else last.path
+        base = math.floor(sight.s) - BEHIND
+        lateral = lateral_state(
+            base, sight.s, sight.d, sight.angle, None if last is None else last.path, _ON_PATH
+        )
+        self._fill_route(base)
+        scene, traffic = place_vehicles(self._scenes, sight, self.road, settings, base)
+        vehicle, speed, certificate, lane = self.vehicle, self.speed, settings.certificate, self.road.ego_lane
+        scene.set(
+            n=BEHIND + AHEAD, lane_right=lane.right, lane_left=lane.left, s_0=sight.s - base, v_0=sight.v,
+            a_0=state.a_x, a_true=state.a_true, half_length=0.5 * vehicle.length,
+            half_width=0.5 * vehicle.width, offset=vehicle.box_offset, a_max=limits.a_max,
+            b_comfort=limits.b_comfort, b_max=limits.b_max, grip=limits.grip,
+            standstill_gap=speed.standstill_gap, time_gap=speed.time_gap, approach_rate=speed.approach_rate,
+            jerk=speed.jerk, jerk_emergency=speed.jerk_emergency, lag=certificate.lag,
+            blocking_gap=settings.lead.blocking_gap, look=certificate.look_time,
+            react=certificate.reaction_time,
+        )  # fmt: skip
+        around = Surroundings(
+            vehicle=vehicle, road=self.road, settings=settings, limits=limits, traffic=traffic, lateral=lateral,
+            s=sight.s, v=sight.v, free_s=TIMES, free_v=TIMES,
+        )  # fmt: skip
+        rollout = Rollout(scene, around)
+        homes = home_paths(around)
+        rows = [rollout.add_path(path, limits.a_y_max) for path in homes]
+        free = free_motion(rollout, homes[0], rows[0])
+        around = replace(around, free_s=free.s + base, free_v=free.v)
+        rollout.around = around
+        stops = find_stops(scene, around, rows[0])
+        kept = None if last is None else shifted(last.a, sight.t - last.t)
+        half = 0.5 * vehicle.width
+        inside = lane.right < sight.d - half and sight.d + half < lane.left
+        certifier = Certifier(scene, around, inside=inside, kept=kept)
+        plans: list[Plan] = []
+        free_terms = scene["terms"][free.row].copy()
 
-    def _decide(
-        self,
-        ego: FrenetEgo,
-        lead: LeadVehicle | None,
-        blocking: list[FrenetVehicle],
-        vehicles: list[FrenetVehicle],
+        def add(path: LateralPath, row: int, *, desperate: bool = False) -> None:
+            keeps = kept is not None and (path.is_last or last_path is None and not path.kind.is_swerve)
+            for profile in profiles(
+                path, len(stops), limits.b_comfort, limits.b_max, kept=keeps, desperate=desperate
+            ):
+                plan = rollout.add(path, row, profile, kept)
+                if plan is not None:
+                    assess(plan, scene["terms"], free_terms, around, last_path, state.a_x, self._cruise_speed)
+                    plans.append(plan)
+
+        for path, row in zip(homes, rows, strict=True):
+            add(path, row)
+        home_plans = [plan for plan in plans if plan.profile.name == "go"]
+        answer: list[bool] = []
+
+        def home() -> bool:
+            if not answer:
+                answer.append(any(certifier.can_brake(plan) for plan in home_plans))
+            return answer[0]
+
+        under_way = None
+        if last_path is not None and not lateral.is_lost and last_path.kind.value != "route":
+            path = replace(last_path, is_last=True)
+            add(path, rollout.add_path(path, limits.a_y_max))
+            if last_path.kind.is_swerve and sight.s >= last_path.begin:
+                under_way = last_path
+        v_target = math.sqrt(max(float(np.interp(sight.s, *self._speed_profile)), 0.0))
+        max_speed = v_target - settings.min_speed_advantage
+        best = choose(plans, certifier, around, home)
+        rejections = []
+        for levels in ((Level.COMFORT,), (Level.HARD, Level.NARROW)):
+            certified = best.grade <= Grade.FULL
+            if certified and (levels[0] is not Level.COMFORT or best.path.is_last and best.path.kind.is_swerve):
+                break
+            found, why = swerves(around, levels, under_way, max_speed, sight.awareness_range)
+            rejections += why
+            for path in found:
+                if not rollout.is_full:
+                    a_y = limits.a_y_limit if path.level is Level.COMFORT else limits.a_y_max
+                    add(path, rollout.add_path(path, a_y), desperate=path.level is not Level.COMFORT)
+            best = choose(plans, certifier, around, home)
+        rejections += [p.rejection for p in plans if p.rejection is not None and p.cost < best.cost]
+        self._commit(best, free, base, sight, certifier, stops, tuple(rejections))
+
+    def _fill_route(self, base: int) -> None:
+        """Put the stretch of the route around the ego into the scenes."""
+        grid = base + np.arange(float(BEHIND + AHEAD))
+        xy, first, second = self.road.path.derivatives(grid)
+        route = self._scenes.route
+        route["x"][:], route["y"][:] = xy[:, 0], xy[:, 1]
+        route["psi"][:] = np.unwrap(np.arctan2(first[:, 1], first[:, 0]))
+        cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+        route["kappa"][:] = cross / np.hypot(first[:, 0], first[:, 1]) ** 3
+        route["cap"][:] = np.interp(grid, *self._speed_profile)
+
+    def _commit(
+        self, best: Plan, free: Plan, base: int, sight: Sight, certifier: Certifier, stops: list, rejections: tuple
     ) -> None:
-        """Replan the ongoing maneuver, or choose whether to start one."""
-        if self._maneuver is not None:
-            if self._returning:
-                abort = self.evasion.abort
-                self._maneuver = delay_return(ego, self.road, self._maneuver, vehicles, abort)
-            else:
-                self._replan(ego, self._maneuver, lead, vehicles)
-            return
-        decision = self.evasion.decision
-        waiting = self._decision.action in (Action.FOLLOW, Action.BRAKE)
-        plans: Plans = {}, [], Status.OK
-        if (
-            lead is not None
-            and lead.kind != "crossing"
-            and lead.comfort_stop_deceleration > decision.comfort_deceleration
-            and (waiting or lead.follow_acceleration < -decision.follow_threshold)
-        ):
-            plans, self._followed_ids = plan_around_lead(
-                ego, self.road, lead, blocking, vehicles, self._levels, start_now=waiting,
-                awareness_range=self._awareness_range,
-            )  # fmt: skip
-        maneuvers, candidates, status = plans
-        self._decision = choose_action(
-            lead, candidates, previous=self._decision.action, follow_threshold=-decision.follow_threshold,
-            comfort_deceleration=decision.comfort_deceleration,
-        )  # fmt: skip
-        if self._decision.action.is_evading:
-            side = "left" if self._decision.action is Action.EVADE_LEFT else "right"
-            self._maneuver, self._within_lane, self._status = maneuvers[side], True, status
-        elif lead is not None and lead.comfort_stop_deceleration < math.inf:
-            self._stopping_for.add(lead.id)
+        """Make the best plan the one that is driven."""
+        state, last = self._state, self._state.plan
+        path = best.path
+        if path.is_last and last is not None:
+            path, reference = replace(last.path, is_last=False), last.reference
+        elif path.kind.value == "route":
+            reference = self.road.path
+        else:
+            reference = reference_of(path, self.road, sight.s)
+        ids = certifier.names
+        limited = "" if best.limited_by == -1 else "curve"
+        yields_to = ""
+        if best.limited_by >= 0:
+            limited = ids[best.limited_by]
+        elif best.limited_by <= -10:
+            yields_to = stops[-10 - best.limited_by].vehicle_id
+            limited = f"yield {yields_to}"
+        b = self._limits.b_max if best.grade >= Grade.FULL else max(best.braking, self._limits.b_comfort)
+        tail = certifier.tail(best, min(b, self._limits.b_max))
+        stop = safe_stop(reference, sight.s, tail[0] + base, tail[1], tail[2], self.vehicle)
+        self._state = replace(state, plan=DrivenPlan(
+            t=sight.t, path=path, reference=reference, profile=best.profile, s=best.s + base, v=best.v.copy(),
+            a=best.a.copy(), a_0=state.a_x, grade=best.grade, limited_by=limited, yields_to=yields_to,
+            free_a=float(free.a[3]), safe_stop=stop, rejections=rejections, braking=best.braking,
+            costs=best.costs, impact_id=best.impact_id,
+        ))  # fmt: skip
 
-    def _replan(
-        self, ego: FrenetEgo, maneuver: Maneuver, lead: LeadVehicle | None, vehicles: list[FrenetVehicle]
-    ) -> None:
-        """Replan, cancel or abort the ongoing maneuver."""
-        vehicles = [n for n in vehicles if n.id not in self._followed_ids]
-        overtaken = [
-            n for n in vehicles if blocks_offset(n, 0.0, ego, self.evasion.lead) and n.front > maneuver.start
-        ]
-        if not overtaken:
-            return
-        need = 0.0 if lead is None else lead.required_deceleration
-        result = replan(
-            ego, self.road, maneuver, sorted(overtaken, key=lambda n: n.s), excluding(vehicles, overtaken),
-            self._levels, within_lane=self._within_lane, awareness_range=self._awareness_range,
-            following_feasible=need < self.evasion.replan.cancel_brake_fraction * self.speed.b_max,
-        )  # fmt: skip
-        self._maneuver, self._status = result.maneuver, result.status
-        if result.outcome is not Outcome.CONTINUED:
-            self._decision = explained(Action.FOLLOW, result.outcome.value, str(result.rejection))
-            self._returning = result.maneuver is not None
-
-    def _acceleration(
-        self,
-        ego: FrenetEgo,
-        yaw_rate: float,
-        lead: LeadVehicle | None,
-        vehicles: list[FrenetVehicle],
-        reference: Path,
-        dt: float,
-    ) -> float:
-        """Acceleration for the action, within the limits of the return, friction and jerk."""
-        cruise = profile_acceleration(ego.s_cg, ego.v_x, self._speed_profile, self.speed)
-        if self._returning:
-            abort = self.evasion.abort
-            cruise = min(cruise, -return_deceleration(reference, ego.s_cg, ego.v_x, abort))
-            if vehicle_alongside(ego, self.road, vehicles, abort):
-                cruise = min(cruise, 0.0)
-        requested = requested_acceleration(cruise, self._decision.action, lead, self.speed, self.evasion)
-        return limit_acceleration(
-            requested, self._a_x, ego.v_x * yaw_rate, dt, lead, self.vehicle, self.speed, self.evasion,
-            maneuvering=self._maneuver is not None,
-        )  # fmt: skip
-
-    def _safe_stop(self, reason: str) -> Command:
-        """Hold the steering and brake."""
-        last, self._a_x = self._command, min(self._a_x, 0.0)  # the brakes are released as they were applied
+    def _act(
+        self, sight: Sight, state: VehicleState, dt: float, dropped: tuple[tuple[str, str], ...]
+    ) -> Command:
+        """Follow the plan and explain it."""
+        plan = self._state.plan
+        assert plan is not None
+        a_x = planned_acceleration(
+            plan, sight.t + dt, sight.v, state.v_x * state.r, self._limits, self.vehicle.mu
+        )
+        delta = self._controller.steer(state, plan.reference, dt, s_guess=sight.s)
+        wish = modes.wished_mode(plan, self._state.mode, sight.s, a_x)
+        lag = 1.0 - math.exp(-dt / self.evasion.certificate.lag)
+        a_true = self._state.a_true + (a_x - self._state.a_true) * lag
+        self._state = modes.advance(
+            self._state, sight.t, wish, s=sight.s, v=sight.v, a_x=a_x, a_true=a_true, delta=delta, estimate=state
+        )
+        mode = self._state.mode
+        decision = explain(mode, plan, sight, a_x, self.vehicle, self._speed_profile)
+        degraded = plan.grade >= Grade.NOMINAL or plan.path.level is not Level.COMFORT
         return self._emit(Command(
-            delta=0.0 if last is None else last.delta, band=None, reference=self.road.path,
-            a_x=-self.evasion.actuation.safe_stop_deceleration, status=Status.INVALID_INPUT,
-            decision=Decision(action=Action.BRAKE, reason=f"safe stop: {reason}"),
-            input_faults=self._input_faults,
+            delta=delta, a_x=a_x, decision=decision, reference=plan.reference,
+            status=Status.DEGRADED if degraded else Status.OK, band=plan.path.band, dropped=dropped,
+            input_faults=self._input_faults, mode=mode, safe_stop=plan.safe_stop,
+        ))  # fmt: skip
+
+    def _safe_stop(self, reason: str, dt: float) -> Command:
+        """Brake along the last plan, on a dead-reckoned state; hold the steering if there is no plan."""
+        state = self._state
+        a_x, delta = -self.evasion.actuation.safe_stop_deceleration, state.delta
+        reference, plan, estimate = self.road.path, state.plan, state.estimate
+        a_x = max(a_x, -self._limits.b_max)
+        if plan is not None and estimate is not None and "internal" not in reason:
+            estimate = dead_reckon(estimate, state.delta, state.a_x, dt, self.vehicle)
+            reference = plan.reference
+            delta = self._controller.steer(estimate, reference, dt)
+        self._state = modes.advance(
+            state, self._clock.t, Mode.SAFE_STOP, a_x=a_x, a_true=a_x, delta=delta, estimate=estimate,
+            t_decided=-math.inf,
+        )  # fmt: skip
+        return self._emit(Command(
+            delta=delta, a_x=a_x, band=None, reference=reference, status=Status.INVALID_INPUT,
+            decision=Decision(action=modes.ACTIONS[Mode.SAFE_STOP], reason=f"safe stop: {reason}"),
+            input_faults=self._input_faults, mode=Mode.SAFE_STOP,
+            safe_stop=None if plan is None else plan.safe_stop,
         ))  # fmt: skip
 
     def _emit(self, command: Command) -> Command:

@@ -10,6 +10,7 @@ from cca_core.planner.tuning import (
     YieldSettings,
     check_fields,
 )
+from cca_core.planner.weights import CertificateSettings, CostSettings
 from cca_core.vehicle import STALE_AGE
 
 
@@ -62,6 +63,10 @@ class EvasionSettings:
         Return before the maneuver is complete.
     actuation : ActuationSettings
         Use of the tires.
+    certificate : CertificateSettings
+        What a plan must keep to be certified.
+    cost : CostSettings
+        What the terms of the cost weigh.
 
     Raises
     ------
@@ -89,6 +94,8 @@ class EvasionSettings:
     replan: ReplanSettings = field(default_factory=ReplanSettings)
     abort: AbortSettings = field(default_factory=AbortSettings)
     actuation: ActuationSettings = field(default_factory=ActuationSettings)
+    certificate: CertificateSettings = field(default_factory=CertificateSettings)
+    cost: CostSettings = field(default_factory=CostSettings)
 
     def __post_init__(self) -> None:
         positive = ("lateral_acceleration", "lateral_acceleration_limit")

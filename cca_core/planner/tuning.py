@@ -158,6 +158,8 @@ class YieldSettings:
         Time until the brakes act [s].
     min_braking : float
         Deceleration that remains where cornering takes all of the grip [m/s^2].
+    assumed_braking, assumed_acceleration : float
+        Assumed maximum deceleration and acceleration of crossing vehicles [m/s^2].
 
     Raises
     ------
@@ -171,6 +173,8 @@ class YieldSettings:
     sufficient_gap: float = 0.5
     brake_delay: float = 0.3
     min_braking: float = 1.0
+    assumed_braking: float = 2.0
+    assumed_acceleration: float = 2.0
 
     def __post_init__(self) -> None:
         check_fields(self, positive=("horizon", "min_braking"))

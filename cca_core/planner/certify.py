@@ -1,0 +1,167 @@
+"""Certificates: what a plan keeps against the nominal motion and the worst case of others."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from cca_core.decide import Rejection, RejectionKind
+from cca_core.planner.occupancy import TIMES
+from cca_core.planner.paths import Surroundings
+from cca_core.planner.records import Grade, Level, Plan
+from cca_core.planner.scene import N_ROWS, Scene
+
+_TAIL = N_ROWS - 1  # row of the braking tail
+_BISECTIONS = 3
+_GRIP_SHARE = 0.95  # of all tires that a path may use [-]
+
+
+class Certifier:
+    """Certificates of the plans of one decision."""
+
+    def __init__(self, scene: Scene, around: Surroundings, *, inside: bool, kept: object = None) -> None:
+        self._scene, self._around, self._inside = scene, around, inside
+        self._settings = around.settings.certificate
+        self._kept = kept
+        self.count = 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Ids of the vehicles by row."""
+        return self._around.traffic.ids
+
+    def certify(self, plan: Plan, home: Callable[[], bool]) -> None:
+        """Grade a plan."""
+        self.count += 1
+        around, scene, settings = self._around, self._scene, self._settings
+        is_kept = plan.profile.kept or plan.path.is_last
+        touch = settings.touch_kept if is_kept else settings.touch
+        clearance = settings.clearance_kept if is_kept else max(plan.path.clearance - 0.15, 0.2)
+        plan.grade, plan.rejection, plan.is_certified = Grade.SEVERITY, None, True
+        scene.call("nominal", plan.row, plan.path_row, touch, min(clearance, plan.path.clearance), settings.duty_delay)
+        plan.gap = scene.get("gap")
+        which, when = scene.get("which"), scene.get("when")
+        if scene.get("least") < 0.0:
+            if plan.gap < 0.0:
+                plan.severity = 1.0 + scene.get("impact") ** 2 - 0.5 * float(TIMES[min(when, len(TIMES) - 1)])
+                plan.t_impact = float(TIMES[min(when, len(TIMES) - 1)])
+            else:
+                plan.severity = -scene.get("least")
+            plan.impact_id = self._name(which)
+            return
+        if plan.peak > _GRIP_SHARE * around.limits.grip:
+            plan.severity = 0.5 + plan.peak - around.limits.grip
+            return
+        lane, half = around.road.ego_lane, 0.5 * around.vehicle.width
+        end = float(plan.d[-1])
+        if not lane.right < end - half < end + half < lane.left:
+            plan.grade = Grade.NOMINAL
+            return
+        out = (plan.d + half > lane.left + 0.01) | (plan.d - half < lane.right - 0.01)
+        if out.any() and plan.path.kind.is_swerve:
+            self._certify_swerve(plan, out, touch, clearance, home)
+        else:
+            plan.braking = self._needed_braking(plan, settings.reaction_time, touch, clearance)
+            self._grade_by_braking(plan, out_now=bool(out[0]))
+
+    def can_brake(self, plan: Plan) -> bool:
+        """Return whether braking fully on a path is safe in the worst case."""
+        return self._tail_is_safe(plan, self._settings.reaction_time, self._around.limits.b_max, 0.0, 0.0)
+
+    def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
+        limits = self._around.limits
+        k = int(np.searchsorted(TIMES, self._settings.reaction_time))
+        if plan.braking <= self._settings.comfortable_braking:
+            plan.grade = Grade.COMFORTABLE
+        elif plan.braking <= limits.b_max:
+            plan.grade = Grade.FULL
+        elif plan.a[k] <= -limits.b_comfort + 0.05 and not plan.path.kind.is_swerve and not out_now:
+            plan.grade, plan.braking = Grade.FULL, limits.b_max  # the proper response
+        else:
+            plan.grade = Grade.NOMINAL
+
+    def _certify_swerve(
+        self, plan: Plan, out: object, touch: float, clearance: float, home: Callable[[], bool]
+    ) -> None:
+        """Certify a plan that leaves its lane: gap acceptance, then a safe end behind the next vehicle."""
+        around, scene, settings = self._around, self._scene, self._settings
+        steps = np.flatnonzero(out)
+        back = float(TIMES[min(int(steps[-1]) + 1, len(TIMES) - 1)])
+        react = max(back, settings.reaction_time)
+        x_safety = around.settings.x_safety * (0.5 if plan.path.is_last else 1.0)
+        if self._inside:
+            if not self._tail_is_safe(plan, react, around.limits.b_max, touch, clearance, x_safety, 1):
+                plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan)
+                return
+            if scene.call("worst", plan.row, plan.path_row, touch, clearance, settings.duty_delay, 0.0, 2) or home():
+                plan.grade, plan.braking = Grade.COMFORTABLE, settings.comfortable_braking
+            else:
+                plan.grade = Grade.NOMINAL
+        elif self._tail_is_safe(plan, react, around.limits.b_max, touch, clearance) or home():
+            plan.grade, plan.braking = Grade.COMFORTABLE, settings.comfortable_braking
+        else:
+            plan.grade = Grade.NOMINAL
+        if plan.path.level is not Level.COMFORT and plan.grade is Grade.COMFORTABLE:
+            plan.grade = Grade.FULL
+
+    def _needed_braking(self, plan: Plan, react: float, touch: float, clearance: float) -> float:
+        """Return the least deceleration of a tail that is safe in the worst case; infinite if none is."""
+        scene, settings = self._scene, self._settings
+        if scene.call("worst", plan.row, plan.path_row, touch, clearance, settings.duty_delay, 0.0, 0):
+            return 0.0
+        high = self._around.limits.b_max
+        if not self._tail_is_safe(plan, react, high, touch, clearance):
+            return math.inf
+        low = min(settings.comfortable_braking, 0.5 * high)
+        if self._tail_is_safe(plan, react, low, touch, clearance):
+            return low
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            if self._tail_is_safe(plan, react, middle, touch, clearance):
+                high = middle
+            else:
+                low = middle
+        return high
+
+    def _tail_is_safe(
+        self, plan: Plan, react: float, braking: float, touch: float, clearance: float, x_safety: float = 0.0,
+        which: int = 0,
+    ) -> bool:  # fmt: skip
+        """Return whether the plan with a braking tail is safe in the worst case."""
+        scene, profile = self._scene, plan.profile
+        if profile.kept:
+            scene["a"][_TAIL] = self._kept
+        scene.set(react=react)
+        scene.call(
+            "roll", _TAIL, plan.path_row, profile.follows, profile.yields, profile.braking, braking, profile.kept
+        )
+        return bool(
+            scene.call("worst", _TAIL, plan.path_row, touch, clearance, self._settings.duty_delay, x_safety, which)
+        )
+
+    def tail(self, plan: Plan, braking: float) -> tuple[object, object, object]:
+        """Return stations, speeds and accelerations of a plan's braking tail."""
+        scene = self._scene
+        self._tail_is_safe(plan, self._settings.reaction_time, braking, 0.0, 0.0)
+        return scene["s"][_TAIL].copy(), scene["v"][_TAIL].copy(), scene["a"][_TAIL].copy()
+
+    def _name(self, j: int) -> str:
+        ids = self._around.traffic.ids
+        return ids[j] if 0 <= j < len(ids) else ""
+
+    def _lane_rejection(self, plan: Plan) -> Rejection:
+        """Rejection of a gap because of the vehicle that decides."""
+        around, side = self._around, plan.path.kind.value
+        j = self._scene.get("which")
+        if j >= len(around.traffic.ids):
+            known = around.settings.awareness_range
+            return Rejection(
+                kind=RejectionKind.BEYOND_AWARENESS, side=side, value=around.road.speed_limit, limit=known
+            )
+        n = around.traffic.vehicles[j]
+        ahead = n.rear - around.s - around.vehicle.front
+        behind = around.s + around.vehicle.rear - n.front
+        distance = ahead if ahead > 0.0 else -max(behind, 0.0)
+        return Rejection(
+            kind=RejectionKind.LANE_BLOCKED, side=side, vehicle_id=n.id, distance=distance, value=abs(n.v_s)
+        )

@@ -1,0 +1,70 @@
+"""Choice: the cost of plans, and the best of those with the best grade."""
+
+from collections.abc import Callable, Sequence
+
+from cca_core._checks import Array
+from cca_core.planner.certify import Certifier
+from cca_core.planner.paths import Surroundings
+from cca_core.planner.records import Costs, Grade, LateralPath, Level, PathKind, Plan
+
+_TERMS = {"a_x": 0, "a_y": 1, "outside": 3, "s": 5, "v": 6, "d_end": 7}  # columns of the scene's terms
+_SHARE_OF_KEPT = 0.3  # of the cost of a change that remains for a return
+
+
+def assess(
+    plan: Plan, terms: Array, free: Array, around: Surroundings, last: LateralPath | None, a_0: float, cruise: float
+) -> None:
+    """Set the cost of a plan, but for its safe end."""
+    weights = around.settings.cost
+    row = terms[plan.row]
+    v_ref = max(cruise, 3.0)
+    lost = max(free[_TERMS["s"]] - row[_TERMS["s"]], -5.0) / v_ref
+    slow = max(free[_TERMS["v"]] - row[_TERMS["v"]], 0.0) / v_ref
+    path, was = plan.path, PathKind.ROUTE if last is None else last.kind
+    change = 0.0
+    if path.kind is not was and not (was is PathKind.ROUTE and path.kind is PathKind.RETURN):
+        change = weights.abort if path.kind is PathKind.RETURN else weights.change
+    elif not path.is_last and path.kind is not PathKind.ROUTE and was is not PathKind.ROUTE:
+        change = weights.replan
+    if path.level is Level.HARD and not path.is_last:
+        change += weights.hard
+    if path.level is Level.NARROW and not path.is_last:
+        change += weights.narrow
+    if path.kind is PathKind.RIGHT and row[_TERMS["outside"]] > 0.0:
+        change += weights.right
+    lane, half = around.road.ego_lane, 0.5 * around.vehicle.width
+    end = row[_TERMS["d_end"]]
+    if not lane.right < end - half < end + half < lane.left:
+        change += weights.astray
+    plan.costs = Costs(
+        progress=weights.progress * lost, speed=weights.speed * slow,
+        comfort=weights.a_x * row[_TERMS["a_x"]]
+        + weights.change_of_acceleration * float(plan.a[1] - a_0) ** 2 + 0.01 * plan.profile.braking,
+        lateral=weights.a_y * row[_TERMS["a_y"]], outside=weights.outside * row[_TERMS["outside"]], change=change,
+    )  # fmt: skip
+
+
+def choose(
+    plans: Sequence[Plan], certifier: Certifier, around: Surroundings, home: Callable[[], bool]
+) -> Plan:
+    """Return the plan of the best grade with the least cost; plans are certified in the order of their cost."""
+    best: Plan | None = None
+    settings, limits = around.settings, around.limits
+    soft = settings.certificate.comfortable_braking
+    for plan in sorted(plans, key=lambda p: p.cost):
+        if best is not None and best.grade <= Grade.FULL and plan.cost >= best.cost:
+            break
+        if not plan.is_certified:
+            certifier.certify(plan, home)
+        if plan.grade <= Grade.FULL and plan.braking > soft:
+            excess = (plan.braking - soft) / max(limits.b_max - soft, 0.1)
+            plan.costs = plan.costs._replace(safe_end=settings.cost.safe_end * excess * excess)
+        if best is None or _key(plan) < _key(best):
+            best = plan
+    assert best is not None
+    return best
+
+
+def _key(plan: Plan) -> tuple[float, float, float]:
+    severity = round(plan.severity, 1) if plan.grade is Grade.SEVERITY else 0.0
+    return plan.grade.tier, severity, plan.cost

@@ -1,0 +1,59 @@
+"""Modes: the label of the driven plan, and the only writer of the planner's state."""
+
+from dataclasses import replace
+from typing import Any
+
+from cca_core.decide import Action
+from cca_core.planner.records import DrivenPlan, Mode, PathKind, PlannerState
+
+ACTIONS = {
+    Mode.KEEP: Action.KEEP, Mode.FOLLOW: Action.FOLLOW, Mode.EVADE_LEFT: Action.EVADE_LEFT,
+    Mode.EVADE_RIGHT: Action.EVADE_RIGHT, Mode.RETURN: Action.FOLLOW, Mode.BRAKE: Action.BRAKE,
+    Mode.SAFE_STOP: Action.BRAKE,
+}  # fmt: skip
+"""Action of `Decision` for each mode."""
+
+_CALM = (Mode.KEEP, Mode.FOLLOW, Mode.BRAKE)
+_DWELL = {
+    (Mode.KEEP, Mode.FOLLOW): 0.2, (Mode.FOLLOW, Mode.KEEP): 0.6, (Mode.BRAKE, Mode.FOLLOW): 0.4,
+    (Mode.BRAKE, Mode.KEEP): 0.4, (Mode.FOLLOW, Mode.BRAKE): 0.0, (Mode.KEEP, Mode.BRAKE): 0.0,
+}  # fmt: skip
+"""Time for which another mode must be wished for before it is shown [s]; others change at once."""
+
+_BRAKE_THRESHOLD = 4.0  # deceleration above which the ego brakes, not follows [m/s^2]
+_RELEASE_FRACTION = 0.7  # of it, below which braking ends
+_LIMITED = 0.3  # acceleration lost to a vehicle that makes the ego follow [m/s^2]
+
+
+def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float) -> Mode:
+    """Return the mode that a plan means at a station."""
+    path = plan.path
+    if path.kind.is_swerve and path.begin <= s < path.end:
+        return Mode.EVADE_LEFT if path.kind is PathKind.LEFT else Mode.EVADE_RIGHT
+    if path.kind is PathKind.RETURN and s < path.end:
+        return Mode.RETURN
+    a = min(a_x, float(plan.a[3]))
+    threshold = _BRAKE_THRESHOLD * (_RELEASE_FRACTION if mode is Mode.BRAKE else 1.0)
+    if plan.limited_by not in ("", "curve") or plan.yields_to or plan.profile.braking:
+        if a < -threshold:
+            return Mode.BRAKE
+        if plan.free_a - a > _LIMITED or a < -_LIMITED:
+            return Mode.FOLLOW
+    return Mode.KEEP
+
+
+def advance(state: PlannerState, t: float, wish: Mode, **changes: Any) -> PlannerState:
+    """Return the state of the next cycle."""
+    mode, t_wish = state.mode, state.t_wish
+    if wish is mode:
+        t_wish = t
+    elif mode in _CALM and wish in _CALM:
+        since = t_wish if state.wish is not mode else t
+        dwell = _DWELL.get((mode, wish), 0.0)
+        if t - since >= dwell - 1e-9:
+            mode, t_wish = wish, t
+        else:
+            t_wish = since
+    else:
+        mode, t_wish = wish, t
+    return replace(state, mode=mode, wish=wish, t_wish=t_wish, **changes)

@@ -1,0 +1,283 @@
+"""Occupancy: where other vehicles are over time, nominally and in the worst case."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.frenet import CROSSING_SINE, FrenetVehicle
+from cca_core.path import Lane, Road
+from cca_core.planner.records import Sight
+from cca_core.planner.scene import Scene
+from cca_core.planner.settings import EvasionSettings
+from cca_core.predict import predict_ctra, reachable_interval
+from cca_core.vehicle import STANDSTILL_SPEED
+
+TIMES = np.concatenate((np.arange(40) * 0.1, 4.0 + 0.2 * np.arange(81)))
+"""Times from now at which vehicles are compared [s]: finer at first, 20 s in all."""
+
+N_STOPS = 6
+"""Crossing vehicles that the ego can yield to at once."""
+
+_BEHIND, _AHEAD = 200.0, 700.0  # part of the route around the ego in which vehicles are relevant [m]
+_NO_ACCELERATION = 0.5  # a smaller reported acceleration is noise [m/s^2]
+_HARD_BRAKING = 4.0  # least deceleration of a vehicle that reports hard braking [m/s^2]
+_GONE = 1e6  # station of a vehicle that is nominally not there [m]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Traffic:
+    """The other vehicles of a decision, in the order of the scene; assumed ones have no record."""
+
+    vehicles: tuple[FrenetVehicle, ...]
+    ids: tuple[str, ...]
+    crosses: Array  # bool
+    s: Array  # nominal stations (m, steps), absolute
+    v: Array
+    d: Array
+    half_l: Array  # (m,)
+    half_w: Array
+    low: Array  # worst case (m, steps), absolute
+    high: Array
+
+    def index(self, vehicle_id: str) -> int:
+        """Return the row of a vehicle, -1 if it is not there."""
+        return self.ids.index(vehicle_id) if vehicle_id in self.ids else -1
+
+
+def relevant_vehicles(sight: Sight, settings: EvasionSettings) -> list[FrenetVehicle]:
+    """Return the vehicles near the ego's part of the route."""
+    near = []
+    for n in sight.vehicles:
+        if is_crossing(n):
+            if abs(n.d) <= settings.crossing.range and abs(n.s - sight.s) < settings.crossing.range:
+                near.append(n)
+        elif n.front > sight.s - _BEHIND and n.rear < sight.s + _AHEAD:
+            near.append(n)
+    return near
+
+
+def is_crossing(n: FrenetVehicle) -> bool:
+    """Return whether a vehicle moves across the route."""
+    return abs(math.sin(n.angle)) > CROSSING_SINE and abs(n.remote.v_x) > STANDSTILL_SPEED
+
+
+def place_vehicles(
+    scene_of: "SceneFactory", sight: Sight, road: Road, settings: EvasionSettings, base: int
+) -> tuple[Scene, Traffic]:
+    """Predict the vehicles and put them into a scene."""
+    vehicles = relevant_vehicles(sight, settings)
+    phantoms = _assumed_vehicles(sight, road, settings)
+    n_real, m = len(vehicles), len(vehicles) + len(phantoms)
+    scene = scene_of(m)
+    steps = len(TIMES)
+    s, v, d = np.full((m, steps), _GONE), np.zeros((m, steps)), np.zeros((m, steps))
+    low, high, right, left = (np.full((m, steps), value) for value in (_GONE, _GONE, 0.0, 0.0))
+    half_l, half_w = np.ones(m), np.ones(m)
+    crosses, stands, adjacent, assumed = np.zeros((4, m), dtype=np.int32)
+    lane = road.ego_lane
+    for j, n in enumerate(vehicles):
+        kappa = float(scene["kappa"][min(max(int(n.s) - base, 0), len(scene["kappa"]) - 1)])
+        likely = n.nominal() if n.is_stale else n
+        extent = _extent(likely, kappa)
+        half_l[j], half_w[j] = 0.5 * (extent[1] - extent[0]), 0.5 * (extent[3] - extent[2])
+        shift_s, shift_d = 0.5 * (extent[0] + extent[1]), 0.5 * (extent[2] + extent[3])
+        crosses[j] = is_crossing(n)
+        if crosses[j]:
+            _place_crossing(scene, j, n, settings)
+            half_l[j], half_w[j] = (
+                0.5 * n.remote.length + 2.0 * likely.remote.sigma_along,
+                0.5 * n.remote.width + 2.0 * likely.remote.sigma_across,
+            )
+            s[j], v[j], d[j] = n.s, abs(n.remote.v_x), n.d
+            continue
+        distance, speed = _travel(likely, settings, road.speed_limit)
+        sign = math.copysign(1.0, n.v_s)
+        s[j], v[j] = n.s + shift_s + sign * distance, sign * speed
+        d[j] = n.d + shift_d + _lateral_motion(n, road, settings)
+        whole = _extent(n, kappa)
+        low[j], high[j] = _reach(n, settings, road.speed_limit)
+        low[j] += n.s + whole[0]
+        high[j] += n.s + whole[1]
+        across = d[j] - d[j, 0]
+        right[j] = n.d + whole[2] + np.minimum(across, 0.0)
+        left[j] = n.d + whole[3] + np.maximum(across, 0.0)
+        adjacent[j] = n.d + n.half_width > lane.left + settings.lane_entry_tolerance or (
+            n.d - n.half_width < lane.right - settings.lane_entry_tolerance
+        )
+    for j, (rear, speed, other) in enumerate(phantoms, start=n_real):
+        low[j] = high[j] = rear + speed * TIMES
+        right[j], left[j] = other.d - 0.9, other.d + 0.9
+        adjacent[j] = assumed[j] = 1
+    follow = _in_order(s, d, v, half_l, half_w, crosses)
+    v_follow = np.gradient(follow, TIMES, axis=1) if m else v
+    stands[:] = np.abs(v_follow[:, -1]) < STANDSTILL_SPEED
+    for name, values in (
+        ("s_o", s - base), ("v_o", v), ("d_o", d), ("s_follow", follow - base), ("v_follow", v_follow), ("half_l", half_l),
+        ("half_w", half_w), ("low", low - base), ("high", high - base), ("right", right), ("left", left),
+        ("crosses", crosses), ("stands", stands), ("adjacent", adjacent), ("assumed", assumed),
+    ):  # fmt: skip
+        if m:
+            scene[name][...] = values
+    traffic = Traffic(
+        vehicles=tuple(vehicles), ids=tuple(n.id for n in vehicles), crosses=crosses.astype(bool), s=s, v=v,
+        d=d, half_l=half_l, half_w=half_w, low=low, high=high,
+    )  # fmt: skip
+    return scene, traffic
+
+
+class SceneFactory:
+    """Scenes by number of vehicles, made once each."""
+
+    def __init__(self, n: int, paths: int, rows: int) -> None:
+        self._sizes = {"n": n, "paths": paths, "rows": rows, "steps": len(TIMES)}
+        self._route: dict[str, Array] = {
+            name: np.zeros(n) for name in ("x", "y", "psi", "kappa", "cap")
+        }
+        self._scenes: dict[int, Scene] = {}
+
+    def __call__(self, m: int) -> Scene:
+        if m not in self._scenes:
+            scene = self._scenes[m] = Scene(m=m, **self._sizes)
+            scene["t"][:] = TIMES
+            for name, row in self._route.items():
+                scene.lend(name, row)
+        return self._scenes[m]
+
+    @property
+    def route(self) -> dict[str, Array]:
+        """Rows of the route, which all scenes share."""
+        return self._route
+
+
+def _extent(n: FrenetVehicle, kappa: float) -> tuple[float, float, float, float]:
+    """Body around the foot point in route coordinates: rear, front, right, left [m]; by its corners."""
+    along, across = 0.5 * n.remote.length, 0.5 * n.remote.width
+    cos, sin = math.cos(n.angle), math.sin(n.angle)
+    if abs(kappa) * along * along < 0.02:
+        half_s, half_d = along * abs(cos) + across * abs(sin), along * abs(sin) + across * abs(cos)
+        rear, front, right, left = -half_s, half_s, -half_d, half_d
+    else:
+        s_d = []
+        for a in (-along, 0.0, along):
+            for b in (-across, across):
+                dx, y = a * cos - b * sin, n.d + a * sin + b * cos
+                toward = 1.0 / kappa - y
+                turn = math.copysign(1.0, kappa)
+                phi = math.atan2(dx * turn, toward * turn)
+                s_d.append((phi / abs(kappa), 1.0 / kappa - turn * math.hypot(dx, toward) - n.d))
+        rear, front = min(p[0] for p in s_d), max(p[0] for p in s_d)
+        right, left = min(p[1] for p in s_d), max(p[1] for p in s_d)
+    sigma_s, sigma_d = n.remote.sigma_along, n.remote.sigma_across
+    more_s = 2.0 * (sigma_s * abs(cos) + sigma_d * abs(sin))
+    more_d = 2.0 * (sigma_s * abs(sin) + sigma_d * abs(cos))
+    return rear - more_s, front + more_s, right - more_d, left + more_d
+
+
+def _travel(n: FrenetVehicle, settings: EvasionSettings, limit: float) -> tuple[Array, Array]:
+    """Nominal distance and speed along the route, without sign; reports are believed for a bounded time."""
+    v, a = abs(n.v_s), n.speed_rate
+    if "hard_braking" in n.remote.events:
+        a = min(a, -_HARD_BRAKING)
+    if abs(a) < _NO_ACCELERATION or settings.assumed_braking == settings.assumed_acceleration == 0.0 and a > 0.0:
+        return v * TIMES, np.full(len(TIMES), v)
+    certificate = settings.certificate
+    if a < 0.0:
+        until = min(certificate.braking_time, v / -a)
+    else:
+        until = min(certificate.acceleration_time, max(limit - v, 0.0) / a)
+    changing = np.minimum(TIMES, until)
+    speed = v + a * changing
+    return v * changing + 0.5 * a * changing**2 + speed * (TIMES - changing), np.maximum(speed, 0.0)
+
+
+def _lateral_motion(n: FrenetVehicle, road: Road, settings: EvasionSettings) -> Array:
+    """Nominal lateral motion: a vehicle that moves sideways does so up to the middle of the next lane."""
+    v_d = n.remote.v_x * math.sin(n.angle)
+    if abs(v_d) < settings.certificate.side_speed or abs(n.v_s) < 1.0:
+        return np.zeros(len(TIMES))
+    side = math.copysign(1.0, v_d)
+    ahead = [(lane.d - n.d) * side for lane in road.lanes if (lane.d - n.d) * side > 0.2]
+    distance = min(ahead) if ahead else 1.5 * abs(v_d)
+    return side * np.minimum(abs(v_d) * TIMES, distance)
+
+
+def _reach(n: FrenetVehicle, settings: EvasionSettings, limit: float) -> tuple[Array, Array]:
+    """Worst-case displacements along the route, least and largest."""
+    braking, acceleration = settings.assumed_braking, settings.assumed_acceleration
+    v, a_s = n.v_s, n.speed_rate
+    if braking == acceleration == 0.0:
+        distance, _ = _travel(n, settings, limit)
+        low = high = math.copysign(1.0, v) * distance
+        return low, high
+    low, high = reachable_interval(
+        v, TIMES, braking=max(braking, -a_s), acceleration=max(acceleration, a_s), age=n.remote.age, a_reported=a_s
+    )
+    most = max(limit, abs(v) + 0.5) * np.diff(TIMES)
+    high = high[0] + np.concatenate(([0.0], np.cumsum(np.minimum(np.diff(high), most))))
+    low = low[0] + np.concatenate(([0.0], np.cumsum(np.maximum(np.diff(low), -most))))
+    if abs(v) < STANDSTILL_SPEED:  # what stands does not reverse
+        if math.cos(n.angle) > 0.0:
+            low = np.maximum(low, low[0])
+        else:
+            high = np.minimum(high, high[0])
+    return low, high
+
+
+def _place_crossing(scene: Scene, j: int, n: FrenetVehicle, settings: EvasionSettings) -> None:
+    """Nominal and worst-case motion of a vehicle in the plane."""
+    remote = n.remote
+    told = replace(remote, a_x=0.0) if remote.a_x * remote.v_x > -_NO_ACCELERATION else remote
+    x, y, psi = predict_ctra(told, TIMES)
+    for name, values in (("x_o", x), ("y_o", y), ("psi_o", psi)):
+        scene[name][j] = values
+    crossing, pet = settings.crossing, settings.certificate.pet
+    v, sign = abs(remote.v_x), math.copysign(1.0, remote.v_x)
+    free = settings.assumed_braking == settings.assumed_acceleration == 0.0
+    bounds = {
+        "braking": 0.0 if free else crossing.assumed_braking,
+        "acceleration": 0.0 if free else crossing.assumed_acceleration, "age": remote.age,
+    }  # fmt: skip
+    low, _ = reachable_interval(v, np.maximum(TIMES - pet, 0.0), **bounds)
+    _, high = reachable_interval(v, TIMES + pet, **bounds)
+    middle = 0.5 * (low + high)
+    kappa = remote.r / remote.v_x if abs(remote.v_x) > STANDSTILL_SPEED else 0.0
+    turn = np.clip(kappa * middle * sign, -0.5 * math.pi, 0.5 * math.pi)
+    half = 0.5 * turn
+    chord = sign * middle * np.sinc(half / math.pi)
+    scene["x_w"][j] = remote.x + chord * np.cos(remote.psi + half)
+    scene["y_w"][j] = remote.y + chord * np.sin(remote.psi + half)
+    scene["psi_w"][j] = remote.psi + turn
+    reach = 0.5 * (high - low)
+    scene["half_l_w"][j] = 0.5 * remote.length + 2.0 * remote.sigma_along + reach
+    scene["half_w_w"][j] = (
+        0.5 * remote.width + 2.0 * remote.sigma_across + np.minimum(0.25 * abs(kappa) * reach * reach, reach)
+    )
+
+
+def _assumed_vehicles(sight: Sight, road: Road, settings: EvasionSettings) -> list[tuple[float, float, Lane]]:
+    """Vehicles assumed at the end of the awareness range: station, speed and lane of each."""
+    known = min(sight.awareness_range, settings.awareness_range)
+    if not 0.0 < known < math.inf:
+        return []
+    return [
+        (sight.s + known, -road.speed_limit, lane) if lane.direction < 0
+        else (sight.s - known, road.speed_limit, lane)
+        for lane in road.lanes if lane is not road.ego_lane
+    ]  # fmt: skip
+
+
+def _in_order(s: Array, d: Array, v: Array, half_l: Array, half_w: Array, crosses: Array) -> Array:
+    """Stations where vehicles of one lane stay behind each other, a meter apart."""
+    follow = s.copy()
+    rows = [j for j in np.argsort(-s[:, 0]) if not crosses[j] and v[j, 0] >= 0.0 and s[j, 0] < 0.5 * _GONE]
+    for i, j in enumerate(rows):
+        for k in rows[:i]:
+            space = half_l[j] + half_l[k]
+            beside = np.abs(d[j] - d[k]) >= half_w[j] + half_w[k] - 0.2
+            if s[k, 0] - s[j, 0] > space and not beside[0]:
+                behind = np.where(beside, np.inf, follow[k] - space - 1.0)
+                follow[j] = np.maximum.accumulate(np.maximum(np.minimum(follow[j], behind), s[j, 0]))
+    return follow
+

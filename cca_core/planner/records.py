@@ -1,0 +1,215 @@
+"""Records of the planner: what is seen, what can be driven, what it is worth, and the planner's state."""
+
+import math
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.band import Band
+from cca_core.decide import Rejection
+from cca_core.frenet import FrenetVehicle
+from cca_core.path import Path
+from cca_core.vehicle import VehicleState
+
+
+class PathKind(Enum):
+    """What a candidate path is for."""
+
+    ROUTE = "route"
+    RETURN = "return"
+    LEFT = "left"
+    RIGHT = "right"
+
+    @property
+    def is_swerve(self) -> bool:
+        """Whether it passes vehicles."""
+        return self in (PathKind.LEFT, PathKind.RIGHT)
+
+
+class Level(IntEnum):
+    """How a path uses tires and space; the lower, the more comfortable."""
+
+    COMFORT = 0
+    HARD = 1
+    NARROW = 2
+
+
+class Grade(IntEnum):
+    """What a plan is certified against; lower is better."""
+
+    COMFORTABLE = 0  # the worst case, with a comfortable safe end
+    FULL = 1  # the worst case, with full braking or the proper response
+    NOMINAL = 2  # the nominal motion of others
+    SEVERITY = 3  # neither: the least severe is driven
+    REFUSED = 4  # an adjacent lane that is not known to be free
+
+    @property
+    def tier(self) -> int:
+        """Rank of the choice: both certified grades are compared by cost."""
+        return max(int(self), 1)
+
+
+class Profile(NamedTuple):
+    """How fast a path is driven."""
+
+    name: str
+    follows: bool = True
+    yields: int = 0
+    braking: float = 0.0
+    kept: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LateralPath:
+    """A candidate path: lateral offset at stations a meter apart, and what it is for."""
+
+    kind: PathKind
+    base: int  # station of the first value of `d` [m]
+    d: Array
+    begin: float = -math.inf  # stations between which it leaves the route [m]
+    end: float = -math.inf
+    level: Level = Level.COMFORT
+    overtaken: frozenset[str] = frozenset()
+    clearance: float = 0.0
+    band: Band | None = None
+    reference: Path | None = None
+    is_last: bool = False
+
+    def on(self, base: int, n: int) -> Array:
+        """Return the lateral offset on another stretch of the route; 0 beyond."""
+        d, shift = np.zeros(n), base - self.base
+        begin, end = max(-shift, 0), min(len(self.d) - shift, n)
+        if end > begin:
+            d[begin:end] = self.d[begin + shift : end + shift]
+        return d
+
+
+class Costs(NamedTuple):
+    """Terms of the cost of a plan [s]."""
+
+    progress: float = 0.0
+    speed: float = 0.0
+    comfort: float = 0.0
+    lateral: float = 0.0
+    outside: float = 0.0
+    change: float = 0.0
+    safe_end: float = 0.0
+    space: float = 0.0
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Plan:
+    """A candidate: a path, a profile, the motion that follows, and its certificate."""
+
+    path: LateralPath
+    row: int  # of the motion and of the path in the scene
+    path_row: int
+    profile: Profile
+    s: Array  # relative to the first station of the scene [m]
+    v: Array
+    a: Array
+    d: Array
+    limited_by: int = -1
+    peak: float = 0.0  # lateral acceleration [m/s^2]
+    costs: Costs = field(default_factory=Costs)
+    grade: Grade = Grade.SEVERITY
+    braking: float = math.inf  # deceleration that its safe end needs [m/s^2]
+    gap: float = math.inf  # least nominal gap [m]
+    severity: float = 0.0
+    t_impact: float = math.inf
+    impact_id: str = ""
+    rejection: Rejection | None = None
+    is_certified: bool = False
+
+    @property
+    def cost(self) -> float:
+        """Sum of the terms [s]."""
+        return sum(self.costs)
+
+
+class Mode(Enum):
+    """What the ego does; a label of the plan that it drives."""
+
+    KEEP = "KEEP"
+    FOLLOW = "FOLLOW"
+    EVADE_LEFT = "EVADE_LEFT"
+    EVADE_RIGHT = "EVADE_RIGHT"
+    RETURN = "RETURN"
+    BRAKE = "BRAKE"
+    SAFE_STOP = "SAFE_STOP"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SafeStop:
+    """Steering and braking that stop the ego from now on without a planner.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Times from the command on [s].
+    delta : ndarray, shape (n,)
+        Road-wheel angles [rad], left positive.
+    a_x : ndarray, shape (n,)
+        Accelerations [m/s^2].
+    """
+
+    t: Array
+    delta: Array
+    a_x: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DrivenPlan:
+    """The plan that is being driven, from the time of its decision on."""
+
+    t: float
+    path: LateralPath
+    reference: Path
+    profile: Profile
+    s: Array  # stations at `occupancy.TIMES` [m]
+    v: Array
+    a: Array
+    a_0: float
+    grade: Grade
+    limited_by: str  # id of a vehicle, "curve" or ""
+    yields_to: str
+    free_a: float  # acceleration without other vehicles [m/s^2]
+    safe_stop: SafeStop
+    rejections: tuple[Rejection, ...] = ()
+    braking: float = 0.0
+    costs: Costs = Costs()
+    impact_id: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlannerState:
+    """All that the planner remembers from cycle to cycle."""
+
+    s: float | None = None
+    v: float = 0.0
+    mode: Mode = Mode.KEEP
+    wish: Mode = Mode.KEEP
+    t_wish: float = -math.inf  # since when another mode is wished for [s]
+    plan: DrivenPlan | None = None
+    t_decided: float = -math.inf
+    a_x: float = 0.0  # commanded
+    a_true: float = 0.0  # after the lag of the brakes
+    delta: float = 0.0
+    seen: frozenset[tuple[str, frozenset[str]]] = frozenset()
+    estimate: VehicleState | None = None  # last known or dead-reckoned
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sight:
+    """What is seen in a cycle: the ego on its route, and the other vehicles."""
+
+    t: float
+    s: float  # of the center of gravity
+    d: float
+    angle: float  # of the heading to the route [rad]
+    v: float
+    vehicles: tuple[FrenetVehicle, ...]
+    awareness_range: float

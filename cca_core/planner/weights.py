@@ -1,0 +1,115 @@
+"""Settings of the certificates and of the costs."""
+
+from dataclasses import dataclass
+
+from cca_core.planner.tuning import check_fields
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CertificateSettings:
+    """What a plan must keep to be certified.
+
+    Parameters
+    ----------
+    reaction_time : float
+        Time that a plan is driven before its braking tail begins [s]: two decisions and the brakes' delay.
+    comfortable_braking : float
+        Deceleration of the tail up to which a safe end is comfortable [m/s^2].
+    touch : float
+        Gap that a new plan keeps to every nominal motion [m].
+    touch_kept : float
+        The same of the plan that is being driven [m]: less, so that it is kept.
+    clearance_kept : float
+        Clearance to an overtaken vehicle that the plan being driven must keep [m].
+    duty_delay : float
+        Time after the return from which on vehicles behind the ego keep their distance [s].
+    look_time : float
+        Time for which a vehicle is followed before it is in the path [s].
+    lag : float
+        Time constant of brakes and engine [s].
+    side_speed : float
+        Lateral speed above which a vehicle is expected to change its lane [m/s].
+    acceleration_time, braking_time : float
+        Time for which a reported acceleration or deceleration is expected to last [s].
+    pet : float
+        Time between the ego and a crossing vehicle at one place [s].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    reaction_time: float = 0.4
+    comfortable_braking: float = 3.0
+    touch: float = 0.3
+    touch_kept: float = 0.1
+    clearance_kept: float = 0.3
+    duty_delay: float = 1.0
+    look_time: float = 1.6
+    lag: float = 0.15
+    side_speed: float = 0.3
+    acceleration_time: float = 1.0
+    braking_time: float = 4.0
+    pet: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, positive=("lag",))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CostSettings:
+    """What the terms of the cost weigh; a cost is a time [s].
+
+    Parameters
+    ----------
+    progress : float
+        Of the time lost within the horizon [-].
+    speed : float
+        Of the speed missing at the horizon, as a fraction of the cruise speed [s].
+    a_x, a_y : float
+        Of the squared accelerations over time [s^3/m^2].
+    change_of_acceleration : float
+        Of the squared change of acceleration at once [s^3/m^2].
+    outside : float
+        Of the time outside the ego lane [-].
+    right : float
+        Of passing on the right [s].
+    change, replan, abort : float
+        Of another intention, of a new path of the same, and of returning before a pass is complete [s].
+    narrow, hard : float
+        Of the levels beyond comfort [s].
+    safe_end : float
+        Of a safe end that needs full braking [s]; it grows with the square of the deceleration.
+    astray : float
+        Of a path that does not end in the ego lane [s].
+    space : float
+        Of a nominal gap below the touching one [s/m].
+    horizon : float
+        Time over which costs are summed [s].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    progress: float = 1.0
+    speed: float = 4.0
+    a_x: float = 0.03
+    a_y: float = 0.03
+    change_of_acceleration: float = 0.02
+    outside: float = 0.08
+    right: float = 0.5
+    change: float = 0.4
+    replan: float = 0.15
+    abort: float = 1.0
+    narrow: float = 0.8
+    hard: float = 0.4
+    safe_end: float = 1.5
+    astray: float = 2.0
+    space: float = 0.1
+    horizon: float = 10.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, positive=("horizon",))
