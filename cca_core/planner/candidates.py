@@ -18,7 +18,6 @@ from cca_core.planner.scene import N_ROWS, Scene
 _SIDES: tuple[Side, Side] = ("left", "right")
 _MAX_GROUP = 3  # vehicles that are passed at once
 _CONFLICT_MARGIN = 0.5  # gap within which a crossing vehicle conflicts with a station [m]
-_YIELD_DELAY = 0.4  # after a crossing vehicle has passed [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,7 +87,8 @@ def swerves(
                     refused = None if corridor is None else _lane_refusal(around, corridor, side, awareness_range)
                     found = refused or swerve(around, group, side, corridor, level, last)
                     if isinstance(found, Rejection):
-                        rejections.append(found)
+                        if corridor is lanes[-1]:
+                            rejections.append(found)
                     else:
                         paths.append(found)
                         break
@@ -114,16 +114,16 @@ def find_stops(scene: Scene, around: Surroundings, path: int) -> list[Stop]:
     """Return the points at which the ego lets crossing vehicles pass, in the order of their arrival."""
     traffic, settings = around.traffic, around.settings.crossing
     found = []
-    reach = max(settings.horizon * max(around.v, 5.0), 40.0)
+    reach = min(settings.range, float(around.free_s[-1] - around.s))
     for j in np.flatnonzero(traffic.crosses):
-        if not scene.call("conflict", path, int(j), int(reach), settings.horizon, _CONFLICT_MARGIN):
+        if not scene.call("conflict", path, int(j), int(reach), float(TIMES[-1]), _CONFLICT_MARGIN):
             continue
         enter = scene.get("s_enter") - 1.0 + around.lateral.base
         if enter < around.s:
             continue
         front = around.vehicle.front
         lines = [line - front for line in around.road.stop_lines if around.s - 0.5 < line - front < enter]
-        until = scene.get("t_exit") + _YIELD_DELAY
+        until = scene.get("t_exit") + around.settings.certificate.pet
         found.append(
             Stop(
                 vehicle_id=traffic.ids[j], row=int(j), s=max(lines, default=enter),
@@ -146,7 +146,7 @@ def profiles(
         for braking in (b_comfort, 0.5 * (b_comfort + b_max), b_max):
             found.append(Profile(f"brake {braking:.0f}", yields=n_stops, braking=braking))
     if kept:
-        found.append(Profile("kept", follows=False, kept=True))
+        found.append(Profile("kept", yields=n_stops, kept=True))
     return found
 
 

@@ -38,7 +38,9 @@ class Certifier:
         touch = settings.touch_kept if is_kept else settings.touch
         clearance = settings.clearance_kept if is_kept else max(plan.path.clearance - 0.15, 0.2)
         plan.grade, plan.rejection, plan.is_certified = Grade.SEVERITY, None, True
-        scene.call("nominal", plan.row, plan.path_row, touch, min(clearance, plan.path.clearance), settings.duty_delay)
+        pet = settings.pet * (0.5 if is_kept else 1.0)
+        asked = min(clearance, plan.path.clearance)
+        scene.call("nominal", plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
         plan.gap = scene.get("gap")
         which, when = scene.get("which"), scene.get("when")
         if scene.get("least") < 0.0:
@@ -48,6 +50,8 @@ class Certifier:
             else:
                 plan.severity = -scene.get("least")
             plan.impact_id = self._name(which)
+            if plan.path.kind.is_swerve and which >= 0:
+                plan.rejection = self._lane_rejection(plan, which)
             return
         if plan.peak > _GRIP_SHARE * around.limits.grip:
             plan.severity = 0.5 + plan.peak - around.limits.grip
@@ -70,12 +74,12 @@ class Certifier:
 
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
-        k = int(np.searchsorted(TIMES, self._settings.reaction_time))
+        k = int(np.searchsorted(TIMES, self._settings.reaction_time + limits.b_comfort / self._around.jerk))
         if plan.braking <= self._settings.comfortable_braking:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
             plan.grade = Grade.FULL
-        elif plan.a[k] <= -limits.b_comfort + 0.05 and not plan.path.kind.is_swerve and not out_now:
+        elif float(plan.a[:k].min()) <= -limits.b_comfort + 0.05 and not plan.path.kind.is_swerve and not out_now:
             plan.grade, plan.braking = Grade.FULL, limits.b_max  # the proper response
         else:
             plan.grade = Grade.NOMINAL
@@ -91,7 +95,7 @@ class Certifier:
         x_safety = around.settings.x_safety * (0.5 if plan.path.is_last else 1.0)
         if self._inside:
             if not self._tail_is_safe(plan, react, around.limits.b_max, touch, clearance, x_safety, 1):
-                plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan)
+                plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan, scene.get("which"))
                 return
             if scene.call("worst", plan.row, plan.path_row, touch, clearance, settings.duty_delay, 0.0, 2) or home():
                 plan.grade, plan.braking = Grade.COMFORTABLE, settings.comfortable_braking
@@ -111,6 +115,7 @@ class Certifier:
             return 0.0
         high = self._around.limits.b_max
         if not self._tail_is_safe(plan, react, high, touch, clearance):
+            plan.impact_id = self._name(scene.get("which"))
             return math.inf
         low = min(settings.comfortable_braking, 0.5 * high)
         if self._tail_is_safe(plan, react, low, touch, clearance):
@@ -149,10 +154,9 @@ class Certifier:
         ids = self._around.traffic.ids
         return ids[j] if 0 <= j < len(ids) else ""
 
-    def _lane_rejection(self, plan: Plan) -> Rejection:
+    def _lane_rejection(self, plan: Plan, j: int) -> Rejection:
         """Rejection of a gap because of the vehicle that decides."""
         around, side = self._around, plan.path.kind.value
-        j = self._scene.get("which")
         if j >= len(around.traffic.ids):
             known = around.settings.awareness_range
             return Rejection(

@@ -32,13 +32,10 @@ def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float) -> Mode:
         return Mode.EVADE_LEFT if path.kind is PathKind.LEFT else Mode.EVADE_RIGHT
     if path.kind is PathKind.RETURN and s < path.end:
         return Mode.RETURN
-    a = min(a_x, float(plan.a[3]))
+    a = float(plan.a[3])
     threshold = _BRAKE_THRESHOLD * (_RELEASE_FRACTION if mode is Mode.BRAKE else 1.0)
-    if plan.limited_by not in ("", "curve") or plan.yields_to or plan.profile.braking:
-        if a < -threshold:
-            return Mode.BRAKE
-        if plan.free_a - a > _LIMITED or a < -_LIMITED:
-            return Mode.FOLLOW
+    if plan.free_a - a > _LIMITED:  # other vehicles slow the ego, not the route
+        return Mode.BRAKE if min(a, a_x) < -threshold else Mode.FOLLOW
     return Mode.KEEP
 
 

@@ -435,9 +435,14 @@ def conflict(w: Scene, p: Int, j: Int, reach: Int, until: Real, margin: Real) ->
     for i in range(reach):
         at = w.s_0 + i
         d = lateral(w, p, at)
+        x = on_route(w.n, w.x, at)
+        y = on_route(w.n, w.y, at)
+        reach_j = w.half_l[j] + w.half_w[j] + w.half_length + w.half_width + abs(w.offset) + abs(d) + margin
         for k in range(w.steps):
             if w.t[k] > until:
                 break
+            if norm(w.x_o[j, k] - x, w.y_o[j, k] - y) > reach_j:
+                continue
             gap = body_gap(w, p, at, d, w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k], w.half_l[j], w.half_w[j])
             if gap < margin:
                 if w.s_enter < 0.0:
@@ -449,15 +454,17 @@ def conflict(w: Scene, p: Int, j: Int, reach: Int, until: Real, margin: Real) ->
     return w.s_enter >= 0.0
 
 
-def nominal_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
+def nominal_gap(w: Scene, row: Int, p: Int, j: Int, k: Int, pet: Real) -> Real:
+    """Gap to a vehicle; one that crosses covers where it is within a time."""
     if w.crosses[j] != 0:
-        return plane_gap(w, row, p, k, w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k], w.half_l[j], w.half_w[j])
+        length = w.half_l[j] + pet * w.v_o[j, k]
+        return plane_gap(w, row, p, k, w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k], length, w.half_w[j])
     s = w.s_o[j, k]
     d = w.d_o[j, k]
     return ego_gap(w, row, p, k, s - w.half_l[j], s + w.half_l[j], d - w.half_w[j], d + w.half_w[j])
 
 
-def nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real) -> None:
+def nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real, pet: Real) -> None:
     """Least gap to the nominal motion of others beyond what is asked, and the first overlap."""
     find_duty(w, row, wait)
     w.least = FAR
@@ -476,7 +483,7 @@ def nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real
         for k in range(w.steps):
             if has_duty(w, j, k, back):
                 continue
-            gap = nominal_gap(w, row, p, j, k)
+            gap = nominal_gap(w, row, p, j, k, pet)
             if k == 0:
                 asked = min(asked, max(gap - 0.02, 0.0))
             w.gap = min(w.gap, gap)

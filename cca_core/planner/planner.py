@@ -248,7 +248,7 @@ class Planner:
         )  # fmt: skip
         around = Surroundings(
             vehicle=vehicle, road=self.road, settings=settings, limits=limits, traffic=traffic, lateral=lateral,
-            s=sight.s, v=sight.v, free_s=TIMES, free_v=TIMES,
+            s=sight.s, v=sight.v, jerk=speed.jerk, free_s=TIMES, free_v=TIMES,
         )  # fmt: skip
         rollout = Rollout(scene, around)
         homes = home_paths(around)
@@ -306,6 +306,9 @@ class Planner:
                     add(path, rollout.add_path(path, a_y), desperate=path.level is not Level.COMFORT)
             best = choose(plans, certifier, around, home)
         rejections += [p.rejection for p in plans if p.rejection is not None and p.cost < best.cost]
+        cheaper = sorted((p for p in plans if p.is_certified and p.impact_id and p is not best), key=lambda p: p.cost)
+        if cheaper and cheaper[0].cost < best.cost:
+            best.impact_id = best.impact_id or cheaper[0].impact_id
         self._commit(best, free, base, sight, certifier, stops, tuple(rejections))
 
     def _fill_route(self, base: int) -> None:
