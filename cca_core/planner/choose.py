@@ -18,7 +18,7 @@ def assess(
     weights = around.settings.cost
     row = terms[plan.row]
     v_ref = max(cruise, 3.0)
-    lost = max(free[_TERMS["s"]] - row[_TERMS["s"]], -5.0) / v_ref
+    lost = max(free[_TERMS["s"]] - row[_TERMS["s"]], 0.0) / v_ref
     slow = max(free[_TERMS["v"]] - row[_TERMS["v"]], 0.0) / v_ref
     path, was = plan.path, PathKind.ROUTE if last is None else last.kind
     change = 0.0

@@ -305,7 +305,7 @@ def roll(
         if k <= 2:
             w.limited_by[row] = limit
         if kept:
-            want = w.a[row, k]
+            want = min(w.a[row, k], min(cruise, max(there, -w.b_max)) if there < 0.0 else w.a_max)
         want = min(want, -braking) if braking > 0.0 else want
         if tail > 0.0 and w.t[k] >= w.react - TIME_EPS:
             want = -tail

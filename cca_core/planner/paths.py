@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,7 +29,6 @@ _MIN_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
 _MIN_OFFSET = 0.3  # of which the length of a return is computed at least [m]
 _TIGHTEST = 0.1  # largest curvature that a return aims at [1/m]
 _COMMITTED = 0.5  # time in which the path does not change [s]
-_START_OFFSET = 2  # a band begins this far behind the ego, which may stop between nodes [m]
 _ROUTE_SHARE = 0.7  # of the free space, kept to the vehicle; the rest to the edge [-]
 
 
@@ -73,7 +72,7 @@ class Surroundings:
 
 
 def lateral_state(
-    base: int, s: float, d: float, angle: float, last: LateralPath | None, tolerance: float
+    base: int, s: float, d: float, angle: float, bend: float, last: LateralPath | None, tolerance: float
 ) -> LateralState:
     """Return the lateral state at a station, from the last path if the ego is on it."""
     n = BEHIND + AHEAD
@@ -88,7 +87,7 @@ def lateral_state(
     slope = math.tan(min(max(angle, -0.6), 0.6))
     x = np.arange(n) - at
     grid = np.where(x < 0.0, d + np.maximum(x, -10.0) * slope, d)
-    return LateralState(base=base, d=grid, offset=d, slope=slope, bend=0.0, is_lost=True)
+    return LateralState(base=base, d=grid, offset=d, slope=slope, bend=bend, is_lost=True)
 
 
 def return_paths(around: Surroundings) -> list[LateralPath]:
@@ -247,9 +246,8 @@ def _window(
     duration = math.sqrt(QUINTIC_PEAK * max(offset, 0.5) / rest)
     required = v_out * (duration + settings.preparation_time)
     delay = max(first - required - around.s, 0.0) if state.on_route else 0.0
-    start = math.floor(around.s - _START_OFFSET + delay)
-    if delay > 0.0:
-        start += math.floor(v_out * settings.preparation_time)
+    speed = around.v if delay == 0.0 else v_out
+    start = math.ceil(around.s + delay + speed * settings.preparation_time)
     end = math.ceil(stop + v_back * duration)
     if last is not None:
         start = math.floor(last.begin)
@@ -274,9 +272,13 @@ class _Span:
 def _alongside(around: Surroundings, n: FrenetVehicle, clearance: float, ttc: float) -> _Span:
     """Return where the ego is alongside a vehicle whatever that does within its limits."""
     settings = around.settings
-    rear, front = n.occupied_interval(
+    steady = replace(n, remote=replace(n.remote, a_x=0.0)) if n.speed_rate > 0.0 else n
+    rear, front = steady.occupied_interval(
         TIMES, braking=settings.assumed_braking, acceleration=settings.assumed_acceleration_passed
     )
+    j = around.traffic.index(n.id)
+    if n.v_s >= 0.0:  # what it reports is believed for a while
+        front = np.maximum(front, around.traffic.s[j] + around.traffic.half_l[j])
     center = around.free_s + around.offset
     reach = 0.5 * around.vehicle.length + clearance
     ahead, behind = front - center + reach, center + reach - rear

@@ -44,7 +44,7 @@ __all__ = ["Command", "Planner"]
 
 _LOG = logging.getLogger(__name__)
 _N_PATHS = 24
-_ON_PATH = 0.25  # lateral error up to which the ego is on its path [m]
+_ON_PATH = 0.4  # lateral error up to which the ego is on its path [m]
 
 
 class Planner:
@@ -197,7 +197,7 @@ class Planner:
         """Return the ego and the other vehicles on the route, or why the ego is not on it."""
         path, settings = self.road.path, self.evasion.decision
         guess = first_station(path, state) if self._state.s is None else self._state.s
-        s, d, heading, _ = path.foot_point(state.x, state.y, guess)
+        s, d, heading, kappa = path.foot_point(state.x, state.y, guess)
         if not abs(d) < settings.max_route_distance:
             return f"ego {abs(d):.1f} m off the route (limit {settings.max_route_distance:.1f} m)", ()
         if math.cos(state.psi - heading) < 0.0:
@@ -211,7 +211,7 @@ class Planner:
             known, self._input_faults = 0.0, self._input_faults + incomplete
         angle = math.remainder(state.psi - heading, 2.0 * math.pi)
         return Sight(
-            t=self._clock.t, s=s, d=d, angle=angle, v=max(state.v_x, 0.0), vehicles=tuple(vehicles),
+            t=self._clock.t, s=s, d=d, angle=angle, v=max(state.v_x, 0.0), bend=state.r / max(state.v_x, 3.0) - kappa, vehicles=tuple(vehicles),
             awareness_range=min(known, self.evasion.awareness_range),
         ), dropped  # fmt: skip
 
@@ -231,7 +231,7 @@ class Planner:
         last_path = None if last is None or sight.s >= last.path.end else last.path
         base = math.floor(sight.s) - BEHIND
         lateral = lateral_state(
-            base, sight.s, sight.d, sight.angle, None if last is None else last.path, _ON_PATH
+            base, sight.s, sight.d, sight.angle, sight.bend, None if last is None else last.path, _ON_PATH
         )
         self._fill_route(base)
         scene, traffic = place_vehicles(self._scenes, sight, self.road, settings, base)
@@ -287,7 +287,8 @@ class Planner:
         under_way = None
         if last_path is not None and not lateral.is_lost and last_path.kind.value != "route":
             path = replace(last_path, is_last=True)
-            add(path, rollout.add_path(path, limits.a_y_max))
+            comfortable = path.kind.is_swerve and path.level is Level.COMFORT
+            add(path, rollout.add_path(path, limits.a_y_limit if comfortable else limits.a_y_max))
             if last_path.kind.is_swerve and sight.s >= last_path.begin:
                 under_way = last_path
         v_target = math.sqrt(max(float(np.interp(sight.s, *self._speed_profile)), 0.0))

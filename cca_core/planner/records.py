@@ -210,6 +210,7 @@ class Sight:
     s: float  # of the center of gravity
     d: float
     angle: float  # of the heading to the route [rad]
+    bend: float  # curvature beyond that of the route [1/m]
     v: float
     vehicles: tuple[FrenetVehicle, ...]
     awareness_range: float
