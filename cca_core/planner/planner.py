@@ -20,6 +20,7 @@ from cca_core.planner.actuate import dead_reckon, planned_acceleration, safe_sto
 from cca_core.planner.candidates import Rollout, find_stops, free_motion, home_paths, profiles, shifted, swerves
 from cca_core.planner.certify import Certifier
 from cca_core.planner.choose import assess, choose
+from cca_core.planner.coast import coast
 from cca_core.planner.command import Command
 from cca_core.planner.inputs import (
     CycleClock,
@@ -204,6 +205,12 @@ class Planner:
             return f"ego heading {state.psi:.2f} rad, route {heading:.2f} rad (degrees?)", ()
         branches = None if self._branches is None else (self._branches, s)
         vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range, branches)
+        known_vehicles, coasting = coast(
+            self._state.known, vehicles, self._clock.t, settings.coast_fraction, settings.max_coast_time
+        )
+        if coasting:
+            vehicles += to_frenet(coasting, path, {}, self._lateral_range, branches)[0]
+        self._state = replace(self._state, known=known_vehicles)
         vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, settings)
         dropped, self._input_faults = dropped + off_level, self._input_faults + faults
         incomplete = tuple(reason for _, reason in dropped if reason.startswith(INCOMPLETE))

@@ -35,6 +35,11 @@ class DecisionSettings:
         lateral offset and still be on a road that meets it.
     max_state_age : float
         Age of the ego's state above which it counts as lost [s].
+    coast_fraction : float
+        Fraction of the time for which a vehicle has been known, for which it is assumed to be still there
+        after its last report [-].
+    max_coast_time : float
+        Longest such time [s].
 
     Raises
     ------
@@ -51,6 +56,8 @@ class DecisionSettings:
     max_level_gap: float = 20.0
     max_grade: float = 0.06
     max_state_age: float = 0.1
+    coast_fraction: float = 0.4
+    max_coast_time: float = 1.0
 
     def __post_init__(self) -> None:
         check_fields(self)
