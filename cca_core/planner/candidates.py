@@ -142,6 +142,8 @@ def profiles(
 ) -> list[Profile]:
     """Return the speed profiles of a path."""
     found = [Profile("go", yields=y) for y in range(n_stops + 1)]
+    if path.kind.is_swerve:  # whoever is on the path now may be gone when the ego comes
+        found.append(Profile("pass", follows=False, yields=n_stops))
     if not path.kind.is_swerve or path.is_last or desperate:
         for braking in (b_comfort, 0.5 * (b_comfort + b_max), b_max):
             found.append(Profile(f"brake {braking:.0f}", yields=n_stops, braking=braking))

@@ -8,7 +8,7 @@ import numpy as np
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.planner.occupancy import TIMES
 from cca_core.planner.paths import Surroundings
-from cca_core.planner.records import Grade, Level, Plan
+from cca_core.planner.records import Grade, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, Scene
 
 _TAIL = N_ROWS - 1  # row of the braking tail
@@ -93,6 +93,9 @@ class Certifier:
         back = float(TIMES[min(int(steps[-1]) + 1, len(TIMES) - 1)])
         react = max(back, settings.reaction_time)
         x_safety = around.settings.x_safety * (0.5 if plan.path.is_last else 1.0)
+        begins = np.flatnonzero(plan.s + around.lateral.base >= plan.path.begin)
+        scene.set(begin_from=float(TIMES[begins[0]]) if len(begins) else 0.0)
+        scene.set(zone_from=float(TIMES[steps[0]]), zone_side=1 if plan.path.kind is PathKind.LEFT else 2)
         if self._inside:
             if not self._tail_is_safe(plan, react, around.limits.b_max, touch, clearance, x_safety, 1):
                 plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan, scene.get("which"))

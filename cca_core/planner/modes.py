@@ -32,6 +32,8 @@ def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float) -> Mode:
         return Mode.EVADE_LEFT if path.kind is PathKind.LEFT else Mode.EVADE_RIGHT
     if path.kind is PathKind.RETURN and s < path.end:
         return Mode.RETURN
+    if path.kind.is_swerve and s < path.begin and mode is Mode.FOLLOW:
+        return mode  # it follows until it passes
     a = float(plan.a[3])
     threshold = _BRAKE_THRESHOLD * (_RELEASE_FRACTION if mode is Mode.BRAKE else 1.0)
     if plan.free_a - a > _LIMITED:  # other vehicles slow the ego, not the route

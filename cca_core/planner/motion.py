@@ -116,6 +116,9 @@ class Scene:
     s_exit: Real
     t_enter: Real
     t_exit: Real
+    zone_from: Real  # time at which the body enters an adjacent lane
+    begin_from: Real  # and at which that maneuver begins
+    zone_side: Int  # of that lane: 1 left, 2 right
     duty_from: Int
     rear: Real
 
@@ -504,12 +507,12 @@ def nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real
         w.when = hit
 
 
-def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int, more: Real) -> Real:
+def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
     if w.crosses[j] != 0:
         return plane_gap(
             w, row, p, k, w.x_w[j, k], w.y_w[j, k], w.psi_w[j, k], w.half_l_w[j, k], w.half_w_w[j, k]
         )
-    return ego_gap(w, row, p, k, w.low[j, k] - more, w.high[j, k] + more, w.right[j, k], w.left[j, k])
+    return ego_gap(w, row, p, k, w.low[j, k], w.high[j, k], w.right[j, k], w.left[j, k])
 
 
 def worst(
@@ -518,7 +521,8 @@ def worst(
     """Whether vehicles within the declared bounds cannot touch the ego.
 
     `which`: 0 all vehicles; 1 without the overtaken ones; 2 the overtaken ones only. With `x_safety` the ego
-    keeps that distance to vehicles of other lanes while its body is outside its lane.
+    keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when it enters
+    that lane, or from when the maneuver begins if the vehicle comes nearer.
     """
     find_duty(w, row, wait)
     w.least = FAR
@@ -541,12 +545,23 @@ def worst(
                 continue
             d = w.offset_at[row, k]
             out = d + w.half_width > w.lane_left or d - w.half_width < w.lane_right
-            if not out and w.assumed[j] != 0:
+            nears = w.v_o[j, 0] < ONCOMING or w.v_o[j, 0] > w.v_0 or w.assumed[j] != 0
+            since = w.begin_from if nears else w.zone_from
+            zone = x_safety > 0.0 and k <= back and w.t[k] >= since - TIME_EPS
+            if zone and not passed and (w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side):
+                middle = w.s[row, k] + w.offset  # eq 11: along the road, wherever the ego is across it
+                ahead = w.low[j, k] - x_safety - (middle + w.half_length)
+                behind = middle - w.half_length - (w.high[j, k] + x_safety)
+                if max(ahead, behind) < w.least:
+                    w.least = max(ahead, behind)
+                    w.which = j
+                    w.when = k
+                continue
+            if w.assumed[j] != 0:
                 continue
             if w.v[row, k] < STANDSTILL and w.crosses[j] == 0 and not out and k > 0:
                 continue  # what stands in its lane touches nothing
-            more = x_safety if out and w.adjacent[j] != 0 and not passed else 0.0
-            gap = worst_gap(w, row, p, j, k, more)
+            gap = worst_gap(w, row, p, j, k)
             if k == 0:
                 asked = min(asked, max(gap - 0.02, -0.01))
             if gap - asked < w.least:

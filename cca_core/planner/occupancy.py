@@ -103,13 +103,13 @@ def place_vehicles(
         across = d[j] - d[j, 0]
         right[j] = n.d + whole[2] + np.minimum(across, 0.0)
         left[j] = n.d + whole[3] + np.maximum(across, 0.0)
-        adjacent[j] = n.d + n.half_width > lane.left + settings.lane_entry_tolerance or (
+        adjacent[j] = (n.d + n.half_width > lane.left + settings.lane_entry_tolerance) + 2 * (
             n.d - n.half_width < lane.right - settings.lane_entry_tolerance
         )
     for j, (rear, speed, other) in enumerate(phantoms, start=n_real):
         low[j] = high[j] = rear + speed * TIMES
         right[j], left[j] = other.d - 0.9, other.d + 0.9
-        adjacent[j] = assumed[j] = 1
+        adjacent[j], assumed[j] = 1 if other.d > 0.0 else 2, 1
     follow = _in_order(s, d, v, half_l, half_w, crosses)
     v_follow = np.gradient(follow, TIMES, axis=1) if m else v
     stands[:] = np.abs(v_follow[:, -1]) < STANDSTILL_SPEED

@@ -315,10 +315,10 @@ def _obstacles(
             )
         )
         names.append(traffic.ids[j])
-    rear_of_ego = around.s + around.vehicle.rear
+    lane, rear_of_ego = around.road.ego_lane, around.s + around.vehicle.rear
     for j, n in enumerate(traffic.vehicles):
-        if j in group or traffic.crosses[j] or n.front < rear_of_ego:
-            continue
+        if j in group or traffic.crosses[j] or n.front < rear_of_ego or _beyond(n, lane):
+            continue  # eq 11 decides about the adjacent lane
         s = np.interp(t, TIMES, traffic.s[j])
         if np.abs(s - stations).min() > traffic.half_l[j] + around.vehicle.length + 2.0:
             continue
@@ -328,6 +328,10 @@ def _obstacles(
         )
         names.append(n.id)
     return boxes, names
+
+
+def _beyond(n: FrenetVehicle, lane: Lane) -> bool:
+    return n.d - n.half_width > lane.left or n.d + n.half_width < lane.right
 
 
 def _reject(band: object, side: Side, names: Sequence[str], window: _Window) -> Rejection:
