@@ -143,7 +143,7 @@ def profiles(
     """Return the speed profiles of a path."""
     found = [Profile("go", yields=y) for y in range(n_stops + 1)]
     if path.kind.is_swerve:  # whoever is on the path now may be gone when the ego comes
-        found.append(Profile("pass", follows=False, yields=n_stops))
+        found.append(Profile("pass", passes=True, yields=n_stops))
     if not path.kind.is_swerve or path.is_last or desperate:
         for braking in (b_comfort, 0.5 * (b_comfort + b_max), b_max):
             found.append(Profile(f"brake {braking:.0f}", yields=n_stops, braking=braking))
@@ -178,7 +178,9 @@ class Rollout:
         self.n_rows += 1
         if profile.kept and kept is not None:
             scene["a"][row] = kept
-        scene.call("roll", row, i, profile.follows, profile.yields, profile.braking, 0.0, profile.kept)
+        scene.call(
+            "roll", row, i, profile.follows, profile.passes, profile.yields, profile.braking, 0.0, profile.kept
+        )
         scene.call("costs", row, i, self.around.settings.cost.horizon)
         return Plan(
             path=path, row=row, path_row=i, profile=profile, s=scene["s"][row], v=scene["v"][row], a=scene["a"][row],

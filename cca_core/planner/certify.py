@@ -141,8 +141,9 @@ class Certifier:
             scene["a"][_TAIL] = self._kept
         scene.set(react=react)
         scene.call(
-            "roll", _TAIL, plan.path_row, profile.follows, profile.yields, profile.braking, braking, profile.kept
-        )
+            "roll", _TAIL, plan.path_row, profile.follows, profile.passes, profile.yields, profile.braking, braking,
+            profile.kept,
+        )  # fmt: skip
         return bool(
             scene.call("worst", _TAIL, plan.path_row, touch, clearance, self._settings.duty_delay, x_safety, which)
         )

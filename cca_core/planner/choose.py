@@ -7,7 +7,7 @@ from cca_core.planner.certify import Certifier
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.records import Costs, Grade, LateralPath, Level, PathKind, Plan
 
-_TERMS = {"a_x": 0, "a_y": 1, "outside": 3, "s": 5, "v": 6, "d_end": 7}  # columns of the scene's terms
+_TERMS = {"a_x": 0, "a_y": 1, "outside": 3, "s": 5, "v": 6, "d_end": 7, "risk": 8}  # columns of the scene's terms
 _SHARE_OF_KEPT = 0.3  # of the cost of a change that remains for a return
 
 
@@ -41,6 +41,7 @@ def assess(
         comfort=weights.a_x * row[_TERMS["a_x"]]
         + weights.change_of_acceleration * float(plan.a[1] - a_0) ** 2 + 0.01 * plan.profile.braking,
         lateral=weights.a_y * row[_TERMS["a_y"]], outside=weights.outside * row[_TERMS["outside"]], change=change,
+        risk=weights.risk * row[_TERMS["risk"]],
     )  # fmt: skip
 
 

@@ -88,6 +88,9 @@ class Scene:
     a_max: Real
     b_comfort: Real
     b_max: Real
+    b_soft: Real  # needed deceleration from which on following costs
+    b_other: Real  # that others may brake with
+    risk_until: Real
     grip: Real
     standstill_gap: Real
     time_gap: Real
@@ -247,6 +250,16 @@ def approach(w: Scene, v: Real, gap: Real, v_lead: Real, final_gap: Real, stops:
     return a
 
 
+def needed(w: Scene, v: Real, gap: Real, v_lead: Real) -> Real:
+    """Deceleration that is needed after the reaction time if a lead vehicle brakes as hard as is assumed."""
+    space = gap - v * w.react
+    lead = max(v_lead, 0.0)
+    if w.b_other <= 0.0:
+        closing = max(v - lead, 0.0)
+        return closing * closing / (2.0 * max(space, 0.1))
+    return v * v / (2.0 * max(space + lead * lead / (2.0 * w.b_other), 0.1))
+
+
 def in_path(w: Scene, p: Int, j: Int, k: Int, then: Int) -> Flag:
     """Whether a vehicle is in the way of a path now or a little later."""
     here = lateral(w, p, w.s_follow[j, k])
@@ -257,7 +270,7 @@ def in_path(w: Scene, p: Int, j: Int, k: Int, then: Int) -> Flag:
 
 
 def roll(
-    w: Scene, row: Int, p: Int, follows: Flag, yields: Int, braking: Real, tail: Real, kept: Flag
+    w: Scene, row: Int, p: Int, follows: Flag, passes: Flag, yields: Int, braking: Real, tail: Real, kept: Flag
 ) -> None:
     """Drive a path: cruise, follow, yield to the first vehicles that cross, brake; `tail` brakes after `react`."""
     position = w.s_0
@@ -266,7 +279,9 @@ def roll(
     true = w.a_true
     later = 0
     w.limited_by[row] = -1
+    w.terms[row, 8] = 0.0
     for k in range(w.steps):
+        risk = 0.0
         w.s[row, k] = position
         w.v[row, k] = speed
         w.offset_at[row, k] = lateral(w, p, position)
@@ -290,14 +305,20 @@ def roll(
                     continue
                 if w.s_follow[j, k] + 0.5 * w.half_l[j] <= position + w.offset:
                     continue
+                if passes and abs(lateral(w, p, w.s_follow[j, k])) > TOLERANCE:
+                    continue  # it will have left when the ego comes
                 if not in_path(w, p, j, k, later):
                     continue
                 gap = w.s_follow[j, k] - w.half_l[j] - front
                 final = w.s_follow[j, w.steps - 1] - w.half_l[j] - front
+                if w.t[k] < w.risk_until and tail <= 0.0:
+                    excess = min(needed(w, speed, gap, w.v_follow[j, k]), 3.0 * w.b_max) / w.b_soft - 1.0
+                    risk = max(risk, max(excess, 0.0) * max(excess, 0.0))
                 a = approach(w, speed, gap, w.v_follow[j, k], final, w.stands[j] != 0)
                 if a < want:
                     want = a
                     limit = j
+        w.terms[row, 8] += risk * h
         for j in range(yields):
             if w.t[k] < w.stop_until[j] and w.stop_s[j] - position > -2.0:
                 gap = w.stop_s[j] - position + w.standstill_gap
@@ -336,7 +357,7 @@ def roll(
 
 def costs(w: Scene, row: Int, p: Int, until: Real) -> None:
     """Integrals over a time of what a motion costs, and its peak lateral acceleration."""
-    for c in range(12):
+    for c in range(8):
         w.terms[row, c] = 0.0
     last = 0
     for k in range(w.steps - 1):

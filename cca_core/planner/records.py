@@ -59,6 +59,7 @@ class Profile(NamedTuple):
 
     name: str
     follows: bool = True
+    passes: bool = False  # follows only beyond the deformed part of the path
     yields: int = 0
     braking: float = 0.0
     kept: bool = False
@@ -99,7 +100,7 @@ class Costs(NamedTuple):
     outside: float = 0.0
     change: float = 0.0
     safe_end: float = 0.0
-    space: float = 0.0
+    risk: float = 0.0
 
 
 @dataclass(slots=True, kw_only=True, eq=False)

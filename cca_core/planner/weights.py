@@ -83,8 +83,11 @@ class CostSettings:
         Of a safe end that needs full braking [s]; it grows with the square of the deceleration.
     astray : float
         Of a path that does not end in the ego lane [s].
-    space : float
-        Of a nominal gap below the touching one [s/m].
+    risk : float
+        Of following so closely that a lead vehicle's hardest braking would need more than `risk_braking`,
+        over time [-]; it grows with the square of the excess.
+    risk_braking : float
+        Deceleration [m/s^2].
     horizon : float
         Time over which costs are summed [s].
 
@@ -108,8 +111,9 @@ class CostSettings:
     hard: float = 0.4
     safe_end: float = 1.5
     astray: float = 2.0
-    space: float = 0.1
+    risk: float = 0.5
+    risk_braking: float = 5.0
     horizon: float = 10.0
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("horizon",))
+        check_fields(self, positive=("horizon", "risk_braking"))
