@@ -8,8 +8,8 @@ from cca_core._checks import Array
 from cca_core.follow import friction_limited
 from cca_core.path import Path
 from cca_core.planner.limits import Limits
-from cca_core.planner.occupancy import TIMES
 from cca_core.planner.records import DrivenPlan, SafeStop
+from cca_core.planner.scene import TIMES
 from cca_core.vehicle import VehicleParams, VehicleState
 
 _STOP_TIME = 5.0  # [s]

@@ -10,10 +10,20 @@ from cca_core._checks import Array
 from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.path import Lane
-from cca_core.planner.occupancy import N_STOPS, TIMES, Traffic
+from cca_core.planner.occupancy import N_STOPS, Traffic
 from cca_core.planner.paths import Surroundings, return_paths, route_path, swerve
 from cca_core.planner.records import LateralPath, Level, Plan, Profile
-from cca_core.planner.scene import N_ROWS, Scene
+from cca_core.planner.scene import (
+    N_PATHS,
+    N_ROWS,
+    TIMES,
+    Lent,
+    Scene,
+    find_conflict,
+    limit_path,
+    roll,
+    sum_up,
+)
 
 _SIDES: tuple[Side, Side] = ("left", "right")
 _MAX_GROUP = 3  # vehicles that are passed at once
@@ -110,30 +120,29 @@ def _lane_refusal(around: Surroundings, lane: Lane, side: Side, awareness_range:
     return None
 
 
-def find_stops(scene: Scene, around: Surroundings, path: int) -> list[Stop]:
+def find_stops(scene: Lent[Scene], around: Surroundings, path: int) -> list[Stop]:
     """Return the points at which the ego lets crossing vehicles pass, in the order of their arrival."""
     traffic, settings = around.traffic, around.settings.crossing
-    found = []
+    found, work = [], scene.workspace
     reach = min(settings.range, float(around.free_s[-1] - around.s))
     for j in np.flatnonzero(traffic.crosses):
-        if not scene.call("conflict", path, int(j), int(reach), float(TIMES[-1]), _CONFLICT_MARGIN):
+        if not find_conflict(work, path, int(j), int(reach), float(TIMES[-1]), _CONFLICT_MARGIN):
             continue
-        enter = scene.get("s_enter") - 1.0 + around.lateral.base
+        enter = work.s_enter - 1.0 + around.lateral.base
         if enter < around.s:
             continue
         front = around.vehicle.front
         lines = [line - front for line in around.road.stop_lines if around.s - 0.5 < line - front < enter]
-        until = scene.get("t_exit") + around.settings.certificate.pet
+        until = work.t_exit + around.settings.certificate.pet
         found.append(
             Stop(
                 vehicle_id=traffic.ids[j], row=int(j), s=max(lines, default=enter),
-                t_enter=scene.get("t_enter"), until=until,
+                t_enter=work.t_enter, until=until,
             )
         )  # fmt: skip
     stops = sorted(found, key=lambda stop: stop.t_enter)[:N_STOPS]
     for i, stop in enumerate(stops):
-        scene["stop_s"][i], scene["stop_until"][i] = stop.s - around.lateral.base, stop.until
-    scene.set(stops=len(stops))
+        scene.arrays["stop_s"][i], scene.arrays["stop_until"][i] = stop.s - around.lateral.base, stop.until
     return stops
 
 
@@ -155,42 +164,42 @@ def profiles(
 class Rollout:
     """Motions of candidates in a scene, one row each."""
 
-    def __init__(self, scene: Scene, around: Surroundings) -> None:
+    def __init__(self, scene: Lent[Scene], around: Surroundings) -> None:
         self.scene, self.around = scene, around
         self.n_rows = self.n_paths = 0
 
     def add_path(self, path: LateralPath, a_y: float) -> int:
         """Put a path into the scene."""
-        scene, i, lateral = self.scene, self.n_paths, self.around.lateral
-        scene["d"][i] = path.on(lateral.base, scene["d"].shape[1])
-        scene["overtakes"][i] = 0.0
+        rows, i, lateral = self.scene.arrays, self.n_paths, self.around.lateral
+        rows["d"][i] = path.on(lateral.base, rows["d"].shape[1])
+        rows["overtakes"][i] = 0.0
         for j, name in enumerate(self.around.traffic.ids):
-            scene["overtakes"][i, j] = name in path.overtaken
-        scene.call("limit_path", i, a_y)
+            rows["overtakes"][i, j] = name in path.overtaken
+        limit_path(self.scene.workspace, i, a_y)
         self.n_paths += 1
         return i
 
     def add(self, path: LateralPath, i: int, profile: Profile, kept: Array | None = None) -> Plan | None:
         """Drive a path with a profile; None if the scene is full."""
-        scene, row = self.scene, self.n_rows
+        rows, work, row = self.scene.arrays, self.scene.workspace, self.n_rows
         if row >= N_ROWS - 1:
             return None
         self.n_rows += 1
         if profile.kept and kept is not None:
-            scene["a"][row] = kept
-        scene.call(
-            "roll", row, i, profile.follows, profile.passes, profile.yields, profile.braking, 0.0, profile.kept
+            rows["a"][row] = kept
+        roll(
+            work, row, i, profile.follows, profile.passes, profile.yields, profile.braking, 0.0, profile.kept
         )
-        scene.call("costs", row, i, self.around.settings.cost.horizon)
+        sum_up(work, row, i, self.around.settings.cost.horizon)
         return Plan(
-            path=path, row=row, path_row=i, profile=profile, s=scene["s"][row], v=scene["v"][row], a=scene["a"][row],
-            d=scene["offset_at"][row], limited_by=int(scene["limited_by"][row]), peak=float(scene["terms"][row, 2]),
+            path=path, row=row, path_row=i, profile=profile, s=rows["s"][row], v=rows["v"][row], a=rows["a"][row],
+            d=rows["offset_at"][row], limited_by=int(rows["limited_by"][row]), peak=float(rows["terms"][row, 2]),
         )  # fmt: skip
 
     @property
     def is_full(self) -> bool:
         """Whether no further path fits."""
-        return self.n_paths >= len(self.scene["d"])
+        return self.n_paths >= N_PATHS
 
 
 def shifted(a: Array, elapsed: float) -> Array:

@@ -6,10 +6,9 @@ from collections.abc import Callable
 import numpy as np
 
 from cca_core.decide import Rejection, RejectionKind
-from cca_core.planner.occupancy import TIMES
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.records import Grade, Level, PathKind, Plan
-from cca_core.planner.scene import N_ROWS, Scene
+from cca_core.planner.scene import N_ROWS, TIMES, Lent, Scene, check_gaps, check_worst, roll, set_numbers
 
 _TAIL = N_ROWS - 1  # row of the braking tail
 _BISECTIONS = 3
@@ -19,7 +18,7 @@ _GRIP_SHARE = 0.95  # of all tires that a path may use [-]
 class Certifier:
     """Certificates of the plans of one decision."""
 
-    def __init__(self, scene: Scene, around: Surroundings, *, inside: bool, kept: object = None) -> None:
+    def __init__(self, scene: Lent[Scene], around: Surroundings, *, inside: bool, kept: object = None) -> None:
         self._scene, self._around, self._inside = scene, around, inside
         self._settings = around.settings.certificate
         self._kept = kept
@@ -33,22 +32,22 @@ class Certifier:
     def certify(self, plan: Plan, home: Callable[[], bool]) -> None:
         """Grade a plan."""
         self.count += 1
-        around, scene, settings = self._around, self._scene, self._settings
+        around, work, settings = self._around, self._scene.workspace, self._settings
         is_kept = plan.profile.kept or plan.path.is_last
         touch = settings.touch_kept if is_kept else settings.touch
         clearance = settings.clearance_kept if is_kept else max(plan.path.clearance - 0.15, 0.2)
         plan.grade, plan.rejection, plan.is_certified = Grade.SEVERITY, None, True
         pet = settings.pet * (0.5 if is_kept else 1.0)
         asked = min(clearance, plan.path.clearance)
-        scene.call("nominal", plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
-        plan.gap = scene.get("gap")
-        which, when = scene.get("which"), scene.get("when")
-        if scene.get("least") < 0.0:
+        check_gaps(work, plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
+        plan.gap = work.gap
+        which, when = work.which, work.when
+        if work.least < 0.0:
             if plan.gap < 0.0:
-                plan.severity = 1.0 + scene.get("impact") ** 2 - 0.5 * float(TIMES[min(when, len(TIMES) - 1)])
+                plan.severity = 1.0 + work.impact**2 - 0.5 * float(TIMES[min(when, len(TIMES) - 1)])
                 plan.t_impact = float(TIMES[min(when, len(TIMES) - 1)])
             else:
-                plan.severity = -scene.get("least")
+                plan.severity = -work.least
             plan.impact_id = self._name(which)
             if plan.path.kind.is_swerve and which >= 0:
                 plan.rejection = self._lane_rejection(plan, which)
@@ -88,19 +87,21 @@ class Certifier:
         self, plan: Plan, out: object, touch: float, clearance: float, home: Callable[[], bool]
     ) -> None:
         """Certify a plan that leaves its lane: gap acceptance, then a safe end behind the next vehicle."""
-        around, scene, settings = self._around, self._scene, self._settings
+        around, work, settings = self._around, self._scene.workspace, self._settings
         steps = np.flatnonzero(out)
         back = float(TIMES[min(int(steps[-1]) + 1, len(TIMES) - 1)])
         react = max(back, settings.reaction_time)
         x_safety = around.settings.x_safety * (0.5 if plan.path.is_last else 1.0)
         begins = np.flatnonzero(plan.s + around.lateral.base >= plan.path.begin)
-        scene.set(begin_from=float(TIMES[begins[0]]) if len(begins) else 0.0)
-        scene.set(zone_from=float(TIMES[steps[0]]), zone_side=1 if plan.path.kind is PathKind.LEFT else 2)
+        set_numbers(
+            self._scene, begin_from=float(TIMES[begins[0]]) if len(begins) else 0.0, zone_from=float(TIMES[steps[0]]), 
+            zone_side=1 if plan.path.kind is PathKind.LEFT else 2,
+        )
         if self._inside:
             if not self._tail_is_safe(plan, react, around.limits.b_max, touch, clearance, x_safety, 1):
-                plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan, scene.get("which"))
+                plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan, work.which)
                 return
-            if scene.call("worst", plan.row, plan.path_row, touch, clearance, settings.duty_delay, 0.0, 2) or home():
+            if check_worst(work, plan.row, plan.path_row, touch, clearance, settings.duty_delay, 0.0, 2) or home():
                 plan.grade, plan.braking = Grade.COMFORTABLE, settings.comfortable_braking
             else:
                 plan.grade = Grade.NOMINAL
@@ -113,12 +114,12 @@ class Certifier:
 
     def _needed_braking(self, plan: Plan, react: float, touch: float, clearance: float) -> float:
         """Return the least deceleration of a tail that is safe in the worst case; infinite if none is."""
-        scene, settings = self._scene, self._settings
-        if scene.call("worst", plan.row, plan.path_row, touch, clearance, settings.duty_delay, 0.0, 0):
+        work, settings = self._scene.workspace, self._settings
+        if check_worst(work, plan.row, plan.path_row, touch, clearance, settings.duty_delay, 0.0, 0):
             return 0.0
         high = self._around.limits.b_max
         if not self._tail_is_safe(plan, react, high, touch, clearance):
-            plan.impact_id = self._name(scene.get("which"))
+            plan.impact_id = self._name(work.which)
             return math.inf
         low = min(settings.comfortable_braking, 0.5 * high)
         if self._tail_is_safe(plan, react, low, touch, clearance):
@@ -136,23 +137,23 @@ class Certifier:
         which: int = 0,
     ) -> bool:  # fmt: skip
         """Return whether the plan with a braking tail is safe in the worst case."""
-        scene, profile = self._scene, plan.profile
+        work, profile = self._scene.workspace, plan.profile
         if profile.kept:
-            scene["a"][_TAIL] = self._kept
-        scene.set(react=react)
-        scene.call(
-            "roll", _TAIL, plan.path_row, profile.follows, profile.passes, profile.yields, profile.braking, braking,
+            self._scene.arrays["a"][_TAIL] = self._kept
+        work.react = react
+        roll(
+            work, _TAIL, plan.path_row, profile.follows, profile.passes, profile.yields, profile.braking, braking,
             profile.kept,
         )  # fmt: skip
         return bool(
-            scene.call("worst", _TAIL, plan.path_row, touch, clearance, self._settings.duty_delay, x_safety, which)
+            check_worst(work, _TAIL, plan.path_row, touch, clearance, self._settings.duty_delay, x_safety, which)
         )
 
     def tail(self, plan: Plan, braking: float) -> tuple[object, object, object]:
         """Return stations, speeds and accelerations of a plan's braking tail."""
-        scene = self._scene
+        rows = self._scene.arrays
         self._tail_is_safe(plan, self._settings.reaction_time, braking, 0.0, 0.0)
-        return scene["s"][_TAIL].copy(), scene["v"][_TAIL].copy(), scene["a"][_TAIL].copy()
+        return rows["s"][_TAIL].copy(), rows["v"][_TAIL].copy(), rows["a"][_TAIL].copy()
 
     def _name(self, j: int) -> str:
         ids = self._around.traffic.ids

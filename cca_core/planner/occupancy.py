@@ -9,13 +9,10 @@ from cca_core._checks import Array
 from cca_core.frenet import CROSSING_SINE, FrenetVehicle
 from cca_core.path import Lane, Road
 from cca_core.planner.records import Sight
-from cca_core.planner.scene import Scene
+from cca_core.planner.scene import TIMES, Lent, Scene, Scenes
 from cca_core.planner.settings import EvasionSettings
 from cca_core.predict import predict_ctra, reachable_interval
 from cca_core.vehicle import STANDSTILL_SPEED
-
-TIMES = np.concatenate((np.arange(40) * 0.1, 4.0 + 0.2 * np.arange(81)))
-"""Times from now at which vehicles are compared [s]: finer at first, 20 s in all."""
 
 N_STOPS = 6
 """Crossing vehicles that the ego can yield to at once."""
@@ -23,6 +20,7 @@ N_STOPS = 6
 _BEHIND, _AHEAD = 200.0, 700.0  # part of the route around the ego in which vehicles are relevant [m]
 _NO_ACCELERATION = 0.5  # a smaller reported acceleration is noise [m/s^2]
 _HARD_BRAKING = 4.0  # least deceleration of a vehicle that reports hard braking [m/s^2]
+_MAX_VEHICLES = 600
 _GONE = 1e6  # station of a vehicle that is nominally not there [m]
 
 
@@ -64,13 +62,14 @@ def is_crossing(n: FrenetVehicle) -> bool:
 
 
 def place_vehicles(
-    scene_of: "SceneFactory", sight: Sight, road: Road, settings: EvasionSettings, base: int
-) -> tuple[Scene, Traffic]:
+    scenes: Scenes, sight: Sight, road: Road, settings: EvasionSettings, base: int
+) -> tuple[Lent[Scene], Traffic]:
     """Predict the vehicles and put them into a scene."""
-    vehicles = relevant_vehicles(sight, settings)
+    vehicles = relevant_vehicles(sight, settings)[:_MAX_VEHICLES]
     phantoms = _assumed_vehicles(sight, road, settings)
     n_real, m = len(vehicles), len(vehicles) + len(phantoms)
-    scene = scene_of(m)
+    scene = scenes.for_vehicles(m)
+    rows = scene.arrays
     steps = len(TIMES)
     s, v, d = np.full((m, steps), _GONE), np.zeros((m, steps)), np.zeros((m, steps))
     low, high, right, left = (np.full((m, steps), value) for value in (_GONE, _GONE, 0.0, 0.0))
@@ -78,14 +77,14 @@ def place_vehicles(
     crosses, stands, adjacent, assumed = np.zeros((4, m), dtype=np.int32)
     lane = road.ego_lane
     for j, n in enumerate(vehicles):
-        kappa = float(scene["kappa"][min(max(int(n.s) - base, 0), len(scene["kappa"]) - 1)])
+        kappa = float(rows["kappa"][min(max(int(n.s) - base, 0), len(rows["kappa"]) - 1)])
         likely = n.nominal() if n.is_stale else n
         extent = _extent(likely, kappa)
         half_l[j], half_w[j] = 0.5 * (extent[1] - extent[0]), 0.5 * (extent[3] - extent[2])
         shift_s, shift_d = 0.5 * (extent[0] + extent[1]), 0.5 * (extent[2] + extent[3])
         crosses[j] = is_crossing(n)
         if crosses[j]:
-            _place_crossing(scene, j, n, settings)
+            _place_crossing(rows, j, n, settings)
             half_l[j], half_w[j] = (
                 0.5 * n.remote.length + 2.0 * likely.remote.sigma_along,
                 0.5 * n.remote.width + 2.0 * likely.remote.sigma_across,
@@ -119,36 +118,12 @@ def place_vehicles(
         ("crosses", crosses), ("stands", stands), ("adjacent", adjacent), ("assumed", assumed),
     ):  # fmt: skip
         if m:
-            scene[name][...] = values
+            rows[name][:m] = values
     traffic = Traffic(
         vehicles=tuple(vehicles), ids=tuple(n.id for n in vehicles), crosses=crosses.astype(bool), s=s, v=v,
         d=d, half_l=half_l, half_w=half_w, low=low, high=high,
     )  # fmt: skip
     return scene, traffic
-
-
-class SceneFactory:
-    """Scenes by number of vehicles, made once each."""
-
-    def __init__(self, n: int, paths: int, rows: int) -> None:
-        self._sizes = {"n": n, "paths": paths, "rows": rows, "steps": len(TIMES)}
-        self._route: dict[str, Array] = {
-            name: np.zeros(n) for name in ("x", "y", "psi", "kappa", "cap")
-        }
-        self._scenes: dict[int, Scene] = {}
-
-    def __call__(self, m: int) -> Scene:
-        if m not in self._scenes:
-            scene = self._scenes[m] = Scene(m=m, **self._sizes)
-            scene["t"][:] = TIMES
-            for name, row in self._route.items():
-                scene.lend(name, row)
-        return self._scenes[m]
-
-    @property
-    def route(self) -> dict[str, Array]:
-        """Rows of the route, which all scenes share."""
-        return self._route
 
 
 def _extent(n: FrenetVehicle, kappa: float) -> tuple[float, float, float, float]:
@@ -225,13 +200,13 @@ def _reach(n: FrenetVehicle, settings: EvasionSettings, limit: float) -> tuple[A
     return low, high
 
 
-def _place_crossing(scene: Scene, j: int, n: FrenetVehicle, settings: EvasionSettings) -> None:
+def _place_crossing(rows: dict[str, Array], j: int, n: FrenetVehicle, settings: EvasionSettings) -> None:
     """Nominal and worst-case motion of a vehicle in the plane."""
     remote = n.remote
     told = replace(remote, a_x=0.0) if remote.a_x * remote.v_x > -_NO_ACCELERATION else remote
     x, y, psi = predict_ctra(told, TIMES)
     for name, values in (("x_o", x), ("y_o", y), ("psi_o", psi)):
-        scene[name][j] = values
+        rows[name][j] = values
     crossing, pet = settings.crossing, settings.certificate.pet
     v, sign = abs(remote.v_x), math.copysign(1.0, remote.v_x)
     free = settings.assumed_braking == settings.assumed_acceleration == 0.0
@@ -246,12 +221,12 @@ def _place_crossing(scene: Scene, j: int, n: FrenetVehicle, settings: EvasionSet
     turn = np.clip(kappa * middle * sign, -0.5 * math.pi, 0.5 * math.pi)
     half = 0.5 * turn
     chord = sign * middle * np.sinc(half / math.pi)
-    scene["x_w"][j] = remote.x + chord * np.cos(remote.psi + half)
-    scene["y_w"][j] = remote.y + chord * np.sin(remote.psi + half)
-    scene["psi_w"][j] = remote.psi + turn
+    rows["x_w"][j] = remote.x + chord * np.cos(remote.psi + half)
+    rows["y_w"][j] = remote.y + chord * np.sin(remote.psi + half)
+    rows["psi_w"][j] = remote.psi + turn
     reach = 0.5 * (high - low)
-    scene["half_l_w"][j] = 0.5 * remote.length + 2.0 * remote.sigma_along + reach
-    scene["half_w_w"][j] = (
+    rows["half_l_w"][j] = 0.5 * remote.length + 2.0 * remote.sigma_along + reach
+    rows["half_w_w"][j] = (
         0.5 * remote.width + 2.0 * remote.sigma_across + np.minimum(0.25 * abs(kappa) * reach * reach, reach)
     )
 

@@ -15,8 +15,9 @@ from cca_core.geometry import QUINTIC_PEAK, Boxes
 from cca_core.path import Lane, Path, Road
 from cca_core.path.interpolate import spline_through
 from cca_core.planner.limits import Limits
-from cca_core.planner.occupancy import TIMES, Traffic
+from cca_core.planner.occupancy import Traffic
 from cca_core.planner.records import LateralPath, Level, PathKind
+from cca_core.planner.scene import TIMES
 from cca_core.planner.settings import EvasionSettings
 from cca_core.predict import occupancy_boxes
 from cca_core.vehicle import VehicleParams

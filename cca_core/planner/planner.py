@@ -33,18 +33,17 @@ from cca_core.planner.inputs import (
     warn_of_tight_bend,
 )
 from cca_core.planner.limits import limits_of
-from cca_core.planner.occupancy import TIMES, SceneFactory, place_vehicles
+from cca_core.planner.occupancy import place_vehicles
 from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
 from cca_core.planner.reasons import explain
 from cca_core.planner.records import DrivenPlan, Grade, LateralPath, Level, Mode, Plan, PlannerState, Sight
-from cca_core.planner.scene import N_ROWS
+from cca_core.planner.scene import TIMES, Scenes, set_numbers
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
 
 _LOG = logging.getLogger(__name__)
-_N_PATHS = 24
 _ON_PATH = 0.4  # lateral error up to which the ego is on its path [m]
 
 
@@ -100,7 +99,7 @@ class Planner:
         self._lateral_range = self.road.right_edge - margin, self.road.left_edge + margin
         branches = Branches(self.road.path)
         self._branches = branches if branches.passes_itself else None
-        self._scenes = SceneFactory(BEHIND + AHEAD, _N_PATHS, N_ROWS)
+        self._scenes = Scenes(BEHIND + AHEAD)
         self._last_s: dict[str, float] = {}
         self._clock = CycleClock()
         self._command: Command | None = None
@@ -243,8 +242,8 @@ class Planner:
         self._fill_route(base)
         scene, traffic = place_vehicles(self._scenes, sight, self.road, settings, base)
         vehicle, speed, certificate, lane = self.vehicle, self.speed, settings.certificate, self.road.ego_lane
-        scene.set(
-            n=BEHIND + AHEAD, lane_right=lane.right, lane_left=lane.left, s_0=sight.s - base, v_0=sight.v,
+        set_numbers(
+            scene, lane_right=lane.right, lane_left=lane.left, s_0=sight.s - base, v_0=sight.v,
             a_0=state.a_x, a_true=state.a_true, half_length=0.5 * vehicle.length,
             half_width=0.5 * vehicle.width, offset=vehicle.box_offset, a_max=limits.a_max,
             b_comfort=limits.b_comfort, b_max=limits.b_max, grip=limits.grip, b_other=settings.assumed_braking,
@@ -270,7 +269,8 @@ class Planner:
         inside = lane.right < sight.d - half and sight.d + half < lane.left
         certifier = Certifier(scene, around, inside=inside, kept=kept)
         plans: list[Plan] = []
-        free_terms = scene["terms"][free.row].copy()
+        terms = scene.arrays["terms"]
+        free_terms = terms[free.row].copy()
 
         def add(path: LateralPath, row: int, *, desperate: bool = False) -> None:
             keeps = kept is not None and (path.is_last or last_path is None and not path.kind.is_swerve)
@@ -279,7 +279,7 @@ class Planner:
             ):
                 plan = rollout.add(path, row, profile, kept)
                 if plan is not None:
-                    assess(plan, scene["terms"], free_terms, around, last_path, state.a_x, self._cruise_speed)
+                    assess(plan, terms, free_terms, around, last_path, state.a_x, self._cruise_speed)
                     plans.append(plan)
 
         for path, row in zip(homes, rows, strict=True):

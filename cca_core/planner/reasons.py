@@ -10,6 +10,7 @@ from cca_core.decide.action import explained
 from cca_core.frenet import FrenetVehicle
 from cca_core.planner.modes import ACTIONS
 from cca_core.planner.records import DrivenPlan, Mode, PathKind, Sight
+from cca_core.planner.scene import TIMES
 from cca_core.vehicle import VehicleParams
 
 
@@ -76,8 +77,6 @@ def _ahead(sight: Sight, vehicle: VehicleParams) -> FrenetVehicle | None:
 
 def _time_at(plan: DrivenPlan, s: float) -> float:
     """Time from the decision on at which the plan reaches a station [s]."""
-    from cca_core.planner.occupancy import TIMES
-
     return float(np.interp(s, plan.s, TIMES, right=math.inf))
 
 

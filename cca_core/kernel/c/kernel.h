@@ -236,6 +236,109 @@ void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const d
 
 typedef struct cca_ddd { double item0; double item1; double item2; } cca_ddd;
 
+typedef struct Scene {
+    int n;
+    int max_m;
+    int max_paths;
+    int max_rows;
+    int steps;
+    double *x;
+    double *y;
+    double *psi;
+    double *kappa;
+    double *cap;
+    double lane_right;
+    double lane_left;
+    double *d;
+    double *path_cap;
+    double *overtakes;
+    double *t;
+    int m;
+    double *s_o;
+    double *v_o;
+    double *d_o;
+    double *s_follow;
+    double *v_follow;
+    double *half_l;
+    double *half_w;
+    double *low;
+    double *high;
+    double *right;
+    double *left;
+    int *crosses;
+    int *stands;
+    double *x_o;
+    double *y_o;
+    double *psi_o;
+    double *x_w;
+    double *y_w;
+    double *psi_w;
+    double *half_l_w;
+    double *half_w_w;
+    int *adjacent;
+    int *assumed;
+    int stops;
+    double *stop_s;
+    double *stop_until;
+    double s_0;
+    double v_0;
+    double a_0;
+    double a_true;
+    double half_length;
+    double half_width;
+    double offset;
+    double a_max;
+    double b_comfort;
+    double b_max;
+    double b_soft;
+    double b_other;
+    double risk_until;
+    double grip;
+    double standstill_gap;
+    double time_gap;
+    double approach_rate;
+    double jerk;
+    double jerk_emergency;
+    double lag;
+    double blocking_gap;
+    double look;
+    double react;
+    double *s;
+    double *v;
+    double *a;
+    double *offset_at;
+    int *limited_by;
+    double *terms;
+    double least;
+    double gap;
+    int which;
+    int when;
+    double impact;
+    double s_enter;
+    double s_exit;
+    double t_enter;
+    double t_exit;
+    double zone_from;
+    double begin_from;
+    int zone_side;
+    int duty_from;
+    double rear;
+} Scene;
+
+void cca_limit_path_speed(Scene *w, int p, double a_y);
+
+void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yields, double braking, double
+    tail, bool kept);
+
+void cca_sum_costs(Scene *w, int row, int p, double until);
+
+bool cca_find_conflict_stations(Scene *w, int p, int j, int reach, double until, double margin);
+
+void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet);
+
+bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait, double
+    x_safety, int which);
+
 void cca_distances_driven(int n, const double *t, double v, double a_x, double *distance);
 
 void cca_reachable_intervals(int n, const double *v, const double *t, const double *age, const double

@@ -57,6 +57,53 @@ static PyObject *call_oriented_box_gap(PyObject *self_, PyObject *const *given_,
     return PyFloat_FromDouble(result_);
 }
 
+static PyObject *call_aligned_box_gaps(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("aligned_box_gaps", 6, count_)) {
+        return NULL;
+    }
+    int n;
+    const double *dx;
+    const double *dy;
+    double length;
+    double width;
+    double *gap;
+    if (!lend_whole(given_[0], &n)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &length)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &width)) {
+        return NULL;
+    }
+    Lent lent_[3];
+    int held_ = 0;
+    dx = lend_array("dx", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (dx == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    dy = lend_array("dy", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (dy == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    gap = lend_array("gap", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
+    if (gap == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    double result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_aligned_box_gaps(n, dx, dy, length, width, gap);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyFloat_FromDouble(result_);
+}
+
 static PyObject *call_box_gap(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -334,60 +381,12 @@ static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_s
         return NULL;
     }
     cca_dddddd result_;
+    Py_BEGIN_ALLOW_THREADS
     result_ = cca_curve_point(curve, s);
+    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1), PyFloat_FromDouble(result_.item2), PyFloat_FromDouble(result_.item3), PyFloat_FromDouble(result_.item4), PyFloat_FromDouble(result_.item5)};
     return lend_group(items_, 6);
-}
-
-static PyObject *call_curve_points(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("curve_points", 6, count_)) {
-        return NULL;
-    }
-    const Curve *curve;
-    int n;
-    const double *s;
-    double *position;
-    double *first;
-    double *second;
-    if (!lend_whole(given_[1], &n)) {
-        return NULL;
-    }
-    Lent lent_[5];
-    int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
-    if (curve == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    s = lend_array("s", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
-    if (s == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    position = lend_array("position", given_[3], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 2, 1);
-    if (position == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    first = lend_array("first", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 2, 1);
-    if (first == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    second = lend_array("second", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 2, 1);
-    if (second == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_curve_points(curve, n, s, position, first, second);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
 }
 
 static PyObject *call_curvature_at(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
@@ -410,7 +409,9 @@ static PyObject *call_curvature_at(PyObject *self_, PyObject *const *given_, Py_
         return NULL;
     }
     double result_;
+    Py_BEGIN_ALLOW_THREADS
     result_ = cca_curvature_at(curve, s);
+    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -443,7 +444,9 @@ static PyObject *call_foot_point(PyObject *self_, PyObject *const *given_, Py_ss
         return NULL;
     }
     cca_dddd result_;
+    Py_BEGIN_ALLOW_THREADS
     result_ = cca_foot_point(curve, x, y, s_guess);
+    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1), PyFloat_FromDouble(result_.item2), PyFloat_FromDouble(result_.item3)};
     return lend_group(items_, 4);
@@ -479,7 +482,9 @@ static PyObject *call_nearest_point(PyObject *self_, PyObject *const *given_, Py
         return NULL;
     }
     cca_dd result_;
+    Py_BEGIN_ALLOW_THREADS
     result_ = cca_nearest_point(curve, samples, x, y);
+    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1)};
     return lend_group(items_, 2);
@@ -689,6 +694,264 @@ static PyObject *call_find_equilibria(PyObject *self_, PyObject *const *given_, 
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     Py_RETURN_NONE;
+}
+
+static PyObject *call_limit_path_speed(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("limit_path_speed", 3, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int p;
+    double a_y;
+    if (!lend_whole(given_[1], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &a_y)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_limit_path_speed(w, p, a_y);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_roll_out(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("roll_out", 9, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    bool follows;
+    bool passes;
+    int yields;
+    double braking;
+    double tail;
+    bool kept;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_flag(given_[3], &follows)) {
+        return NULL;
+    }
+    if (!lend_flag(given_[4], &passes)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[5], &yields)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &braking)) {
+        return NULL;
+    }
+    if (!lend_real(given_[7], &tail)) {
+        return NULL;
+    }
+    if (!lend_flag(given_[8], &kept)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_roll_out(w, row, p, follows, passes, yields, braking, tail, kept);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_sum_costs(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("sum_costs", 4, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    double until;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &until)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_sum_costs(w, row, p, until);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_find_conflict_stations(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_conflict_stations", 6, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int p;
+    int j;
+    int reach;
+    double until;
+    double margin;
+    if (!lend_whole(given_[1], &p)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &j)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[3], &reach)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &until)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &margin)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_find_conflict_stations(w, p, j, reach, until, margin);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
+}
+
+static PyObject *call_check_nominal(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("check_nominal", 7, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    double touch;
+    double clearance;
+    double wait;
+    double pet;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &touch)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &clearance)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &wait)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &pet)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_check_nominal(w, row, p, touch, clearance, wait, pet);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_check_worst_case(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("check_worst_case", 8, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    double touch;
+    double clearance;
+    double wait;
+    double x_safety;
+    int which;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &touch)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &clearance)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &wait)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &x_safety)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[7], &which)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_check_worst_case(w, row, p, touch, clearance, wait, x_safety, which);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
 }
 
 static PyObject *call_distances_driven(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
@@ -953,72 +1216,6 @@ static PyObject *call_occupancy_boxes(PyObject *self_, PyObject *const *given_, 
     Py_RETURN_NONE;
 }
 
-static PyObject *call_vehicle_boxes(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("vehicle_boxes", 9, count_)) {
-        return NULL;
-    }
-    const Curve *curve;
-    int vehicles;
-    int times;
-    const double *s;
-    const double *rear;
-    const double *front;
-    const double *d;
-    const double *half_width;
-    double *boxes;
-    if (!lend_whole(given_[1], &vehicles)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &times)) {
-        return NULL;
-    }
-    Lent lent_[7];
-    int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
-    if (curve == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    s = lend_array("s", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)times, 0, 0);
-    if (s == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    rear = lend_array("rear", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, (Py_ssize_t)times, 0);
-    if (rear == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    front = lend_array("front", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, (Py_ssize_t)times, 0);
-    if (front == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    d = lend_array("d", given_[6], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)vehicles, 0, 0);
-    if (d == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    half_width = lend_array("half_width", given_[7], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)vehicles, 0, 0);
-    if (half_width == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    boxes = lend_array("boxes", given_[8], &lent_[held_], &held_, 'd', 2, ((Py_ssize_t)vehicles * (Py_ssize_t)times), 5, 1);
-    if (boxes == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_vehicle_boxes(curve, vehicles, times, s, rear, front, d, half_width, boxes);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
-}
-
 static PyObject *call_same_direction_distances(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1047,12 +1244,12 @@ static PyObject *call_same_direction_distances(PyObject *self_, PyObject *const 
         lend_end(lent_, held_);
         return NULL;
     }
-    rear = lend_workspace("rear", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
+    rear = lend_workspace("rear", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 7, 0);
     if (rear == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    front = lend_workspace("front", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
+    front = lend_workspace("front", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 7, 0);
     if (front == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1097,12 +1294,12 @@ static PyObject *call_opposite_distances(PyObject *self_, PyObject *const *given
         lend_end(lent_, held_);
         return NULL;
     }
-    correct = lend_workspace("correct", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
+    correct = lend_workspace("correct", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 7, 0);
     if (correct == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    opposite = lend_workspace("opposite", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
+    opposite = lend_workspace("opposite", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 7, 0);
     if (opposite == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1147,12 +1344,12 @@ static PyObject *call_lateral_distances(PyObject *self_, PyObject *const *given_
         lend_end(lent_, held_);
         return NULL;
     }
-    left = lend_workspace("left", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
+    left = lend_workspace("left", given_[3], &lent_[held_], &held_, sizeof(RssReaction), 7, 0);
     if (left == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    right = lend_workspace("right", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 6, 0);
+    right = lend_workspace("right", given_[4], &lent_[held_], &held_, sizeof(RssReaction), 7, 0);
     if (right == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1215,7 +1412,7 @@ static PyObject *call_drive(PyObject *self_, PyObject *const *given_, Py_ssize_t
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(SingleTrackCar), 7, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(SingleTrackCar), 8, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1355,7 +1552,9 @@ static PyObject *call_interpolated(PyObject *self_, PyObject *const *given_, Py_
         return NULL;
     }
     double result_;
+    Py_BEGIN_ALLOW_THREADS
     result_ = cca_interpolated(n, at, value, s);
+    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -1406,7 +1605,9 @@ static PyObject *call_profile_acceleration(PyObject *self_, PyObject *const *giv
         return NULL;
     }
     double result_;
+    Py_BEGIN_ALLOW_THREADS
     result_ = cca_profile_acceleration(n, at, squared, s, v_x, a_max, b_comfort, b_max);
+    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -1425,13 +1626,15 @@ static PyObject *call_front_slip(PyObject *self_, PyObject *const *given_, Py_ss
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 8, 0);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 9, 0);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
     double result_;
+    Py_BEGIN_ALLOW_THREADS
     result_ = cca_front_slip(car, fraction);
+    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -1462,7 +1665,7 @@ static PyObject *call_advance(PyObject *self_, PyObject *const *given_, Py_ssize
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 8, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 9, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1489,7 +1692,7 @@ static PyObject *call_find_passed(PyObject *self_, PyObject *const *given_, Py_s
     }
     Lent lent_[1];
     int held_ = 0;
-    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 8, 1);
+    car = lend_workspace("car", given_[0], &lent_[held_], &held_, sizeof(IdealCar), 9, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1547,12 +1750,12 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
     }
     Lent lent_[3];
     int held_ = 0;
-    law = lend_workspace("law", given_[0], &lent_[held_], &held_, sizeof(Steering), 9, 1);
+    law = lend_workspace("law", given_[0], &lent_[held_], &held_, sizeof(Steering), 10, 1);
     if (law == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    car = lend_workspace("car", given_[1], &lent_[held_], &held_, sizeof(IdealCar), 8, 1);
+    car = lend_workspace("car", given_[1], &lent_[held_], &held_, sizeof(IdealCar), 9, 1);
     if (car == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1572,25 +1775,30 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
 
 static PyMethodDef methods[] = {
     {"oriented_box_gap", (PyCFunction)(void (*)(void))call_oriented_box_gap, METH_FASTCALL, NULL},
+    {"aligned_box_gaps", (PyCFunction)(void (*)(void))call_aligned_box_gaps, METH_FASTCALL, NULL},
     {"box_gap", (PyCFunction)(void (*)(void))call_box_gap, METH_FASTCALL, NULL},
     {"box_gaps", (PyCFunction)(void (*)(void))call_box_gaps, METH_FASTCALL, NULL},
     {"relax_bands", (PyCFunction)(void (*)(void))call_relax_bands, METH_FASTCALL, NULL},
     {"measure_band", (PyCFunction)(void (*)(void))call_measure_band, METH_FASTCALL, NULL},
     {"join_cubics", (PyCFunction)(void (*)(void))call_join_cubics, METH_FASTCALL, NULL},
     {"curve_point", (PyCFunction)(void (*)(void))call_curve_point, METH_FASTCALL, NULL},
-    {"curve_points", (PyCFunction)(void (*)(void))call_curve_points, METH_FASTCALL, NULL},
     {"curvature_at", (PyCFunction)(void (*)(void))call_curvature_at, METH_FASTCALL, NULL},
     {"foot_point", (PyCFunction)(void (*)(void))call_foot_point, METH_FASTCALL, NULL},
     {"nearest_point", (PyCFunction)(void (*)(void))call_nearest_point, METH_FASTCALL, NULL},
     {"foot_points", (PyCFunction)(void (*)(void))call_foot_points, METH_FASTCALL, NULL},
     {"nearest_points", (PyCFunction)(void (*)(void))call_nearest_points, METH_FASTCALL, NULL},
     {"find_equilibria", (PyCFunction)(void (*)(void))call_find_equilibria, METH_FASTCALL, NULL},
+    {"limit_path_speed", (PyCFunction)(void (*)(void))call_limit_path_speed, METH_FASTCALL, NULL},
+    {"roll_out", (PyCFunction)(void (*)(void))call_roll_out, METH_FASTCALL, NULL},
+    {"sum_costs", (PyCFunction)(void (*)(void))call_sum_costs, METH_FASTCALL, NULL},
+    {"find_conflict_stations", (PyCFunction)(void (*)(void))call_find_conflict_stations, METH_FASTCALL, NULL},
+    {"check_nominal", (PyCFunction)(void (*)(void))call_check_nominal, METH_FASTCALL, NULL},
+    {"check_worst_case", (PyCFunction)(void (*)(void))call_check_worst_case, METH_FASTCALL, NULL},
     {"distances_driven", (PyCFunction)(void (*)(void))call_distances_driven, METH_FASTCALL, NULL},
     {"reachable_intervals", (PyCFunction)(void (*)(void))call_reachable_intervals, METH_FASTCALL, NULL},
     {"occupied_intervals", (PyCFunction)(void (*)(void))call_occupied_intervals, METH_FASTCALL, NULL},
     {"danger_zones", (PyCFunction)(void (*)(void))call_danger_zones, METH_FASTCALL, NULL},
     {"occupancy_boxes", (PyCFunction)(void (*)(void))call_occupancy_boxes, METH_FASTCALL, NULL},
-    {"vehicle_boxes", (PyCFunction)(void (*)(void))call_vehicle_boxes, METH_FASTCALL, NULL},
     {"same_direction_distances", (PyCFunction)(void (*)(void))call_same_direction_distances, METH_FASTCALL, NULL},
     {"opposite_distances", (PyCFunction)(void (*)(void))call_opposite_distances, METH_FASTCALL, NULL},
     {"lateral_distances", (PyCFunction)(void (*)(void))call_lateral_distances, METH_FASTCALL, NULL},
@@ -1611,16 +1819,17 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "0f70307eb59dacc7f3bb1dbcc970da2f831779a77b6df5320e1c707c5322355c") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "f854c6da6428348e67fb711401db0ec3ac6bfd13a775c7064e473549b4a4a3e6") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
     failed = failed || lend_describe(structures, "Curve", 4, sizeof(Curve)) < 0;
     failed = failed || lend_describe(structures, "CurveSamples", 5, sizeof(CurveSamples)) < 0;
-    failed = failed || lend_describe(structures, "RssReaction", 6, sizeof(RssReaction)) < 0;
-    failed = failed || lend_describe(structures, "SingleTrackCar", 7, sizeof(SingleTrackCar)) < 0;
-    failed = failed || lend_describe(structures, "IdealCar", 8, sizeof(IdealCar)) < 0;
-    failed = failed || lend_describe(structures, "Steering", 9, sizeof(Steering)) < 0;
+    failed = failed || lend_describe(structures, "Scene", 6, sizeof(Scene)) < 0;
+    failed = failed || lend_describe(structures, "RssReaction", 7, sizeof(RssReaction)) < 0;
+    failed = failed || lend_describe(structures, "SingleTrackCar", 8, sizeof(SingleTrackCar)) < 0;
+    failed = failed || lend_describe(structures, "IdealCar", 9, sizeof(IdealCar)) < 0;
+    failed = failed || lend_describe(structures, "Steering", 10, sizeof(Steering)) < 0;
     Py_XDECREF(structures);
     return failed ? -1 : 0;
 }

@@ -1,0 +1,212 @@
+"""Gaps of the ego's motions to other vehicles: nominal, in the worst case, and conflicts with crossing ones."""
+
+import math
+
+from cca_core.kernel.box_gaps import norm, oriented_box_gap
+from cca_core.kernel.rollout import ONCOMING, TIME_EPS
+from cca_core.kernel.scene import TOLERANCE, Scene, at_station, is_outside, lateral, slope, station
+from cca_core.kernel.types import Flag, Int, Real
+
+__all__ = ["check_nominal", "check_worst_case", "find_conflict_stations"]
+
+FAR = 1e3  # gap where there is no vehicle [m]
+STANDSTILL = 0.2  # speed below which the ego stands [m/s]
+NEAR = 12.0  # part of an interval beyond the body that matters [m]
+
+
+def find_duty(w: Scene, row: Int, wait: Real) -> Int:
+    """Find from when on vehicles behind the ego must keep their distance; return when it is in its lane."""
+    back = 0
+    for k in range(w.steps):
+        if is_outside(w, w.offset_at[row, k], TOLERANCE):
+            back = min(k + 1, w.steps - 1)
+    w.rear = w.s[row, back] + w.offset - w.half_length
+    w.duty_from = back
+    for k in range(back, w.steps):
+        if back > 0 and w.t[k] < w.t[back] + wait:
+            w.duty_from = k
+    return back
+
+
+def has_duty(w: Scene, j: Int, k: Int, back: Int) -> Flag:
+    """Whether a vehicle is behind the ego in its lane, for good."""
+    if w.crosses[j] != 0 or k < w.duty_from or not w.v_o[j, 0] >= ONCOMING:
+        return False
+    return w.s_o[j, back] + 0.5 * w.half_l[j] < w.rear
+
+
+def ego_gap(w: Scene, row: Int, p: Int, k: Int, low: Real, high: Real, right: Real, left: Real) -> Real:
+    """Gap of the ego's body to a rectangle in route coordinates."""
+    at = w.s[row, k]
+    middle = at + w.offset
+    reach = w.half_length + w.half_width
+    if not low <= middle + reach + NEAR:
+        return low - middle - reach
+    if not high >= middle - reach - NEAR:
+        return middle - reach - high
+    begin = max(low, middle - reach - NEAR)
+    end = max(min(high, middle + reach + NEAR), begin)
+    turn = slope(w, p, at)
+    scale = 1.0 / math.sqrt(1.0 + turn * turn)
+    width = w.half_width + 0.5 * abs(w.kappa[station(w.n, at)]) * w.half_length * w.half_length
+    return oriented_box_gap(
+        0.5 * (begin + end) - at - w.offset * scale, 0.5 * (right + left) - w.offset_at[row, k] - w.offset * turn * scale,
+        scale, turn * scale, 1.0, 0.0, w.half_length, width, 0.5 * (end - begin), 0.5 * (left - right),
+    )  # fmt: skip
+
+
+def body_gap(
+    w: Scene, p: Int, at: Real, d: Real, x: Real, y: Real, psi: Real, length: Real, width: Real
+) -> Real:
+    """Gap of the ego's body at a position of a path to a box in the plane."""
+    route = at_station(w.n, w.psi, at)
+    kappa = w.kappa[station(w.n, at)]
+    heading = route + math.atan2(slope(w, p, at), max(1.0 - kappa * d, 0.1))
+    c = math.cos(heading)
+    s = math.sin(heading)
+    x_ego = at_station(w.n, w.x, at) - d * math.sin(route) + w.offset * c
+    y_ego = at_station(w.n, w.y, at) + d * math.cos(route) + w.offset * s
+    if not norm(x - x_ego, y - y_ego) < length + width + w.half_length + w.half_width + 15.0:
+        return 15.0
+    return oriented_box_gap(
+        x - x_ego, y - y_ego, c, s, math.cos(psi), math.sin(psi), w.half_length, w.half_width, length, width
+    )
+
+
+def plane_gap(
+    w: Scene, row: Int, p: Int, k: Int, x: Real, y: Real, psi: Real, length: Real, width: Real
+) -> Real:
+    """Gap of the ego's body in a motion to a box in the plane."""
+    return body_gap(w, p, w.s[row, k], w.offset_at[row, k], x, y, psi, length, width)
+
+
+def find_conflict_stations(w: Scene, p: Int, j: Int, reach: Int, until: Real, margin: Real) -> Flag:
+    """Find the stations of a path that a crossing vehicle passes over, and when."""
+    w.s_enter = -1.0
+    w.s_exit = -1.0
+    w.t_enter = -1.0
+    w.t_exit = -1.0
+    for i in range(reach):
+        at = w.s_0 + i
+        d = lateral(w, p, at)
+        x = at_station(w.n, w.x, at)
+        y = at_station(w.n, w.y, at)
+        reach_j = w.half_l[j] + w.half_w[j] + w.half_length + w.half_width + abs(w.offset) + abs(d) + margin
+        for k in range(w.steps):
+            if not w.t[k] <= until:
+                break
+            if not norm(w.x_o[j, k] - x, w.y_o[j, k] - y) <= reach_j:
+                continue
+            gap = body_gap(w, p, at, d, w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k], w.half_l[j], w.half_w[j])
+            if gap < margin:
+                if w.s_enter < 0.0:
+                    w.s_enter = at
+                w.s_exit = at
+                if w.t_enter < 0.0 or w.t[k] < w.t_enter:
+                    w.t_enter = w.t[k]
+                w.t_exit = max(w.t_exit, w.t[k])
+    return w.s_enter >= 0.0
+
+
+def nominal_gap(w: Scene, row: Int, p: Int, j: Int, k: Int, pet: Real) -> Real:
+    """Gap to a vehicle; one that crosses covers where it is within a time."""
+    if w.crosses[j] != 0:
+        length = w.half_l[j] + pet * w.v_o[j, k]
+        return plane_gap(w, row, p, k, w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k], length, w.half_w[j])
+    s = w.s_o[j, k]
+    d = w.d_o[j, k]
+    return ego_gap(w, row, p, k, s - w.half_l[j], s + w.half_l[j], d - w.half_w[j], d + w.half_w[j])
+
+
+def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real, pet: Real) -> None:
+    """Least gap to the nominal motion of others beyond what is asked, and the first overlap."""
+    back = find_duty(w, row, wait)
+    w.least = FAR
+    w.gap = FAR
+    w.which = -1
+    w.when = w.steps
+    w.impact = 0.0
+    hit = w.steps
+    for j in range(w.m):
+        asked = clearance if w.overtakes[p, j] != 0.0 else touch
+        for k in range(w.steps):
+            if has_duty(w, j, k, back):
+                continue
+            gap = nominal_gap(w, row, p, j, k, pet)
+            if k == 0:
+                asked = min(asked, max(gap - 0.02, 0.0))
+            w.gap = min(w.gap, gap)
+            if not gap - asked >= w.least:
+                w.least = gap - asked
+                w.which = j
+                w.when = k
+            if gap < 0.0 and k < hit:
+                hit = k
+                w.which = j
+                w.when = k
+                route = at_station(w.n, w.psi, w.s[row, k])
+                psi = w.psi_o[j, k] if w.crosses[j] != 0 else route
+                dx = w.v[row, k] * math.cos(route) - w.v_o[j, k] * math.cos(psi)
+                dy = w.v[row, k] * math.sin(route) - w.v_o[j, k] * math.sin(psi)
+                w.impact = norm(dx, dy)
+    if hit < w.steps:
+        w.when = hit
+
+
+def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
+    if w.crosses[j] != 0:
+        return plane_gap(
+            w, row, p, k, w.x_w[j, k], w.y_w[j, k], w.psi_w[j, k], w.half_l_w[j, k], w.half_w_w[j, k]
+        )
+    return ego_gap(w, row, p, k, w.low[j, k], w.high[j, k], w.right[j, k], w.left[j, k])
+
+
+def check_worst_case(
+    w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real, x_safety: Real, which: Int
+) -> Flag:
+    """Whether vehicles within the declared bounds cannot touch the ego.
+
+    `which`: 0 all vehicles; 1 without the overtaken ones; 2 the overtaken ones only. With `x_safety` the ego
+    keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when it enters
+    that lane, or from when the maneuver begins if the vehicle comes nearer.
+    """
+    back = find_duty(w, row, wait)
+    w.least = FAR
+    w.which = -1
+    w.when = w.steps
+    for j in range(w.m):
+        passed = w.overtakes[p, j] != 0.0
+        if (which == 1 and passed) or (which == 2 and not passed):
+            continue
+        if w.assumed[j] != 0 and not x_safety > 0.0:
+            continue
+        asked = clearance if passed else touch
+        for k in range(w.steps):
+            if has_duty(w, j, k, back):
+                continue
+            d = w.offset_at[row, k]
+            out = is_outside(w, d, 0.0)
+            nears = w.v_o[j, 0] < ONCOMING or w.v_o[j, 0] > w.v_0 or w.assumed[j] != 0
+            since = w.begin_from if nears else w.zone_from
+            zone = x_safety > 0.0 and k <= back and w.t[k] >= since - TIME_EPS
+            if zone and not passed and (w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side):
+                middle = w.s[row, k] + w.offset  # eq 11: along the road, wherever the ego is across it
+                ahead = w.low[j, k] - x_safety - (middle + w.half_length)
+                behind = middle - w.half_length - (w.high[j, k] + x_safety)
+                if not max(ahead, behind) >= w.least:
+                    w.least = max(ahead, behind)
+                    w.which = j
+                    w.when = k
+                continue
+            if w.assumed[j] != 0:
+                continue
+            if not w.v[row, k] >= STANDSTILL and w.crosses[j] == 0 and not out and k > 0:
+                continue  # what stands in its lane touches nothing
+            gap = worst_gap(w, row, p, j, k)
+            if k == 0:
+                asked = min(asked, max(gap - 0.02, -0.01))
+            if not gap - asked >= w.least:
+                w.least = gap - asked
+                w.which = j
+                w.when = k
+    return w.least >= 0.0

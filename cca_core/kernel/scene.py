@@ -1,0 +1,164 @@
+"""Scene of a decision: the route, candidate paths, other vehicles, and motions of the ego along the paths."""
+
+import math
+from typing import Annotated
+
+from cca_core.kernel.types import Flag, Grid, Int, Ints, Real, Reals, floor_within
+
+OnRoute = Annotated[Reals, "n"]
+OnPaths = Annotated[Grid, "max_paths", "n"]
+Overtakes = Annotated[Grid, "max_paths", "max_m"]
+Times = Annotated[Reals, "steps"]
+Motions = Annotated[Grid, "max_m", "steps"]
+PerVehicle = Annotated[Reals, "max_m"]
+VehicleMarks = Annotated[Ints, "max_m"]
+Runs = Annotated[Grid, "max_rows", "steps"]
+RunMarks = Annotated[Ints, "max_rows"]
+Terms = Annotated[Grid, "max_rows", 9]
+Stops = Annotated[Reals, 8]
+
+TOLERANCE = 0.05  # beyond a lane boundary, up to which the body is in its lane [m]
+
+
+class Scene:
+    """Route, candidate paths, other vehicles, the ego and its motions of one decision."""
+
+    # the route around the ego, one station a meter; stations are relative to the first
+    n: Int
+    max_m: Int
+    max_paths: Int
+    max_rows: Int
+    steps: Int
+    x: OnRoute
+    y: OnRoute
+    psi: OnRoute
+    kappa: OnRoute
+    cap: OnRoute  # squared speed limit
+    lane_right: Real
+    lane_left: Real
+    # candidate paths: lateral offset, squared speed limit, vehicles that are overtaken
+    d: OnPaths
+    path_cap: OnPaths
+    overtakes: Overtakes
+    # times from now
+    t: Times
+    # other vehicles: nominal motion and worst case; those that cross the route in the plane
+    m: Int
+    s_o: Motions
+    v_o: Motions
+    d_o: Motions
+    s_follow: Motions  # where vehicles do not drive through each other
+    v_follow: Motions
+    half_l: PerVehicle
+    half_w: PerVehicle
+    low: Motions
+    high: Motions
+    right: Motions
+    left: Motions
+    crosses: VehicleMarks
+    stands: VehicleMarks
+    x_o: Motions
+    y_o: Motions
+    psi_o: Motions
+    x_w: Motions
+    y_w: Motions
+    psi_w: Motions
+    half_l_w: Motions
+    half_w_w: Motions
+    adjacent: VehicleMarks
+    assumed: VehicleMarks  # at the end of the awareness range
+    # points to stop at for vehicles that cross, in the order of their arrival
+    stops: Int
+    stop_s: Stops
+    stop_until: Stops
+    # the ego
+    s_0: Real
+    v_0: Real
+    a_0: Real
+    a_true: Real
+    half_length: Real
+    half_width: Real
+    offset: Real
+    # its limits
+    a_max: Real
+    b_comfort: Real
+    b_max: Real
+    b_soft: Real  # needed deceleration from which on following costs
+    b_other: Real  # that others may brake with
+    risk_until: Real
+    grip: Real
+    standstill_gap: Real
+    time_gap: Real
+    approach_rate: Real
+    jerk: Real
+    jerk_emergency: Real
+    lag: Real
+    blocking_gap: Real
+    look: Real
+    react: Real
+    # motions of the ego
+    s: Runs
+    v: Runs
+    a: Runs
+    offset_at: Runs
+    limited_by: RunMarks
+    terms: Terms
+    # results of the last check
+    least: Real
+    gap: Real
+    which: Int
+    when: Int
+    impact: Real
+    s_enter: Real
+    s_exit: Real
+    t_enter: Real
+    t_exit: Real
+    zone_from: Real  # time at which the body enters an adjacent lane
+    begin_from: Real  # and at which that maneuver begins
+    zone_side: Int  # of that lane: 1 left, 2 right
+    duty_from: Int
+    rear: Real
+
+
+def station(n: Int, at: Real) -> Int:
+    """Index of the station before a position on the route."""
+    return floor_within(at, 0, n - 2)
+
+
+def at_station(n: Int, row: OnRoute, at: Real) -> Real:
+    """Value at a position, linear between stations."""
+    i = station(n, at)
+    f = min(max(at - i, 0.0), 1.0)
+    return row[i] + f * (row[i + 1] - row[i])
+
+
+def lateral(w: Scene, p: Int, at: Real) -> Real:
+    """Lateral offset of a path."""
+    i = station(w.n, at)
+    f = min(max(at - i, 0.0), 1.0)
+    return w.d[p, i] + f * (w.d[p, i + 1] - w.d[p, i])
+
+
+def slope(w: Scene, p: Int, at: Real) -> Real:
+    """Slope of the lateral offset of a path."""
+    return 0.5 * (lateral(w, p, at + 1.0) - lateral(w, p, at - 1.0))
+
+
+def bend(w: Scene, p: Int, at: Real) -> Real:
+    """Curvature that a path adds to the route's."""
+    return lateral(w, p, at + 1.0) - 2.0 * lateral(w, p, at) + lateral(w, p, at - 1.0)
+
+
+def squared_speed(w: Scene, p: Int, at: Real) -> Real:
+    """Squared speed limit of route and path."""
+    i = station(w.n, at)
+    f = min(max(at - i, 0.0), 1.0)
+    own = w.path_cap[p, i] + f * (w.path_cap[p, i + 1] - w.path_cap[p, i])
+    return min(own, w.cap[i] + f * (w.cap[i + 1] - w.cap[i]))
+
+
+def is_outside(w: Scene, d: Real, tolerance: Real) -> Flag:
+    """Whether a body at a lateral offset is not wholly inside the ego lane."""
+    left = d + w.half_width - tolerance > w.lane_left
+    right = d - w.half_width + tolerance < w.lane_right
+    return left or right
