@@ -166,7 +166,7 @@ def check_worst_case(
 ) -> Flag:
     """Whether vehicles within the declared bounds cannot touch the ego.
 
-    `which`: 0 all vehicles; 1 without the overtaken ones; 2 the overtaken ones only. With `x_safety` the ego
+    `which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the ego
     keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when it enters
     that lane, or from when the maneuver begins if the vehicle comes nearer.
     """
@@ -176,7 +176,8 @@ def check_worst_case(
     w.when = w.steps
     for j in range(w.m):
         passed = w.overtakes[p, j] != 0.0
-        if (which == 1 and passed) or (which == 2 and not passed):
+        beside = not passed and (w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side)
+        if (which == 1 and not beside) or (which == 2 and beside):
             continue
         if w.assumed[j] != 0 and not x_safety > 0.0:
             continue
@@ -189,7 +190,7 @@ def check_worst_case(
             nears = w.v_o[j, 0] < ONCOMING or w.v_o[j, 0] > w.v_0 or w.assumed[j] != 0
             since = w.begin_from if nears else w.zone_from
             zone = x_safety > 0.0 and k <= back and w.t[k] >= since - TIME_EPS
-            if zone and not passed and (w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side):
+            if zone and beside:
                 middle = w.s[row, k] + w.offset  # eq 11: along the road, wherever the ego is across it
                 ahead = w.low[j, k] - x_safety - (middle + w.half_length)
                 behind = middle - w.half_length - (w.high[j, k] + x_safety)

@@ -37,6 +37,8 @@ class Stop:
     vehicle_id: str
     row: int
     s: float  # of the center of gravity, absolute
+    s_exit: float  # behind which its way does not cross the ego's
+    has_line: bool  # whether this is a stop line
     t_enter: float
     until: float
 
@@ -136,7 +138,8 @@ def find_stops(scene: Lent[Scene], around: Surroundings, path: int) -> list[Stop
         until = work.t_exit + around.settings.certificate.pet
         found.append(
             Stop(
-                vehicle_id=traffic.ids[j], row=int(j), s=max(lines, default=enter),
+                vehicle_id=traffic.ids[j], row=int(j), s=max(lines, default=enter), has_line=bool(lines),
+                s_exit=work.s_exit + around.lateral.base,
                 t_enter=work.t_enter, until=until,
             )
         )  # fmt: skip

@@ -1,27 +1,30 @@
 """Certificates: what a plan keeps against the nominal motion and the worst case of others."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from cca_core.decide import Rejection, RejectionKind
+from cca_core.planner.candidates import Stop
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.records import Grade, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, TIMES, Lent, Scene, check_gaps, check_worst, roll, set_numbers
 
 _TAIL = N_ROWS - 1  # row of the braking tail
 _BISECTIONS = 3
+_ALL, _ADJACENT, _OTHERS = 0, 1, 2  # vehicles of a check
 _GRIP_SHARE = 0.95  # of all tires that a path may use [-]
 
 
 class Certifier:
     """Certificates of the plans of one decision."""
 
-    def __init__(self, scene: Lent[Scene], around: Surroundings, *, inside: bool, kept: object = None) -> None:
+    def __init__(self, scene: Lent[Scene], around: Surroundings, *, inside: bool, kept: object, stops: Sequence[Stop]
+    ) -> None:
         self._scene, self._around, self._inside = scene, around, inside
         self._settings = around.settings.certificate
-        self._kept = kept
+        self._kept, self._stops = kept, stops
         self.count = 0
 
     @property
@@ -32,6 +35,9 @@ class Certifier:
     def certify(self, plan: Plan, home: Callable[[], bool]) -> None:
         """Grade a plan."""
         self.count += 1
+        if self._passes_stop_line(plan):
+            plan.grade, plan.is_certified = Grade.REFUSED, True
+            return
         around, work, settings = self._around, self._scene.workspace, self._settings
         is_kept = plan.profile.kept or plan.path.is_last
         touch = settings.touch_kept if is_kept else settings.touch
@@ -67,6 +73,17 @@ class Certifier:
             plan.braking = self._needed_braking(plan, settings.reaction_time, touch, clearance)
             self._grade_by_braking(plan, out_now=bool(out[0]))
 
+    def _passes_stop_line(self, plan: Plan) -> bool:
+        """Whether a plan passes a stop line, and then goes behind a crossing vehicle that it does not wait for."""
+        s = plan.s + self._around.lateral.base
+        for stop in self._stops[plan.profile.yields :]:
+            exits = np.flatnonzero(s > stop.s_exit)
+            late = not len(exits) or float(TIMES[exits[0]]) > stop.t_enter
+            if stop.has_line and late and float(s[-1]) > stop.s + 0.5:
+                plan.impact_id = stop.vehicle_id
+                return True
+        return False
+
     def can_brake(self, plan: Plan) -> bool:
         """Return whether braking fully on a path is safe in the worst case."""
         return self._tail_is_safe(plan, self._settings.reaction_time, self._around.limits.b_max, 0.0, 0.0)
@@ -97,15 +114,16 @@ class Certifier:
             self._scene, begin_from=float(TIMES[begins[0]]) if len(begins) else 0.0, zone_from=float(TIMES[steps[0]]), 
             zone_side=1 if plan.path.kind is PathKind.LEFT else 2,
         )
-        if self._inside:
-            if not self._tail_is_safe(plan, react, around.limits.b_max, touch, clearance, x_safety, 1):
-                plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan, work.which)
-                return
-            if check_worst(work, plan.row, plan.path_row, touch, clearance, settings.duty_delay, 0.0, 2) or home():
-                plan.grade, plan.braking = Grade.COMFORTABLE, settings.comfortable_braking
-            else:
-                plan.grade = Grade.NOMINAL
-        elif self._tail_is_safe(plan, react, around.limits.b_max, touch, clearance) or home():
+        b_max = around.limits.b_max
+        if self._inside and not self._tail_is_safe(plan, react, b_max, touch, clearance, x_safety, _ADJACENT):
+            plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan, work.which)
+            return
+        # behind a vehicle of the ego lane it can brake at once, on this path or on its route, or after the pass
+        if (
+            self._inside and self._tail_is_safe(plan, settings.reaction_time, b_max, touch, clearance, 0.0, _OTHERS)
+            or self._tail_is_safe(plan, react, b_max, touch, clearance, 0.0, _OTHERS if self._inside else _ALL)
+            or home()
+        ):
             plan.grade, plan.braking = Grade.COMFORTABLE, settings.comfortable_braking
         else:
             plan.grade = Grade.NOMINAL

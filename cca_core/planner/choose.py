@@ -30,6 +30,9 @@ def assess(
         change += weights.hard
     if path.level is Level.NARROW and not path.is_last:
         change += weights.narrow
+    if path.kind.is_swerve and path.level is Level.COMFORT and not path.is_last:
+        sharp = plan.peak / around.limits.a_y - weights.sharp_from
+        change += weights.sharp * max(sharp, 0.0) ** 2
     if path.kind is PathKind.RIGHT and row[_TERMS["outside"]] > 0.0:
         change += weights.right
     lane, half = around.road.ego_lane, 0.5 * around.vehicle.width

@@ -130,6 +130,14 @@ class Planner:
             target = np.minimum(self._profile(v)[1], np.maximum(target, ramp))
         self._speed_profile = stations, target
 
+    @property
+    def maneuver(self) -> LateralPath | None:
+        """The path around other vehicles or back to the route that is being driven, None on the route."""
+        plan, s = self._state.plan, self._state.s
+        if plan is None or s is None or not plan.path.begin <= s < plan.path.end:
+            return None
+        return plan.path
+
     def _profile(self, cruise: float) -> tuple[Array, Array]:
         """Speed profile of the route for a cruise speed."""
         speed = replace(self.speed, b_comfort=self._limits.b_comfort)
@@ -267,7 +275,7 @@ class Planner:
         kept = None if last is None else shifted(last.a, sight.t - last.t)
         half = 0.5 * vehicle.width
         inside = lane.right < sight.d - half and sight.d + half < lane.left
-        certifier = Certifier(scene, around, inside=inside, kept=kept)
+        certifier = Certifier(scene, around, inside=inside, kept=kept, stops=stops)
         plans: list[Plan] = []
         terms = scene.arrays["terms"]
         free_terms = terms[free.row].copy()

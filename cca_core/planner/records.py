@@ -81,6 +81,25 @@ class LateralPath:
     reference: Path | None = None
     is_last: bool = False
 
+    @property
+    def side(self) -> str:
+        """Side on which vehicles are passed."""
+        return self.kind.value
+
+    @property
+    def start(self) -> float:
+        """Station at which it leaves the route [m]."""
+        return self.begin
+
+    @property
+    def stations(self) -> Array:
+        """Stations of `d` [m]."""
+        return self.base + np.arange(float(len(self.d)))
+
+    def offset_at(self, s: float) -> float:
+        """Return the lateral offset at a station [m], 0 beyond."""
+        return float(np.interp(s, self.stations, self.d, left=0.0, right=0.0))
+
     def on(self, base: int, n: int) -> Array:
         """Return the lateral offset on another stretch of the route; 0 beyond."""
         d, shift = np.zeros(n), base - self.base

@@ -79,6 +79,9 @@ class CostSettings:
         Of another intention, of a new path of the same, and of returning before a pass is complete [s].
     narrow, hard : float
         Of the levels beyond comfort [s].
+    sharp, sharp_from : float
+        Of a comfortable swerve whose peak lateral acceleration exceeds `sharp_from` times the one at which it
+        aims; of the square of the excess [s], [-].
     safe_end : float
         Of a safe end that needs full braking [s]; it grows with the square of the deceleration.
     astray : float
@@ -109,6 +112,8 @@ class CostSettings:
     abort: float = 1.0
     narrow: float = 0.8
     hard: float = 0.4
+    sharp: float = 80.0
+    sharp_from: float = 1.2
     safe_end: float = 1.5
     astray: float = 2.0
     risk: float = 0.5

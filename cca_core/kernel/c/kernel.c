@@ -2792,7 +2792,7 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
 
 /* Whether vehicles within the declared bounds cannot touch the ego.
 
-`which`: 0 all vehicles; 1 without the overtaken ones; 2 the overtaken ones only. With `x_safety` the ego
+`which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the ego
 keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when it enters
 that lane, or from when the maneuver begins if the vehicle comes nearer. */
 bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait, double
@@ -2804,7 +2804,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
     w->when = w->steps;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         bool passed = w->overtakes[p * w->max_m + j] != 0.0;
-        if ((which == 1 && passed) || (which == 2 && !passed)) {
+        bool beside = !passed && (w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side);
+        if ((which == 1 && !beside) || (which == 2 && beside)) {
             continue;
         }
         if (w->assumed[j] != 0 && !(x_safety > 0.0)) {
@@ -2821,7 +2822,7 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
                 w->assumed[j] != 0;
             double since = nears ? w->begin_from : w->zone_from;
             bool zone = x_safety > 0.0 && k <= back && w->t[k] >= since - ROLLOUT_TIME_EPS;
-            if (zone && !passed && (w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side)) {
+            if (zone && beside) {
                 double middle = w->s[row * w->steps + k] + w->offset;
                 double ahead = w->low[j * w->steps + k] - x_safety - (middle + w->half_length);
                 double behind = middle - w->half_length - (w->high[j * w->steps + k] + x_safety);
