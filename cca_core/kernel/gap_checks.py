@@ -35,6 +35,23 @@ def has_duty(w: Scene, j: Int, k: Int, back: Int) -> Flag:
     return w.s_o[j, back] + 0.5 * w.half_l[j] < w.rear
 
 
+def is_established(w: Scene, j: Int) -> Flag:
+    """Whether a vehicle follows an ego that is in the adjacent lane already."""
+    behind = w.s_o[j, 0] + w.half_l[j] < w.s_0 + w.offset - w.half_length
+    return w.established and behind and w.crosses[j] == 0 and w.v_o[j, 0] >= ONCOMING
+
+
+def rear_gap(w: Scene, row: Int, j: Int, k: Int, x_safety: Real) -> Real:
+    """Gap to a vehicle behind in the adjacent lane, beyond what its driver needs to react."""
+    before = max(k - 1, 0)
+    v = w.v_o[j, k]
+    if k > before:
+        v = (w.high[j, k] - w.high[j, before]) / (w.t[k] - w.t[before])
+    closing = max(v - w.v[row, k], 0.0)
+    need = x_safety + closing * w.rear_reaction + closing * closing / (2.0 * w.rear_braking)
+    return w.s[row, k] + w.offset - w.half_length - w.high[j, k] - need
+
+
 def ego_gap(w: Scene, row: Int, p: Int, k: Int, low: Real, high: Real, right: Real, left: Real) -> Real:
     """Gap of the ego's body to a rectangle in route coordinates."""
     at = w.s[row, k]
@@ -176,26 +193,38 @@ def check_worst_case(
     w.when = w.steps
     for j in range(w.m):
         passed = w.overtakes[p, j] != 0.0
-        beside = not passed and (w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side)
+        nears = w.v_o[j, 0] < ONCOMING or w.v_o[j, 0] > w.v_0 or w.assumed[j] != 0
+        since = w.begin_from if nears else w.zone_from
+        begin = w.steps - 1
+        for k in range(w.steps):
+            if w.t[k] >= since - TIME_EPS:
+                begin = min(begin, k)
+        same = w.v_o[j, 0] >= ONCOMING and w.assumed[j] == 0
+        ahead = same and w.s_o[j, begin] > w.s[row, begin] + w.offset
+        adjacent = not passed and (w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side)
+        beside = adjacent and (which == 1 or not ahead)
         if (which == 1 and not beside) or (which == 2 and beside):
             continue
         if w.assumed[j] != 0 and not x_safety > 0.0:
             continue
         asked = clearance if passed else touch
         for k in range(w.steps):
-            if has_duty(w, j, k, back):
+            if has_duty(w, j, k, back) or is_established(w, j) or (which == 1 and k > back):
                 continue
             d = w.offset_at[row, k]
             out = is_outside(w, d, 0.0)
-            nears = w.v_o[j, 0] < ONCOMING or w.v_o[j, 0] > w.v_0 or w.assumed[j] != 0
-            since = w.begin_from if nears else w.zone_from
-            zone = x_safety > 0.0 and k <= back and w.t[k] >= since - TIME_EPS
+            zone = x_safety > 0.0 and k <= back and k >= begin
             if zone and beside:
                 middle = w.s[row, k] + w.offset  # eq 11: along the road, wherever the ego is across it
-                ahead = w.low[j, k] - x_safety - (middle + w.half_length)
-                behind = middle - w.half_length - (w.high[j, k] + x_safety)
-                if not max(ahead, behind) >= w.least:
-                    w.least = max(ahead, behind)
+                rear = w.s_o[j, k] - w.half_l[j] if ahead else w.low[j, k]
+                zone_gap = max(
+                    rear - x_safety - (middle + w.half_length),
+                    middle - w.half_length - (w.high[j, k] + x_safety),
+                )
+                if same and not ahead and w.rear_reaction > 0.0:  # it keeps its distance from then on
+                    zone_gap = rear_gap(w, row, j, k, x_safety) if k == begin else FAR
+                if not zone_gap >= w.least:
+                    w.least = zone_gap
                     w.which = j
                     w.when = k
                 continue

@@ -116,6 +116,9 @@ class Scene:
     zone_from: Real  # time at which the body enters an adjacent lane
     begin_from: Real  # and at which that maneuver begins
     zone_side: Int  # of that lane: 1 left, 2 right
+    rear_reaction: Real  # of drivers behind in that lane [s]; 0 if they do not react
+    rear_braking: Real
+    established: Flag  # whether the ego is in that lane already, so that those behind keep their distance
     duty_from: Int
     rear: Real
 

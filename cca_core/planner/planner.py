@@ -259,7 +259,8 @@ class Planner:
             standstill_gap=speed.standstill_gap, time_gap=speed.time_gap, approach_rate=speed.approach_rate,
             jerk=speed.jerk, jerk_emergency=speed.jerk_emergency, lag=certificate.lag,
             blocking_gap=settings.lead.blocking_gap, look=certificate.look_time,
-            react=certificate.reaction_time,
+            react=certificate.reaction_time, rear_reaction=0.0 if settings.keeps_motion else settings.rear_reaction_time,
+            rear_braking=settings.rear_braking,
         )  # fmt: skip
         around = Surroundings(
             vehicle=vehicle, road=self.road, settings=settings, limits=limits, traffic=traffic, lateral=lateral,
@@ -275,6 +276,7 @@ class Planner:
         kept = None if last is None else shifted(last.a, sight.t - last.t)
         half = 0.5 * vehicle.width
         inside = lane.right < sight.d - half and sight.d + half < lane.left
+        scene.workspace.established = not inside and scene.workspace.rear_reaction > 0.0
         certifier = Certifier(scene, around, inside=inside, kept=kept, stops=stops)
         plans: list[Plan] = []
         terms = scene.arrays["terms"]

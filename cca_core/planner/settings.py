@@ -1,6 +1,8 @@
 """Settings of evasive maneuvers, with the groups of the other subjects; defaults are assumed."""
 
+import math
 from dataclasses import dataclass, field
+from typing import Self
 
 from cca_core.planner.maneuver_tuning import AbortSettings, LastResortSettings, ReplanSettings
 from cca_core.planner.tuning import (
@@ -49,6 +51,11 @@ class EvasionSettings:
         vehicle keeps its current motion (the paper's assumption).
     assumed_acceleration_passed : float
         The same of the overtaken vehicle [m/s^2].
+    rear_reaction_time : float
+        Time after which a driver behind in the adjacent lane reacts to an ego that enters it [s]; 0 if it is
+        assumed not to react at all.
+    rear_braking : float
+        Deceleration with which it then keeps its distance [m/s^2].
     decision : DecisionSettings
         When the planner decides.
     lead : LeadSettings
@@ -87,6 +94,8 @@ class EvasionSettings:
     assumed_braking: float = 8.0
     assumed_acceleration: float = 3.0
     assumed_acceleration_passed: float = 0.0
+    rear_reaction_time: float = 1.5
+    rear_braking: float = 2.0
     decision: DecisionSettings = field(default_factory=DecisionSettings)
     lead: LeadSettings = field(default_factory=LeadSettings)
     crossing: YieldSettings = field(default_factory=YieldSettings)
@@ -98,5 +107,47 @@ class EvasionSettings:
     cost: CostSettings = field(default_factory=CostSettings)
 
     def __post_init__(self) -> None:
-        positive = ("lateral_acceleration", "lateral_acceleration_limit")
+        positive = ("lateral_acceleration", "lateral_acceleration_limit", "rear_braking")
         check_fields(self, positive=positive, infinite="awareness_range")
+
+    @property
+    def keeps_motion(self) -> bool:
+        """Whether every vehicle is assumed to keep its current motion, as in the paper."""
+        return self.assumed_braking == self.assumed_acceleration == 0.0
+
+    @classmethod
+    def paper(cls) -> Self:
+        """Settings with the assumption of the paper: every vehicle is known and keeps its motion.
+
+        Returns
+        -------
+        settings : EvasionSettings
+            For the paper's figures only.
+        """
+        return cls(assumed_braking=0.0, assumed_acceleration=0.0, awareness_range=math.inf)
+
+    @classmethod
+    def cautious(cls) -> Self:
+        """Settings that assume no reaction of other drivers.
+
+        Returns
+        -------
+        settings : EvasionSettings
+            Vehicles behind in the adjacent lane may accelerate with 3 m/s^2 for the whole maneuver.
+        """
+        return cls(rear_reaction_time=0.0)
+
+    @classmethod
+    def traffic(cls) -> Self:
+        """Settings that ordinary overtaking needs.
+
+        Returns
+        -------
+        settings : EvasionSettings
+            Drivers behind react within 1 s, and nobody brakes with more than 6 m/s^2 or accelerates with more
+            than 1.5 m/s^2, the usual limits of car-following models.
+        """
+        return cls(
+            assumed_braking=6.0, assumed_acceleration=1.5, rear_reaction_time=1.0, rear_braking=3.0,
+            x_safety=5.0,
+        )  # fmt: skip

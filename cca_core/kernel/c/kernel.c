@@ -2635,6 +2635,26 @@ static bool gap_checks_has_duty(const Scene *w, int j, int k, int back)
     return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
 }
 
+/* Whether a vehicle follows an ego that is in the adjacent lane already. */
+static bool gap_checks_is_established(const Scene *w, int j)
+{
+    bool behind = w->s_o[j * w->steps + 0] + w->half_l[j] < w->s_0 + w->offset - w->half_length;
+    return w->established && behind && w->crosses[j] == 0 && w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING;
+}
+
+/* Gap to a vehicle behind in the adjacent lane, beyond what its driver needs to react. */
+static double gap_checks_rear_gap(const Scene *w, int row, int j, int k, double x_safety)
+{
+    int before = int_max(k - 1, 0);
+    double v = w->v_o[j * w->steps + k];
+    if (k > before) {
+        v = (w->high[j * w->steps + k] - w->high[j * w->steps + before]) / (w->t[k] - w->t[before]);
+    }
+    double closing = real_max(v - w->v[row * w->steps + k], 0.0);
+    double need = x_safety + closing * w->rear_reaction + closing * closing / (2.0 * w->rear_braking);
+    return w->s[row * w->steps + k] + w->offset - w->half_length - w->high[j * w->steps + k] - need;
+}
+
 /* Gap of the ego's body to a rectangle in route coordinates. */
 static double gap_checks_ego_gap(const Scene *w, int row, int p, int k, double low, double high, double right,
     double left)
@@ -2804,7 +2824,19 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
     w->when = w->steps;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         bool passed = w->overtakes[p * w->max_m + j] != 0.0;
-        bool beside = !passed && (w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side);
+        bool nears = w->v_o[j * w->steps + 0] < ROLLOUT_ONCOMING || w->v_o[j * w->steps + 0] > w->v_0 ||
+            w->assumed[j] != 0;
+        double since = nears ? w->begin_from : w->zone_from;
+        int begin = w->steps - 1;
+        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+            if (w->t[k] >= since - ROLLOUT_TIME_EPS) {
+                begin = int_min(begin, k);
+            }
+        }
+        bool same = w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING && w->assumed[j] == 0;
+        bool ahead = same && w->s_o[j * w->steps + begin] > w->s[row * w->steps + begin] + w->offset;
+        bool adjacent = !passed && (w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side);
+        bool beside = adjacent && (which == 1 || !ahead);
         if ((which == 1 && !beside) || (which == 2 && beside)) {
             continue;
         }
@@ -2813,21 +2845,23 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
         }
         double asked = passed ? clearance : touch;
         for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            if (gap_checks_has_duty(w, j, k, back)) {
+            if (gap_checks_has_duty(w, j, k, back) || gap_checks_is_established(w, j) || (which == 1 && k >
+                back)) {
                 continue;
             }
             double d = w->offset_at[row * w->steps + k];
             bool out = scene_is_outside(w, d, 0.0);
-            bool nears = w->v_o[j * w->steps + 0] < ROLLOUT_ONCOMING || w->v_o[j * w->steps + 0] > w->v_0 ||
-                w->assumed[j] != 0;
-            double since = nears ? w->begin_from : w->zone_from;
-            bool zone = x_safety > 0.0 && k <= back && w->t[k] >= since - ROLLOUT_TIME_EPS;
+            bool zone = x_safety > 0.0 && k <= back && k >= begin;
             if (zone && beside) {
                 double middle = w->s[row * w->steps + k] + w->offset;
-                double ahead = w->low[j * w->steps + k] - x_safety - (middle + w->half_length);
-                double behind = middle - w->half_length - (w->high[j * w->steps + k] + x_safety);
-                if (!(real_max(ahead, behind) >= w->least)) {
-                    w->least = real_max(ahead, behind);
+                double rear = ahead ? w->s_o[j * w->steps + k] - w->half_l[j] : w->low[j * w->steps + k];
+                double zone_gap = real_max(rear - x_safety - (middle + w->half_length), middle -
+                    w->half_length - (w->high[j * w->steps + k] + x_safety));
+                if (same && !ahead && w->rear_reaction > 0.0) {
+                    zone_gap = k == begin ? gap_checks_rear_gap(w, row, j, k, x_safety) : GAP_CHECKS_FAR;
+                }
+                if (!(zone_gap >= w->least)) {
+                    w->least = zone_gap;
                     w->which = j;
                     w->when = k;
                 }

@@ -321,6 +321,9 @@ typedef struct Scene {
     double zone_from;
     double begin_from;
     int zone_side;
+    double rear_reaction;
+    double rear_braking;
+    bool established;
     int duty_from;
     double rear;
 } Scene;
