@@ -112,8 +112,10 @@ def roll_out(
                     continue  # it will have left when the ego comes
                 if not in_path(w, p, j, k, later):
                     continue
+                now = w.s_follow[j, 0] - w.half_l[j] - (w.s_0 + w.offset + w.half_length)
                 gap = w.s_follow[j, k] - w.half_l[j] - front
-                final = w.s_follow[j, w.steps - 1] - w.half_l[j] - front
+                gap -= min(w.room[j], max(now - w.standstill_gap, 0.0))
+                final = gap + (w.s_follow[j, w.steps - 1] - w.s_follow[j, k])
                 if w.t[k] < w.risk_until and tail <= 0.0:
                     excess = min(needed_braking(w, speed, gap, w.v_follow[j, k]), 3.0 * w.b_max) / w.b_soft - 1.0
                     risk = max(risk, max(excess, 0.0) * max(excess, 0.0))
@@ -150,12 +152,12 @@ def roll_out(
         w.a[row, k] = command
         z = h / w.lag  # of the brakes and the engine
         actual = actual + (command - actual) * (1.0 - 1.0 / (1.0 + z + 0.5 * z * z + z * z * z / 6.0))
-        now = max(speed + actual * h, 0.0)
-        if now <= 0.0 and actual < 0.0:
+        then = max(speed + actual * h, 0.0)
+        if then <= 0.0 and actual < 0.0:
             actual = 0.0
             command = max(command, -w.b_comfort)
-        position = position + 0.5 * (speed + now) * h
-        speed = now
+        position = position + 0.5 * (speed + then) * h
+        speed = then
 
 
 def sum_costs(w: Scene, row: Int, p: Int, until: Real) -> None:

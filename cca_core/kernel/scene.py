@@ -57,6 +57,7 @@ class Scene:
     left: Motions
     crosses: VehicleMarks
     stands: VehicleMarks
+    room: PerVehicle  # kept behind a vehicle that can be passed from standstill, beyond the gap [m]
     x_o: Motions
     y_o: Motions
     psi_o: Motions

@@ -109,13 +109,14 @@ def place_vehicles(
         low[j] = high[j] = rear + speed * TIMES
         right[j], left[j] = other.d - 0.9, other.d + 0.9
         adjacent[j], assumed[j] = 1 if other.d > 0.0 else 2, 1
+    room = np.array([_room_to_pass(j, vehicles, road, settings) if j < n_real else 0.0 for j in range(m)])
     follow = _in_order(s, d, v, half_l, half_w, crosses)
     v_follow = np.gradient(follow, TIMES, axis=1) if m else v
     stands[:] = np.abs(v_follow[:, -1]) < STANDSTILL_SPEED
     for name, values in (
         ("s_o", s - base), ("v_o", v), ("d_o", d), ("s_follow", follow - base), ("v_follow", v_follow), ("half_l", half_l),
         ("half_w", half_w), ("low", low - base), ("high", high - base), ("right", right), ("left", left),
-        ("crosses", crosses), ("stands", stands), ("adjacent", adjacent), ("assumed", assumed),
+        ("crosses", crosses), ("room", room), ("stands", stands), ("adjacent", adjacent), ("assumed", assumed),
     ):  # fmt: skip
         if m:
             rows[name][:m] = values
@@ -241,6 +242,19 @@ def _assumed_vehicles(sight: Sight, road: Road, settings: EvasionSettings) -> li
         else (sight.s - known, road.speed_limit, lane)
         for lane in road.lanes if lane is not road.ego_lane
     ]  # fmt: skip
+
+
+def _room_to_pass(j: int, vehicles: list[FrenetVehicle], road: Road, settings: EvasionSettings) -> float:
+    """Distance kept behind a single stationary vehicle beside which there is a lane, to pass it later [m]."""
+    n, lane = vehicles[j], road.ego_lane
+    if len(road.lanes) < 2 or abs(n.v_s) > STANDSTILL_SPEED or is_crossing(n):
+        return 0.0
+    if n.d - n.half_width > lane.left or n.d + n.half_width < lane.right:
+        return 0.0
+    for other in vehicles:
+        if other is not n and 0.0 < other.rear - n.front < settings.lead.queue_gap and abs(other.d - n.d) < 1.5:
+            return 0.0  # a queue drives on
+    return settings.lead.passing_room
 
 
 def _in_order(s: Array, d: Array, v: Array, half_l: Array, half_w: Array, crosses: Array) -> Array:

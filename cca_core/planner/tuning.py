@@ -124,6 +124,11 @@ class LeadSettings:
         Time ahead at which a comfort stop is decided, and the delay of the brakes [s].
     stop_margin : float
         Distance kept in reserve for a comfort stop [m].
+    passing_room : float
+        Distance kept behind a single stationary vehicle beside a lane, so that it can be passed from
+        standstill [m].
+    queue_gap : float
+        Gap to the next vehicle below which a stationary vehicle is in a queue [m].
 
     Raises
     ------
@@ -142,6 +147,8 @@ class LeadSettings:
     stop_horizon: float = 5.0
     stop_delay: float = 0.3
     stop_margin: float = 5.0
+    passing_room: float = 7.0
+    queue_gap: float = 15.0
 
     def __post_init__(self) -> None:
         check_fields(self, positive=("creep_stop_time",))

@@ -2506,8 +2506,12 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
                 if (!rollout_in_path(w, p, j, k, later)) {
                     continue;
                 }
+                double now = w->s_follow[j * w->steps + 0] - w->half_l[j] - (w->s_0 + w->offset +
+                    w->half_length);
                 double gap = w->s_follow[j * w->steps + k] - w->half_l[j] - front;
-                double final = w->s_follow[j * w->steps + w->steps - 1] - w->half_l[j] - front;
+                gap -= real_min(w->room[j], real_max(now - w->standstill_gap, 0.0));
+                double final = gap + (w->s_follow[j * w->steps + w->steps - 1] - w->s_follow[j * w->steps +
+                    k]);
                 if (w->t[k] < w->risk_until && tail <= 0.0) {
                     double excess = real_min(rollout_needed_braking(w, speed, gap, w->v_follow[j * w->steps +
                         k]), 3.0 * w->b_max) / w->b_soft - 1.0;
@@ -2559,13 +2563,13 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
         w->a[row * w->steps + k] = command;
         double z = h / w->lag;
         actual = actual + (command - actual) * (1.0 - 1.0 / (1.0 + z + 0.5 * z * z + z * z * z / 6.0));
-        double now = real_max(speed + actual * h, 0.0);
-        if (now <= 0.0 && actual < 0.0) {
+        double then = real_max(speed + actual * h, 0.0);
+        if (then <= 0.0 && actual < 0.0) {
             actual = 0.0;
             command = real_max(command, -w->b_comfort);
         }
-        position = position + 0.5 * (speed + now) * h;
-        speed = now;
+        position = position + 0.5 * (speed + then) * h;
+        speed = then;
     }
 }
 

@@ -267,6 +267,7 @@ typedef struct Scene {
     double *left;
     int *crosses;
     int *stands;
+    double *room;
     double *x_o;
     double *y_o;
     double *psi_o;

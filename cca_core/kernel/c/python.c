@@ -1819,7 +1819,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "c58018321fea60725f4d3620369c9017a67cc2c1b0a3cc697eef2a69a341a709") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "4bd1e0ad8779b14541731d98594280196be445f8a0e0fa0a808122c41432c3a8") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
