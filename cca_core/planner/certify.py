@@ -46,14 +46,9 @@ class Certifier:
         pet = settings.pet * (0.5 if is_kept else 1.0)
         asked = min(clearance, plan.path.clearance)
         check_gaps(work, plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
-        plan.gap = work.gap
-        which, when = work.which, work.when
-        if work.least < 0.0:
-            if plan.gap < 0.0:
-                plan.severity = 1.0 + work.impact**2 - 0.5 * float(TIMES[min(when, len(TIMES) - 1)])
-                plan.t_impact = float(TIMES[min(when, len(TIMES) - 1)])
-            else:
-                plan.severity = -work.least
+        which, plan.gap = work.which, work.gap
+        if not work.least >= 0.0:
+            self._set_severity(plan, asked)
             plan.impact_id = self._name(which)
             if plan.path.kind.is_swerve and which >= 0:
                 plan.rejection = self._lane_rejection(plan, which)
@@ -87,6 +82,16 @@ class Certifier:
     def can_brake(self, plan: Plan) -> bool:
         """Return whether braking fully on a path is safe in the worst case."""
         return self._tail_is_safe(plan, self._settings.reaction_time, self._around.limits.b_max, 0.0, 0.0)
+
+    def _set_severity(self, plan: Plan, clearance: float) -> None:
+        """Rate a plan that comes too close: by the impact, or by the gap that lacks if bodies stay apart."""
+        work, settings = self._scene.workspace, self._settings
+        check_gaps(work, plan.row, plan.path_row, settings.touch, clearance, settings.duty_delay, 0.0)
+        if work.gap < 0.0:
+            plan.t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
+            plan.severity = 1.0 + work.impact**2 - 0.5 * plan.t_impact
+        else:
+            plan.severity = max(-work.least, 0.01)
 
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
