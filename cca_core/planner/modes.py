@@ -44,7 +44,9 @@ def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float) -> Mode:
 def advance(state: PlannerState, t: float, wish: Mode, **changes: Any) -> PlannerState:
     """Return the state of the next cycle."""
     mode, t_wish = state.mode, state.t_wish
-    if wish is mode:
+    if state.s is None:  # the first cycle
+        mode, t_wish = wish, t
+    elif wish is mode:
         t_wish = t
     elif mode in _CALM and wish in _CALM:
         since = t_wish if state.wish is not mode else t

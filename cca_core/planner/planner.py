@@ -36,7 +36,7 @@ from cca_core.planner.limits import limits_of
 from cca_core.planner.occupancy import place_vehicles
 from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
 from cca_core.planner.reasons import explain
-from cca_core.planner.records import DrivenPlan, Grade, LateralPath, Level, Mode, Plan, PlannerState, Sight
+from cca_core.planner.records import DrivenPlan, Grade, LateralPath, Level, Mode, PathKind, Plan, PlannerState, Sight
 from cca_core.planner.scene import TIMES, Scenes, set_numbers
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -353,6 +353,7 @@ class Planner:
             reference = self.road.path
         else:
             reference = reference_of(path, self.road, sight.s)
+            path = replace(path, reference=reference)
         ids = certifier.names
         limited = "" if best.limited_by == -1 else "curve"
         yields_to = ""
@@ -389,7 +390,8 @@ class Planner:
         )
         mode = self._state.mode
         decision = explain(mode, plan, sight, a_x, self.vehicle, self._speed_profile)
-        degraded = plan.grade >= Grade.NOMINAL or plan.path.level is not Level.COMFORT
+        beyond_comfort = plan.grade >= Grade.NOMINAL or plan.path.level is not Level.COMFORT
+        degraded = beyond_comfort and plan.path.kind is not PathKind.ROUTE
         return self._emit(Command(
             delta=delta, a_x=a_x, decision=decision, reference=plan.reference,
             status=Status.DEGRADED if degraded else Status.OK, band=plan.path.band, dropped=dropped,
@@ -403,11 +405,11 @@ class Planner:
         reference, plan, estimate = self.road.path, state.plan, state.estimate
         a_x = max(a_x, -self._limits.b_max)
         if plan is not None and estimate is not None and "internal" not in reason:
-            estimate = dead_reckon(estimate, state.delta, state.a_x, dt, self.vehicle)
+            estimate = dead_reckon(estimate, state.delta, a_x, dt, self.vehicle)
             reference = plan.reference
             delta = self._controller.steer(estimate, reference, dt)
         self._state = modes.advance(
-            state, self._clock.t, Mode.SAFE_STOP, a_x=a_x, a_true=a_x, delta=delta, estimate=estimate,
+            state, self._clock.t, Mode.SAFE_STOP, a_x=min(state.a_x, 0.0), delta=delta, estimate=estimate,
             t_decided=-math.inf,
         )  # fmt: skip
         return self._emit(Command(

@@ -112,7 +112,7 @@ class CostSettings:
     abort: float = 1.0
     narrow: float = 0.8
     hard: float = 0.4
-    sharp: float = 30.0
+    sharp: float = 15.0
     sharp_from: float = 1.2
     safe_end: float = 1.5
     astray: float = 2.0
