@@ -63,6 +63,17 @@ def needed_braking(w: Scene, v: Real, gap: Real, v_lead: Real) -> Real:
     return v * v / (2.0 * max(space + lead * lead / (2.0 * w.b_other), 0.1))
 
 
+def wait_at_point(w: Scene, v: Real, left: Real, wait: Real) -> Real:
+    """Acceleration that reaches a point no sooner than after a time: an even deceleration, or a stop."""
+    early = v * wait - left
+    if not early > 0.0:
+        return w.a_max
+    even = 2.0 * early / (wait * wait)
+    if left > 0.0 and even * wait <= v:
+        return -min(even, w.b_max)
+    return follow_at_gap(w, v, left + w.standstill_gap, 0.0, left + w.standstill_gap, True)
+
+
 def in_path(w: Scene, p: Int, j: Int, k: Int, then: Int) -> Flag:
     """Whether a vehicle is in the way of a path now or a little later."""
     here = lateral(w, p, w.s_follow[j, k])
@@ -125,9 +136,10 @@ def roll_out(
                     limit = j
         w.terms[row, 8] += risk * h
         for j in range(yields):
-            if w.t[k] < w.stop_until[j] and w.stop_s[j] - position > -2.0:
-                gap = w.stop_s[j] - position + w.standstill_gap
-                a = follow_at_gap(w, speed, gap, 0.0, gap, True)
+            left = w.stop_s[j] - position
+            wait = w.stop_until[j] - w.t[k]
+            if wait > 0.0 and left > -2.0:
+                a = wait_at_point(w, speed, left, wait)
                 if a < want:
                     want = a
                     limit = FIRST_STOP - j

@@ -135,7 +135,7 @@ def find_stops(scene: Lent[Scene], around: Surroundings, path: int) -> list[Stop
             continue
         front = around.vehicle.front
         lines = [line - front for line in around.road.stop_lines if around.s - 0.5 < line - front < enter]
-        until = work.t_exit + around.settings.certificate.pet
+        until = work.t_exit + around.settings.certificate.pet + around.settings.crossing.hold_pet
         found.append(
             Stop(
                 vehicle_id=traffic.ids[j], row=int(j), s=max(lines, default=enter), has_line=bool(lines),

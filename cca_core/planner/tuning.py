@@ -165,7 +165,7 @@ class YieldSettings:
     range : float
         Distance within which crossing vehicles are considered [m].
     hold_pet : float
-        Post-encroachment time required in addition by an ego that yields already [s].
+        Time after the post-encroachment time at which a yielding ego means to arrive [s].
     sufficient_gap : float
         Predicted gap that braking must keep if the ego can no longer stop before the conflict area [m].
     brake_delay : float
@@ -183,7 +183,7 @@ class YieldSettings:
 
     horizon: float = 8.0
     range: float = 150.0
-    hold_pet: float = 1.0
+    hold_pet: float = 0.5
     sufficient_gap: float = 0.5
     brake_delay: float = 0.3
     min_braking: float = 1.0

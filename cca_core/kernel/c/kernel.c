@@ -2447,6 +2447,20 @@ static double rollout_needed_braking(const Scene *w, double v, double gap, doubl
     return v * v / (2.0 * real_max(space + lead * lead / (2.0 * w->b_other), 0.1));
 }
 
+/* Acceleration that reaches a point no sooner than after a time: an even deceleration, or a stop. */
+static double rollout_wait_at_point(const Scene *w, double v, double left, double wait)
+{
+    double early = v * wait - left;
+    if (!(early > 0.0)) {
+        return w->a_max;
+    }
+    double even = 2.0 * early / (wait * wait);
+    if (left > 0.0 && even * wait <= v) {
+        return -real_min(even, w->b_max);
+    }
+    return rollout_follow_at_gap(w, v, left + w->standstill_gap, 0.0, left + w->standstill_gap, true);
+}
+
 /* Whether a vehicle is in the way of a path now or a little later. */
 static bool rollout_in_path(const Scene *w, int p, int j, int k, int then)
 {
@@ -2527,9 +2541,10 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
         }
         w->terms[row * 9 + 8] += risk * h;
         for (int j = 0, j_end_ = yields; j < j_end_; j += 1) {
-            if (w->t[k] < w->stop_until[j] && w->stop_s[j] - position > -2.0) {
-                double gap = w->stop_s[j] - position + w->standstill_gap;
-                double a = rollout_follow_at_gap(w, speed, gap, 0.0, gap, true);
+            double left = w->stop_s[j] - position;
+            double wait = w->stop_until[j] - w->t[k];
+            if (wait > 0.0 && left > -2.0) {
+                double a = rollout_wait_at_point(w, speed, left, wait);
                 if (a < want) {
                     want = a;
                     limit = ROLLOUT_FIRST_STOP - j;

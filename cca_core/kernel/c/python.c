@@ -1819,7 +1819,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "4bd1e0ad8779b14541731d98594280196be445f8a0e0fa0a808122c41432c3a8") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "48340ad2b39697936b0bd5a2bfa1083d5126ac25a44a8cf8aeefe2ab682ce59c") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
