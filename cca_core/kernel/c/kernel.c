@@ -25,17 +25,17 @@ static inline int floor_within(double value, int low, int high)
     return value >= high ? high : (int)floor(value);
 }
 
-/* band_batch.py: Bands of a batch one after the other: from the caller's arrays into the workspace, and back.
-    */
+/* band_batch.py: Bands of a batch one after the other: from the caller's arrays into the workspace, and
+    back. */
 
 /* band_certificate.py: Certificate of a band: gaps of the ego's swept box to obstacles and edges, and
     curvature. */
 
-/* band_gaps.py: Gaps of the ego's swept box to obstacles, between nodes too: lower bounds, tight where they
-    limit. */
+/* band_gaps.py: Gaps of the ego's swept box to obstacles, between nodes too: lower bounds, tight where
+    they limit. */
 
-/* band_workspace.py: Memory of a band in the kernel: codes, the equilibrium, one band, and a batch of bands.
-    */
+/* band_workspace.py: Memory of a band in the kernel: codes, the equilibrium, one band, and a batch of
+    bands. */
 #define BAND_WORKSPACE_OK 0
 #define BAND_WORKSPACE_INFEASIBLE 1
 #define BAND_WORKSPACE_NOT_CONVERGED 2
@@ -91,8 +91,8 @@ static double box_gaps_nearest_corner(double x, double y, double c, double s, do
 }
 
 /* Signed distance of box b, at dx, dy from box a, from unit headings and half extents [m]. */
-double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by, double length_a,
-    double width_a, double length_b, double width_b)
+double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by,
+    double length_a, double width_a, double length_b, double width_b)
 {
     double turn_c = bx * ax + by * ay;
     double turn_s = by * ax - bx * ay;
@@ -118,34 +118,16 @@ double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double b
     return sqrt(real_min(of_b, of_a));
 }
 
-/* Gaps of n pairs of parallel boxes from center offsets and summed half extents, and the smallest [m]. */
-double cca_aligned_box_gaps(int n, const double *dx, const double *dy, double length, double width, double
-    *gap)
-{
-    double smallest = HUGE_VAL;
-    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double along = fabs(dx[i]) - length;
-        double across = fabs(dy[i]) - width;
-        if (along > 0.0 && across > 0.0) {
-            gap[i] = box_gaps_norm(along, across);
-        } else {
-            gap[i] = real_max(along, across);
-        }
-        smallest = real_min(smallest, gap[i]);
-    }
-    return smallest;
-}
-
 /* Signed distance of two boxes from centers, headings and full extents [m]; NaN if one is not finite. */
-double cca_box_gap(double ax, double ay, double a_psi, double a_length, double a_width, double bx, double by,
-    double b_psi, double b_length, double b_width)
+double cca_box_gap(double ax, double ay, double a_psi, double a_length, double a_width, double bx,
+    double by, double b_psi, double b_length, double b_width)
 {
     double headings = 0.0 * a_psi + 0.0 * b_psi;
     if (isnan(headings)) {
         return headings;
     }
-    return cca_oriented_box_gap(bx - ax, by - ay, cos(a_psi), sin(a_psi), cos(b_psi), sin(b_psi), 0.5 *
-        a_length, 0.5 * a_width, 0.5 * b_length, 0.5 * b_width);
+    return cca_oriented_box_gap(bx - ax, by - ay, cos(a_psi), sin(a_psi), cos(b_psi), sin(b_psi), 0.5
+        * a_length, 0.5 * a_width, 0.5 * b_length, 0.5 * b_width);
 }
 
 /* Signed distances of n boxes b from k boxes a, which repeat: x, y, heading, length, width of each. */
@@ -153,8 +135,8 @@ void cca_box_gaps(int n, int k, const double *a, const double *b, double *gap)
 {
     int j = 0;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        gap[i] = cca_box_gap(a[j * 5 + 0], a[j * 5 + 1], a[j * 5 + 2], a[j * 5 + 3], a[j * 5 + 4], b[i * 5 +
-            0], b[i * 5 + 1], b[i * 5 + 2], b[i * 5 + 3], b[i * 5 + 4]);
+        gap[i] = cca_box_gap(a[j * 5 + 0], a[j * 5 + 1], a[j * 5 + 2], a[j * 5 + 3], a[j * 5 + 4], b[i * 5
+            + 0], b[i * 5 + 1], b[i * 5 + 2], b[i * 5 + 3], b[i * 5 + 4]);
         j += 1;
         if (j == k) {
             j = 0;
@@ -172,8 +154,8 @@ static double circles_circle_curvature(double x0, double y0, double x1, double y
     double ay = y1 - y0;
     double bx = x2 - x1;
     double by = y2 - y1;
-    return 2.0 * (ax * by - ay * bx) / (box_gaps_norm(ax, ay) * box_gaps_norm(bx, by) * box_gaps_norm(x2 - x0,
-        y2 - y0));
+    return 2.0 * (ax * by - ay * bx) / (box_gaps_norm(ax, ay) * box_gaps_norm(bx, by) * box_gaps_norm(x2
+        - x0, y2 - y0));
 }
 #define BAND_GAPS_CURVE_ERROR 0.002
 #define BAND_GAPS_LOOSE 0.004
@@ -184,11 +166,10 @@ static double circles_circle_curvature(double x0, double y0, double x1, double y
 /* Return the gap to an obstacle with the ego at a node. */
 static double band_gaps_gap_at(const BandWork *w, int o, int i)
 {
-    double dx = w->box_x[o * w->max_n + i] - w->x[i] - w->box_offset * w->ahead_x[i];
-    double dy = w->box_y[o * w->max_n + i] - w->y[i] - w->box_offset * w->ahead_y[i];
-    return cca_oriented_box_gap(dx, dy, w->ahead_x[i], w->ahead_y[i], w->box_ahead_x[o * w->max_n + i],
-        w->box_ahead_y[o * w->max_n + i], 0.5 * w->length, 0.5 * w->width, w->half_length[o * w->max_n + i],
-        w->half_width[o * w->max_n + i]);
+    return cca_oriented_box_gap(w->box_x[o * w->max_n + i] - w->center_x[i], w->box_y[o * w->max_n + i]
+        - w->center_y[i], w->ahead_x[i], w->ahead_y[i], w->box_ahead_x[o * w->max_n + i], w->box_ahead_y[o
+        * w->max_n + i], 0.5 * w->length, 0.5 * w->width, w->half_length[o * w->max_n + i], w->half_width[o
+        * w->max_n + i]);
 }
 
 /* Compute the gap to an obstacle at equal parts from a node to the next. */
@@ -210,23 +191,23 @@ static void band_gaps_sample_between(BandWork *w, int o, int i)
         double speed = real_max(box_gaps_norm(tx, ty), CIRCLES_TINY);
         tx /= speed;
         ty /= speed;
-        double hx = w->box_ahead_x[o * w->max_n + i] + f * (w->box_ahead_x[o * w->max_n + j] -
-            w->box_ahead_x[o * w->max_n + i]);
-        double hy = w->box_ahead_y[o * w->max_n + i] + f * (w->box_ahead_y[o * w->max_n + j] -
-            w->box_ahead_y[o * w->max_n + i]);
+        double hx = w->box_ahead_x[o * w->max_n + i] + f * (w->box_ahead_x[o * w->max_n + j]
+            - w->box_ahead_x[o * w->max_n + i]);
+        double hy = w->box_ahead_y[o * w->max_n + i] + f * (w->box_ahead_y[o * w->max_n + j]
+            - w->box_ahead_y[o * w->max_n + i]);
         double heading = real_max(box_gaps_norm(hx, hy), CIRCLES_TINY);
-        double dx = w->box_x[o * w->max_n + i] + f * (w->box_x[o * w->max_n + j] - w->box_x[o * w->max_n +
-            i]);
-        double dy = w->box_y[o * w->max_n + i] + f * (w->box_y[o * w->max_n + j] - w->box_y[o * w->max_n +
-            i]);
+        double dx = w->box_x[o * w->max_n + i] + f * (w->box_x[o * w->max_n + j] - w->box_x[o * w->max_n
+            + i]);
+        double dy = w->box_y[o * w->max_n + i] + f * (w->box_y[o * w->max_n + j] - w->box_y[o * w->max_n
+            + i]);
         dx -= w->x[i] + f * cx + f * e * (e * ax + f * bx);
         dy -= w->y[i] + f * cy + f * e * (e * ay + f * by);
-        double half_length = w->half_length[o * w->max_n + i] + f * (w->half_length[o * w->max_n + j] -
-            w->half_length[o * w->max_n + i]);
-        double half_width = w->half_width[o * w->max_n + i] + f * (w->half_width[o * w->max_n + j] -
-            w->half_width[o * w->max_n + i]);
-        w->parts[k] = cca_oriented_box_gap(dx - w->box_offset * tx, dy - w->box_offset * ty, tx, ty, hx /
-            heading, hy / heading, 0.5 * w->length, 0.5 * w->width, half_length, half_width);
+        double half_length = w->half_length[o * w->max_n + i] + f * (w->half_length[o * w->max_n + j]
+            - w->half_length[o * w->max_n + i]);
+        double half_width = w->half_width[o * w->max_n + i] + f * (w->half_width[o * w->max_n + j]
+            - w->half_width[o * w->max_n + i]);
+        w->parts[k] = cca_oriented_box_gap(dx - w->box_offset * tx, dy - w->box_offset * ty, tx, ty, hx
+            / heading, hy / heading, 0.5 * w->length, 0.5 * w->width, half_length, half_width);
     }
 }
 
@@ -243,8 +224,8 @@ static double band_gaps_min_between(BandWork *w, int o, int i)
         bound -= 0.5 * real_max(fabs(gap[1] - gap[0]), fabs(gap[BAND_GAPS_PARTS] - gap[BAND_GAPS_PARTS - 1]));
     } else {
         bound = real_min(bound, gap[1] - real_max(gap[2] - gap[1], 0.0));
-        bound = real_min(bound, gap[BAND_GAPS_PARTS - 1] + real_min(gap[BAND_GAPS_PARTS - 1] -
-            gap[BAND_GAPS_PARTS - 2], 0.0));
+        bound = real_min(bound, gap[BAND_GAPS_PARTS - 1] + real_min(gap[BAND_GAPS_PARTS - 1]
+            - gap[BAND_GAPS_PARTS - 2], 0.0));
     }
     for (int k = 1, k_end_ = BAND_GAPS_PARTS - 1; k < k_end_; k += 1) {
         double before = gap[k] - gap[k - 1];
@@ -263,47 +244,86 @@ static double band_gaps_max_change(const BandWork *w)
     return w->spacing * (1.0 + BAND_GAPS_LEVER * w->length * w->max_curvature);
 }
 
-/* Sample the gaps of the obstacles and nodes that may be near each other; return their number. */
-static int band_gaps_sample_near(BandWork *w)
+/* Compute the center of the ego's box at each node; return the longest way from node to node. */
+static double band_gaps_set_centers(BandWork *w)
+{
+    double step = 0.0;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        w->center_x[i] = w->x[i] + w->box_offset * w->ahead_x[i];
+        w->center_y[i] = w->y[i] + w->box_offset * w->ahead_y[i];
+        if (i > 0) {
+            step = real_max(step, box_gaps_norm(w->center_x[i] - w->center_x[i - 1], w->center_y[i]
+                - w->center_y[i - 1]));
+        }
+    }
+    return step;
+}
+
+/* Find the obstacles and nodes that may be near each other, as pairs; skip nodes that are too far. */
+static void band_gaps_find_near(BandWork *w)
 {
     double half = 0.5 * box_gaps_norm(w->length, w->width);
     double upper = HUGE_VAL;
-    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            double dx = w->box_x[o * w->max_n + i] - w->x[i] - w->box_offset * w->ahead_x[i];
-            double dy = w->box_y[o * w->max_n + i] - w->y[i] - w->box_offset * w->ahead_y[i];
-            double distance = box_gaps_norm(dx, dy);
-            w->gaps[o * w->max_n + i] = distance - (w->radius[o * w->max_n + i] + half);
-            upper = real_min(upper, distance - w->half_width[o * w->max_n + i]);
-        }
-    }
-    double near = real_max(w->clearance, upper - 0.5 * w->width);
+    double step = band_gaps_set_centers(w);
     double change = band_gaps_max_change(w);
-    int count = 0;
+    w->n_pairs = 0;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         double moves = w->max_step[o] + change;
+        double travel = w->max_step[o] + step;
+        int next_node = 0;
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            if (!(w->gaps[o * w->max_n + i] > near + 2.0 * moves)) {
-                w->pair_obstacle[count] = o;
-                w->pair_node[count] = i;
-                w->sampled[count] = band_gaps_gap_at(w, o, i);
-                w->bulge[count] = w->spacing * fabs(w->curvature[i]) * (0.125 * w->spacing + 0.5 * moves);
-                count += 1;
+            if (i < next_node) {
+                continue;
+            }
+            double distance = box_gaps_norm(w->box_x[o * w->max_n + i] - w->center_x[i], w->box_y[o
+                * w->max_n + i] - w->center_y[i]);
+            double gap = distance - (w->radius[o * w->max_n + i] + half);
+            upper = real_min(upper, distance - w->half_width[o * w->max_n + i]);
+            double near = real_max(w->clearance, upper - 0.5 * w->width) + 2.0 * moves;
+            if (gap > near) {
+                double excess = distance - (w->max_radius[o] + half) - near;
+                next_node = i + floor_within(excess / travel, 1, w->n);
+            } else {
+                w->pair_obstacle[w->n_pairs] = o;
+                w->pair_node[w->n_pairs] = i;
+                w->bound[w->n_pairs] = gap;
+                w->n_pairs += 1;
             }
         }
     }
-    return count;
+    w->near = real_max(w->clearance, upper - 0.5 * w->width);
+}
+
+/* Sample the gaps of the pairs; drop those that have turned out to be far, as others are nearer. */
+static void band_gaps_sample_near(BandWork *w)
+{
+    double change = band_gaps_max_change(w);
+    int count = 0;
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        int o = w->pair_obstacle[k];
+        int i = w->pair_node[k];
+        double moves = w->max_step[o] + change;
+        if (w->bound[k] > w->near + 2.0 * moves) {
+            continue;
+        }
+        w->pair_obstacle[count] = o;
+        w->pair_node[count] = i;
+        w->sampled[count] = band_gaps_gap_at(w, o, i);
+        w->bulge[count] = w->spacing * fabs(w->curvature[i]) * (0.125 * w->spacing + 0.5 * moves);
+        count += 1;
+    }
+    w->n_pairs = count;
 }
 
 /* Return whether the band is straight at the sampled nodes, and every obstacle stationary. */
-static bool band_gaps_is_straight(const BandWork *w, int count)
+static bool band_gaps_is_straight(const BandWork *w)
 {
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         if (w->max_step[o] != 0.0) {
             return false;
         }
     }
-    for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
         if (w->curvature[w->pair_node[k]] != 0.0) {
             return false;
         }
@@ -312,12 +332,13 @@ static bool band_gaps_is_straight(const BandWork *w, int count)
 }
 
 /* Bound the gaps between sampled nodes from below, by the samples around. */
-static void band_gaps_bound_between(BandWork *w, int count)
+static void band_gaps_bound_between(BandWork *w)
 {
     const double *sampled = w->sampled;
     double *bulge = w->bulge;
     double *bound = w->bound;
-    double error = band_gaps_is_straight(w, count) ? 0.0 : BAND_GAPS_CURVE_ERROR;
+    int count = w->n_pairs;
+    double error = band_gaps_is_straight(w) ? 0.0 : BAND_GAPS_CURVE_ERROR;
     for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
         bulge[k] += error;
         bound[k] = sampled[k];
@@ -345,10 +366,11 @@ static void band_gaps_bound_between(BandWork *w, int count)
 }
 
 /* Sample closely where a bound is below the clearance, or loose next to a stationary obstacle. */
-static void band_gaps_refine_between(BandWork *w, int count)
+static void band_gaps_refine_between(BandWork *w)
 {
     const double *sampled = w->sampled;
     double *bound = w->bound;
+    int count = w->n_pairs;
     double min_sample = HUGE_VAL;
     for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
         min_sample = real_min(min_sample, sampled[k]);
@@ -359,32 +381,40 @@ static void band_gaps_refine_between(BandWork *w, int count)
         if (w->pair_node[k + 1] - i != 1 || real_min(sampled[k], sampled[k + 1]) < w->clearance) {
             continue;
         }
-        bool loose = bound[k] < min_sample - BAND_GAPS_LOOSE && bound[k] < w->clearance + BAND_GAPS_DECISIVE
-            && w->max_step[o] == 0.0;
+        bool loose = bound[k] < min_sample - BAND_GAPS_LOOSE && bound[k] < w->clearance
+            + BAND_GAPS_DECISIVE && w->max_step[o] == 0.0;
         if (bound[k] < w->clearance || loose) {
             bound[k] = band_gaps_min_between(w, o, i);
         }
     }
 }
 
-/* Compute the least gap to each obstacle between each node and the next, and the least of all. */
+/* Bound the gaps of the pairs from each node to the next, and find the least of all. */
 static void band_gaps_measure_gaps(BandWork *w)
 {
-    int count = band_gaps_sample_near(w);
-    band_gaps_bound_between(w, count);
-    band_gaps_refine_between(w, count);
-    for (int k = 0, k_end_ = count; k < k_end_; k += 1) {
-        w->gaps[w->pair_obstacle[k] * w->max_n + w->pair_node[k]] = w->bound[k];
-    }
+    band_gaps_find_near(w);
+    band_gaps_sample_near(w);
+    band_gaps_bound_between(w);
+    band_gaps_refine_between(w);
     w->min_gap = HUGE_VAL;
-    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            w->min_gap = real_min(w->min_gap, w->gaps[o * w->max_n + i]);
-            if (!(w->gaps[o * w->max_n + i] > -HUGE_VAL)) {
-                w->finite = false;
-            }
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        w->min_gap = real_min(w->min_gap, w->bound[k]);
+        if (!(w->bound[k] > -HUGE_VAL)) {
+            w->finite = false;
         }
     }
+}
+
+/* Return the least gap to an obstacle; infinite if it is far. */
+static double band_gaps_gap_to(const BandWork *w, int o)
+{
+    double gap = HUGE_VAL;
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        if (w->pair_obstacle[k] == o) {
+            gap = real_min(gap, w->bound[k]);
+        }
+    }
+    return gap;
 }
 
 /* Return the lesser of the gaps to an obstacle at the pinned ends, which no deformation changes. */
@@ -404,8 +434,8 @@ static double band_gaps_end_gap(const BandWork *w, int o)
     return real_min(first, last);
 }
 
-/* band_spline.py: The C2 cubic through the displaced nodes: unit tangents, curvature, and moments divided by
-    6. */
+/* band_spline.py: The C2 cubic through the displaced nodes: unit tangents, curvature, and moments divided
+    by 6. */
 
 /* Displace the nodes of the route to their left. */
 static void band_spline_displace_nodes(BandWork *w)
@@ -589,56 +619,99 @@ static double band_certificate_violation_of(const BandWork *w)
 #define BAND_CORRIDOR_END_SLOPE 0.5
 #define BAND_CORRIDOR_MIN_DROP 1e-09
 
-/* Compute headings, radii and steps of the obstacles; return whether all are parallel to the route. */
-static bool band_corridor_set_headings(BandWork *w)
+/* Compute unit heading and radius of an obstacle, and how far a corner has moved since the last node. */
+static void band_corridor_set_heading(BandWork *w, int o, int i)
 {
-    double max_sine = 0.0;
+    if (i > 0 && w->box_psi[o * w->max_n + i] == w->box_psi[o * w->max_n + i - 1]) {
+        w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + i - 1];
+        w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + i - 1];
+    } else {
+        w->box_ahead_x[o * w->max_n + i] = cos(w->box_psi[o * w->max_n + i]);
+        w->box_ahead_y[o * w->max_n + i] = sin(w->box_psi[o * w->max_n + i]);
+    }
+    w->radius[o * w->max_n + i] = box_gaps_norm(w->half_length[o * w->max_n + i], w->half_width[o
+        * w->max_n + i]);
+    w->max_radius[o] = real_max(w->max_radius[o], w->radius[o * w->max_n + i]);
+    if (i > 0) {
+        double step = box_gaps_norm(w->box_x[o * w->max_n + i] - w->box_x[o * w->max_n + i - 1],
+            w->box_y[o * w->max_n + i] - w->box_y[o * w->max_n + i - 1]);
+        double turn_x = w->box_ahead_x[o * w->max_n + i] - w->box_ahead_x[o * w->max_n + i - 1];
+        double turn = box_gaps_norm(turn_x, w->box_ahead_y[o * w->max_n + i] - w->box_ahead_y[o * w->max_n
+            + i - 1]);
+        w->max_step[o] = real_max(w->max_step[o], step + turn * w->radius[o * w->max_n + i]);
+    }
+}
+
+/* Compute headings, radii and steps of the obstacles. */
+static void band_corridor_set_headings(BandWork *w)
+{
+    const double *x = w->box_x;
+    const double *y = w->box_y;
+    const double *psi = w->box_psi;
+    const double *length = w->half_length;
+    const double *width = w->half_width;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         w->max_step[o] = 0.0;
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            if (i > 0 && w->box_psi[o * w->max_n + i] == w->box_psi[o * w->max_n + i - 1]) {
-                w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + i - 1];
-                w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + i - 1];
+        w->max_radius[o] = 0.0;
+        band_corridor_set_heading(w, o, 0);
+        for (int i = 1, i_end_ = w->n; i < i_end_; i += 1) {
+            int k = i - 1;
+            if (x[o * w->max_n + i] != x[o * w->max_n + k] || y[o * w->max_n + i] != y[o * w->max_n + k]
+                || psi[o * w->max_n + i] != psi[o * w->max_n + k]) {
+                band_corridor_set_heading(w, o, i);
+            } else if (length[o * w->max_n + i] != length[o * w->max_n + k] || width[o * w->max_n
+                + i] != width[o * w->max_n + k]) {
+                band_corridor_set_heading(w, o, i);
             } else {
-                w->box_ahead_x[o * w->max_n + i] = cos(w->box_psi[o * w->max_n + i]);
-                w->box_ahead_y[o * w->max_n + i] = sin(w->box_psi[o * w->max_n + i]);
+                w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + k];
+                w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + k];
+                w->radius[o * w->max_n + i] = w->radius[o * w->max_n + k];
             }
-            w->radius[o * w->max_n + i] = box_gaps_norm(w->half_length[o * w->max_n + i], w->half_width[o *
-                w->max_n + i]);
-            double sine = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n +
-                i] * w->tangent_y[i];
-            max_sine = real_max(max_sine, fabs(sine));
-            if (i > 0) {
-                double step = box_gaps_norm(w->box_x[o * w->max_n + i] - w->box_x[o * w->max_n + i - 1],
-                    w->box_y[o * w->max_n + i] - w->box_y[o * w->max_n + i - 1]);
-                double turn_x = w->box_ahead_x[o * w->max_n + i] - w->box_ahead_x[o * w->max_n + i - 1];
-                double turn = box_gaps_norm(turn_x, w->box_ahead_y[o * w->max_n + i] - w->box_ahead_y[o *
-                    w->max_n + i - 1]);
-                w->max_step[o] = real_max(w->max_step[o], step + turn * w->radius[o * w->max_n + i]);
-            }
+        }
+    }
+}
+
+/* Compute how far obstacles overlap the ego along the route; return whether all are parallel to it. */
+static bool band_corridor_measure_overlaps(BandWork *w)
+{
+    double reach = 0.5 * w->length;
+    double clearance = w->clearance;
+    double max_sine = 0.0;
+    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            double tx = w->tangent_x[i];
+            double ty = w->tangent_y[i];
+            double ax = w->box_ahead_x[o * w->max_n + i];
+            double ay = w->box_ahead_y[o * w->max_n + i];
+            double x = (w->box_x[o * w->max_n + i] - w->route_x[i]) * tx + (w->box_y[o * w->max_n + i]
+                - w->route_y[i]) * ty - w->box_offset;
+            double cosine = fabs(ax * tx + ay * ty);
+            double sine = fabs(ay * tx - ax * ty);
+            max_sine = real_max(max_sine, sine);
+            double half_x = (w->half_length[o * w->max_n + i] + clearance) * cosine + (w->half_width[o
+                * w->max_n + i] + clearance) * sine;
+            w->overlap[o * w->max_n + i] = half_x + reach - real_max(-x, x - w->lead_distance[o]);
         }
     }
     return max_sine < BAND_CORRIDOR_ALIGNED;
 }
 
-/* Compute how far an obstacle overlaps the ego along the route, and its lateral range there. */
-static void band_corridor_measure_overlap(BandWork *w, int o, int i, bool aligned)
+/* Compute the lateral range of an obstacle along the ego, and where the ego passes it. */
+static void band_corridor_measure_range(BandWork *w, int o, int i, bool aligned)
 {
     double reach = 0.5 * w->length;
-    double lead = w->lead_distance[o];
     double dx = w->box_x[o * w->max_n + i] - w->route_x[i];
     double dy = w->box_y[o * w->max_n + i] - w->route_y[i];
     double x = dx * w->tangent_x[i] + dy * w->tangent_y[i] - w->box_offset;
     double y = dy * w->tangent_x[i] - dx * w->tangent_y[i];
-    double turn_cos = w->box_ahead_x[o * w->max_n + i] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n + i] *
-        w->tangent_y[i];
-    double turn_sin = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n + i] *
-        w->tangent_y[i];
+    double turn_cos = w->box_ahead_x[o * w->max_n + i] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n
+        + i] * w->tangent_y[i];
+    double turn_sin = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
+        + i] * w->tangent_y[i];
     double cosine = fabs(turn_cos);
     double sine = fabs(turn_sin);
     double along = w->half_length[o * w->max_n + i] + w->clearance;
     double across = w->half_width[o * w->max_n + i] + w->clearance;
-    double half_x = along * cosine + across * sine;
     double half_y = along * sine + across * cosine;
     double upper = half_y;
     double lower = half_y;
@@ -650,11 +723,10 @@ static void band_corridor_measure_overlap(BandWork *w, int o, int i, bool aligne
         double rise = counter ? along_edge : across_edge;
         double fall = counter ? across_edge : along_edge;
         double before = -reach - x;
-        double behind = reach + lead - x;
+        double behind = reach + w->lead_distance[o] - x;
         upper = half_y - real_max(ridge - behind, 0.0) * rise - real_max(before - ridge, 0.0) * fall;
         lower = half_y - real_max(ridge + before, 0.0) * rise - real_max(-behind - ridge, 0.0) * fall;
     }
-    w->overlap[o * w->max_n + i] = half_x + reach - real_max(-x, x - lead);
     w->passing_right[o * w->max_n + i] = y - real_max(lower, -half_y) - 0.5 * w->width;
     w->passing_left[o * w->max_n + i] = y + real_max(upper, -half_y) + 0.5 * w->width;
 }
@@ -662,22 +734,21 @@ static void band_corridor_measure_overlap(BandWork *w, int o, int i, bool aligne
 /* Compute the displacements at which the ego passes obstacles; infinite where one is not alongside. */
 static void band_corridor_set_passing(BandWork *w)
 {
-    bool aligned = band_corridor_set_headings(w);
-    double slope = BAND_CORRIDOR_END_SLOPE * box_gaps_norm(w->route_x[1] - w->route_x[0], w->route_y[1] -
-        w->route_y[0]);
+    band_corridor_set_headings(w);
+    bool aligned = band_corridor_measure_overlaps(w);
+    double slope = BAND_CORRIDOR_END_SLOPE * box_gaps_norm(w->route_x[1] - w->route_x[0], w->route_y[1]
+        - w->route_y[0]);
+    int last = w->n - 1;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            band_corridor_measure_overlap(w, o, i, aligned);
-        }
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
             double overlap = w->overlap[o * w->max_n + i];
-            if (overlap >= 0.0) {
-                continue;
-            }
-            double near = real_max(w->overlap[o * w->max_n + int_max(i - 1, 0)], w->overlap[o * w->max_n +
-                int_min(i + 1, w->n - 1)]);
-            if (near >= 0.0) {
-                double relief = slope * (overlap / real_min(overlap - near, -BAND_CORRIDOR_MIN_DROP));
+            double before = i > 0 ? w->overlap[o * w->max_n + i - 1] : overlap;
+            double after = i < last ? w->overlap[o * w->max_n + i + 1] : overlap;
+            if (before >= 0.0 || overlap >= 0.0 || after >= 0.0) {
+                band_corridor_measure_range(w, o, i, aligned);
+                double near = real_max(real_max(before, overlap), after);
+                double relief = slope * (real_min(overlap, 0.0) / real_min(overlap - near,
+                    -BAND_CORRIDOR_MIN_DROP));
                 w->passing_right[o * w->max_n + i] += relief;
                 w->passing_left[o * w->max_n + i] -= relief;
             } else {
@@ -718,19 +789,19 @@ static int band_corridor_set_bounds(BandWork *w)
 
 /* band_relaxation.py: Relaxation of a band with given sides, and of a band whose sides follow a rule. */
 
-/* band_frame.py: The route in the frame of each node: spacing, tangents, curvature, and how the band begins
-    and ends. */
+/* band_frame.py: The route in the frame of each node: spacing, tangents, curvature, and how the band
+    begins and ends. */
 
-/* equilibrium.py: Equilibrium of a band against one-sided bounds, by a semi-smooth Newton iteration on the
-    active set.  The energy is ``1/2 u K u`` and ``1/2 contact`` times the squared violations of the bounds:
-    convex and piecewise quadratic. A step that reproduces its active set is the minimum. */
+/* equilibrium.py: Equilibrium of a band against one-sided bounds, by a semi-smooth Newton iteration on
+    the active set.  The energy is ``1/2 u K u`` and ``1/2 contact`` times the squared violations of the
+    bounds: convex and piecewise quadratic. A step that reproduces its active set is the minimum. */
 
-/* stiffness.py: Stiffness of a band between pinned ends: internal forces, factors of its matrix, solutions.
-    */
+/* stiffness.py: Stiffness of a band between pinned ends: internal forces, factors of its matrix,
+    solutions. */
 
 /* Take stiffnesses in units of the outermost coefficient, in which row sums keep their digits. */
-static void stiffness_set_stiffness(Equilibrium *e, double rate, double bending, double tension, double
-    contact, double of_curvature)
+static void stiffness_set_stiffness(Equilibrium *e, double rate, double bending, double tension,
+    double contact, double of_curvature)
 {
     double unit = rate;
     if (unit == 0.0) {
@@ -907,8 +978,8 @@ static void equilibrium_guess_active_set(Equilibrium *e)
     for (int i = 3, i_end_ = n - 3; i < i_end_; i += 1) {
         if (active[i] != 0) {
             double sign = -active[i] * 1.0;
-            if (!equilibrium_touches_end(sign * violation[i - 1], sign * violation[i], sign * violation[i +
-                1])) {
+            if (!equilibrium_touches_end(sign * violation[i - 1], sign * violation[i], sign * violation[i
+                + 1])) {
                 active[i] = 0;
             }
         }
@@ -1145,8 +1216,8 @@ static bool equilibrium_find_equilibrium(Equilibrium *e, bool warm)
 }
 
 /* Compute the displacement without contacts from its first three nodes; return whether digits suffice. */
-static bool equilibrium_respond_to_start(Equilibrium *e, double before, double start_0, double start_1, double
-    *to)
+static bool equilibrium_respond_to_start(Equilibrium *e, double before, double start_0, double start_1,
+    double *to)
 {
     int n = e->n;
     double *force = e->force;
@@ -1208,8 +1279,8 @@ static int band_frame_measure_route(BandWork *w)
         longest = real_max(longest, step);
     }
     w->spacing = total / (n - 1);
-    if (!(shortest > BAND_FRAME_MIN_EVENNESS * w->spacing && w->spacing > BAND_FRAME_MIN_EVENNESS * longest))
-        {
+    if (!(shortest > BAND_FRAME_MIN_EVENNESS * w->spacing && w->spacing > BAND_FRAME_MIN_EVENNESS
+        * longest)) {
         return BAND_WORKSPACE_UNEVEN_SPACING;
     }
     if (!(BAND_FRAME_MIN_SPACING <= w->spacing && w->spacing <= BAND_FRAME_MAX_SPACING)) {
@@ -1292,8 +1363,8 @@ static int band_frame_set_ends(BandWork *w, Equilibrium *e)
     return BAND_WORKSPACE_OK;
 }
 
-/* band_result.py: Result of a band: its status, the reason and the active constraint, from its certificate.
-    */
+/* band_result.py: Result of a band: its status, the reason and the active constraint, from its
+    certificate. */
 #define BAND_RESULT_ROUNDING 1e-09
 
 /* Return the obstacle with the least gap, the first of equals. */
@@ -1301,12 +1372,10 @@ static int band_result_nearest_obstacle(const BandWork *w)
 {
     double gap = HUGE_VAL;
     int nearest = BAND_WORKSPACE_NO_CONSTRAINT;
-    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            if (w->gaps[o * w->max_n + i] < gap) {
-                gap = w->gaps[o * w->max_n + i];
-                nearest = o;
-            }
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        if (w->bound[k] < gap) {
+            gap = w->bound[k];
+            nearest = w->pair_obstacle[k];
         }
     }
     return nearest;
@@ -1414,8 +1483,8 @@ static void band_result_report_empty_interval(BandWork *w, int node)
 static int band_result_find_blocked_end(const BandWork *w)
 {
     int e = w->n - 1;
-    if ((w->lower[0] <= w->free[0] && w->free[0] <= w->upper[0]) && (w->lower[e] <= w->free[e] && w->free[e]
-        <= w->upper[e])) {
+    if ((w->lower[0] <= w->free[0] && w->free[0] <= w->upper[0]) && (w->lower[e] <= w->free[e]
+        && w->free[e] <= w->upper[e])) {
         return BAND_WORKSPACE_NO_CONSTRAINT;
     }
     double gap = w->clearance - w->max_end_shortfall;
@@ -1434,31 +1503,39 @@ static int band_result_find_blocked_end(const BandWork *w)
 static void band_result_report_blocked_end(BandWork *w, int o)
 {
     band_result_fail(w, BAND_WORKSPACE_BLOCKED_END, o);
-    w->value = HUGE_VAL;
+    w->value = band_gaps_gap_to(w, o);
+}
+
+/* band_tightening.py: Constraint tightening: solve, certify, move the bounds by the shortfall, solve
+    again. */
+#define BAND_TIGHTENING_MAX_FRACTION 0.8
+
+/* Compute the shortfall of clearance and at the edges on both sides of each node, to `low` and `high`. */
+static void band_tightening_measure_shortfalls(BandWork *w)
+{
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        w->value = real_min(w->value, w->gaps[o * w->max_n + i]);
+        w->low[i] = -w->right_margin[i];
+        w->high[i] = -w->left_margin[i];
+    }
+    for (int k = 0, k_end_ = w->n_pairs; k < k_end_; k += 1) {
+        int i = w->pair_node[k];
+        double shortfall = w->clearance - w->bound[k];
+        if (w->passes_left[w->pair_obstacle[k]] != 0) {
+            w->low[i] = real_max(w->low[i], shortfall);
+        } else {
+            w->high[i] = real_max(w->high[i], shortfall);
+        }
     }
 }
 
-/* band_tightening.py: Constraint tightening: solve, certify, move the bounds by the shortfall, solve again.
-    */
-#define BAND_TIGHTENING_MAX_FRACTION 0.8
-
-/* Move the bounds by the shortfall of clearance, to `low` and `high`; return whether they leave any. */
+/* Move the bounds by the shortfalls, to `low` and `high`; return whether they leave a displacement. */
 static bool band_tightening_tighten_positions(BandWork *w, double gain)
 {
+    band_tightening_measure_shortfalls(w);
     bool fits = true;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        double short_low = -w->right_margin[i];
-        double short_up = -w->left_margin[i];
-        for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-            double shortfall = w->clearance - w->gaps[o * w->max_n + i];
-            if (w->passes_left[o] != 0) {
-                short_low = real_max(short_low, shortfall);
-            } else {
-                short_up = real_max(short_up, shortfall);
-            }
-        }
+        double short_low = w->low[i];
+        double short_up = w->high[i];
         w->low[i] = w->lower[i];
         w->high[i] = w->upper[i];
         if (short_low > 0.0) {
@@ -1666,6 +1743,13 @@ static void band_relaxation_relax_with_sides(BandWork *w, Equilibrium *e)
     if (solvable) {
         converged = band_tightening_tighten(w, e, converged);
     }
+    bool finite = w->finite;
+    if (!finite) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            w->u[i] = w->free[i];
+        }
+        band_certificate_certify(w);
+    }
     band_result_compare(w);
     if (empty >= 0) {
         band_result_report_empty_interval(w, empty);
@@ -1673,7 +1757,7 @@ static void band_relaxation_relax_with_sides(BandWork *w, Equilibrium *e)
     if (blocked != BAND_WORKSPACE_NO_CONSTRAINT) {
         band_result_report_blocked_end(w, blocked);
     }
-    if (!(converged && w->finite)) {
+    if (!(converged && finite)) {
         band_result_report_stall(w);
     }
     w->solves = e->solves;
@@ -1727,8 +1811,8 @@ static void band_sides_measure_freedom(BandWork *w, int o)
         if (w->passing_right[o * w->max_n + i] < HUGE_VAL) {
             no_left = no_left || w->passing_left[o * w->max_n + i] > w->left_edge[i] - half;
             no_right = no_right || w->passing_right[o * w->max_n + i] < w->right_edge[i] + half;
-            distance = real_min(distance, real_max(w->passing_right[o * w->max_n + i], -w->passing_left[o *
-                w->max_n + i]));
+            distance = real_min(distance, real_max(w->passing_right[o * w->max_n + i], -w->passing_left[o
+                * w->max_n + i]));
         }
     }
     w->distance[o] = distance;
@@ -2001,8 +2085,8 @@ void cca_relax_bands(BandBatch *q, BandWork *w, Equilibrium *e, int bands, int c
 /* Certify a displacement of the first band of a batch; return a status.
 
 Its frame, its bounds for the given sides, and its certificate are left in the workspace. */
-int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const double *u, int columns, double
-    *found, int *codes)
+int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const double *u, int columns,
+    double *found, int *codes)
 {
     band_batch_load_band(q, 0, w);
     int status = band_relaxation_prepare_band(w, e);
@@ -2026,14 +2110,14 @@ int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const dou
 /* band_cubics.py: Cubics of the path through the nodes of a band. */
 
 /* Compute arc lengths, and a, b, c, d of x and then of y, from nodes and spline moments / 6. */
-void cca_join_cubics(int segments, const double *nodes, const double *moments, double start, double *breaks,
-    double *cubics)
+void cca_join_cubics(int segments, const double *nodes, const double *moments, double start, double
+    *breaks, double *cubics)
 {
     double s = 0.0;
     breaks[0] = start;
     for (int i = 0, i_end_ = segments; i < i_end_; i += 1) {
-        double length = box_gaps_norm(nodes[(i + 1) * 2 + 0] - nodes[i * 2 + 0], nodes[(i + 1) * 2 + 1] -
-            nodes[i * 2 + 1]);
+        double length = box_gaps_norm(nodes[(i + 1) * 2 + 0] - nodes[i * 2 + 0], nodes[(i + 1) * 2 + 1]
+            - nodes[i * 2 + 1]);
         s += length;
         breaks[i + 1] = s + start;
         for (int k = 0; k < 2; k += 1) {
@@ -2052,12 +2136,13 @@ void cca_join_cubics(int segments, const double *nodes, const double *moments, d
 #define CONSTANTS_STALE_AGE 1.0
 #define CONSTANTS_STANDSTILL_SPEED 0.5
 
-/* curve.py: A path of cubics over arc length, straight beyond both ends, and foot points of positions on it.
-    */
+/* curve.py: A path of cubics over arc length, straight beyond both ends, and foot points of positions on
+    it. */
 #define CURVE_MAX_ITERATIONS 12
 #define CURVE_STEP_TOLERANCE 1e-09
 #define CURVE_BISECTIONS 50
 #define CURVE_SMALLEST_SPEED 1e-90
+#define CURVE_FAR 50.0
 #define CURVE_MAX_HALVINGS 32
 
 /* Segment in which an arc length on the path lies. */
@@ -2091,10 +2176,25 @@ cca_dddddd cca_curve_point(const Curve *curve, double s)
     double dx = (3.0 * powers[i * 8 + 0] * t + 2.0 * powers[i * 8 + 2]) * t + powers[i * 8 + 4];
     double dy = (3.0 * powers[i * 8 + 1] * t + 2.0 * powers[i * 8 + 3]) * t + powers[i * 8 + 5];
     if (s == on) {
-        return (cca_dddddd){x, y, dx, dy, 6.0 * powers[i * 8 + 0] * t + 2.0 * powers[i * 8 + 2], 6.0 *
-            powers[i * 8 + 1] * t + 2.0 * powers[i * 8 + 3]};
+        return (cca_dddddd){x, y, dx, dy, 6.0 * powers[i * 8 + 0] * t + 2.0 * powers[i * 8 + 2], 6.0
+            * powers[i * 8 + 1] * t + 2.0 * powers[i * 8 + 3]};
     }
     return (cca_dddddd){x + (s - on) * dx, y + (s - on) * dy, dx, dy, 0.0, 0.0};
+}
+
+/* Positions, first and second derivatives at n arc lengths. */
+void cca_curve_points(const Curve *curve, int n, const double *s, double *position, double *first, double
+    *second)
+{
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        const cca_dddddd result1_ = cca_curve_point(curve, s[i]);
+        position[i * 2 + 0] = result1_.item0;
+        position[i * 2 + 1] = result1_.item1;
+        first[i * 2 + 0] = result1_.item2;
+        first[i * 2 + 1] = result1_.item3;
+        second[i * 2 + 0] = result1_.item4;
+        second[i * 2 + 1] = result1_.item5;
+    }
 }
 
 /* Signed curvature from derivatives [1/m]. */
@@ -2148,8 +2248,8 @@ cca_dddd cca_foot_point(const Curve *curve, double x, double y, double s_guess)
 }
 
 /* Foot point s, d next to a sample; where Newton leaves the sample's interval, by bisection in it. */
-static cca_dd curve_foot_point_at_sample(const Curve *curve, const CurveSamples *samples, double x, double y,
-    int i)
+static cca_dd curve_foot_point_at_sample(const Curve *curve, const CurveSamples *samples, double x,
+    double y, int i)
 {
     int last = samples->count - 1;
     double low = samples->s[int_max(i - 1, 0)];
@@ -2188,28 +2288,14 @@ static double curve_sample_distance(const CurveSamples *samples, double x, doubl
     return box_gaps_norm(samples->x[i] - x, samples->y[i] - y);
 }
 
-/* First sample after another one, by at least a length of the curve; one past the last if none is. */
+/* Next sample that may be nearer than a distance, which this one exceeds; past the last if none is. */
 static int curve_sample_after(const CurveSamples *samples, int i, double excess)
 {
-    double s = samples->s[i] + excess / samples->max_speed;
-    int low = i + 1;
-    int high = samples->count;
-    for (int turn1_ = 0, turn1__end_ = CURVE_MAX_HALVINGS; turn1_ < turn1__end_; turn1_ += 1) {
-        if (low >= high || samples->s[low] >= s) {
-            break;
-        }
-        int middle = int_floor(low + high, 2);
-        if (samples->s[middle] < s) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
+    return i + floor_within(excess / samples->max_gap, 1, samples->count);
 }
 
-/* Distance of a position from the nearest sample [m]. */
-static double curve_nearest_sample_distance(const CurveSamples *samples, double x, double y)
+/* Distance of a position from the nearest of a few samples [m]. */
+static double curve_distance_at_most(const CurveSamples *samples, double x, double y)
 {
     double distance = HUGE_VAL;
     int i = 0;
@@ -2220,7 +2306,14 @@ static double curve_nearest_sample_distance(const CurveSamples *samples, double 
             break;
         }
     }
-    i = 0;
+    return distance;
+}
+
+/* Distance of a position from the nearest sample [m]; it is not above a known distance of one. */
+static double curve_nearest_sample_distance(const CurveSamples *samples, double x, double y, double bound)
+{
+    double distance = bound;
+    int i = 0;
     for (int turn1_ = 0, turn1__end_ = samples->count; turn1_ < turn1__end_; turn1_ += 1) {
         double here = curve_sample_distance(samples, x, y, i);
         distance = real_min(distance, here);
@@ -2232,11 +2325,12 @@ static double curve_nearest_sample_distance(const CurveSamples *samples, double 
     return distance;
 }
 
-/* Foot point s, d of a position that is nearest on the whole path. */
-cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double x, double y)
+/* Foot point s, d that is nearest on the whole path, from a distance of any sample. */
+static cca_dd curve_nearest_within(const Curve *curve, const CurveSamples *samples, double x, double y,
+    double bound)
 {
     int n = samples->count;
-    double limit = curve_nearest_sample_distance(samples, x, y) + 0.5 * samples->max_speed * samples->spacing;
+    double limit = curve_nearest_sample_distance(samples, x, y, bound) + 0.5 * samples->max_gap;
     double best_s = samples->s[0];
     double best_d = HUGE_VAL;
     double smallest = HUGE_VAL;
@@ -2266,6 +2360,12 @@ cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double
     return (cca_dd){best_s, best_d};
 }
 
+/* Foot point s, d of a position that is nearest on the whole path. */
+cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double x, double y)
+{
+    return curve_nearest_within(curve, samples, x, y, curve_distance_at_most(samples, x, y));
+}
+
 /* Foot points of n positions from initial guesses. */
 void cca_foot_points(const Curve *curve, int n, const double *x, const double *y, const double *s_guess,
     double *s, double *d, double *heading, double *curvature)
@@ -2279,23 +2379,30 @@ void cca_foot_points(const Curve *curve, int n, const double *x, const double *y
     }
 }
 
-/* Nearest points of n positions on the whole path. */
-void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x, const double
-    *y, double *s, double *d)
+/* Nearest points of n positions on the whole path; those that follow each other are found sooner. */
+void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x,
+    const double *y, double *s, double *d)
 {
+    int last = 0;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        const cca_dd result1_ = cca_nearest_point(curve, samples, x[i], y[i]);
+        double few = curve_sample_distance(samples, x[i], y[i], last);
+        if (i == 0 || few > CURVE_FAR) {
+            few = curve_distance_at_most(samples, x[i], y[i]);
+        }
+        const cca_dd result1_ = curve_nearest_within(curve, samples, x[i], y[i], few);
         s[i] = result1_.item0;
         d[i] = result1_.item1;
+        double along = (s[i] - samples->s[0]) / (samples->s[samples->count - 1] - samples->s[0]);
+        last = floor_within(along * samples->count, 0, samples->count - 1);
     }
 }
 
 /* equilibrium_batch.py: Equilibria of a batch of bands between given bounds. */
 
 /* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts. */
-void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness, const double
-    *lower, const double *upper, const double *lower_difference, const double *upper_difference, double *u,
-    int *solves, int *converged)
+void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
+    const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
+    double *u, int *solves, int *converged)
 {
     e->n = n;
     for (int b = 0, b_end_ = bands; b < b_end_; b += 1) {
@@ -2318,14 +2425,14 @@ void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const d
     }
 }
 
-/* gap_checks.py: Gaps of the ego's motions to other vehicles: nominal, in the worst case, and conflicts with
-    crossing ones. */
+/* gap_checks.py: Gaps of the ego's motions to other vehicles: nominal, in the worst case, and conflicts
+    with crossing ones. */
 
-/* rollout.py: Motions of the ego along candidate paths: cruise, follow, yield and brake; and what they cost.
-    */
+/* rollout.py: Motions of the ego along candidate paths: cruise, follow, yield and brake; and what they
+    cost. */
 
-/* scene.py: Scene of a decision: the route, candidate paths, other vehicles, and motions of the ego along the
-    paths. */
+/* scene.py: Scene of a decision: the route, candidate paths, other vehicles, and motions of the ego along
+    the paths. */
 #define SCENE_TOLERANCE 0.05
 
 /* Index of the station before a position on the route. */
@@ -2399,8 +2506,8 @@ void cca_limit_path_speed(Scene *w, int p, double a_y)
     }
     for (int k = 1, k_end_ = w->n; k < k_end_; k += 1) {
         int at = w->n - 1 - k;
-        w->path_cap[p * w->n + at] = real_min(w->path_cap[p * w->n + at], w->path_cap[p * w->n + at + 1] + 2.0
-            * w->b_comfort);
+        w->path_cap[p * w->n + at] = real_min(w->path_cap[p * w->n + at], w->path_cap[p * w->n + at + 1]
+            + 2.0 * w->b_comfort);
     }
 }
 
@@ -2471,10 +2578,10 @@ static bool rollout_in_path(const Scene *w, int p, int j, int k, int then)
     return low < reach && high > -reach;
 }
 
-/* Drive a path: cruise, follow, yield to the first vehicles that cross, brake; `tail` brakes after `react`.
-    */
-void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yields, double braking, double
-    tail, bool kept)
+/* Drive a path: cruise, follow, yield to the first vehicles that cross, brake; `tail` brakes after
+    `react`. */
+void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yields, double braking,
+    double tail, bool kept)
 {
     double position = w->s_0;
     double speed = w->v_0;
@@ -2513,22 +2620,22 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
                 if (!(w->s_follow[j * w->steps + k] + 0.5 * w->half_l[j] > position + w->offset)) {
                     continue;
                 }
-                if (passes && !(fabs(scene_lateral(w, p, w->s_follow[j * w->steps + k])) <= SCENE_TOLERANCE))
-                    {
+                if (passes && !(fabs(scene_lateral(w, p, w->s_follow[j * w->steps + k]))
+                    <= SCENE_TOLERANCE)) {
                     continue;
                 }
                 if (!rollout_in_path(w, p, j, k, later)) {
                     continue;
                 }
-                double now = w->s_follow[j * w->steps + 0] - w->half_l[j] - (w->s_0 + w->offset +
-                    w->half_length);
+                double now = w->s_follow[j * w->steps + 0] - w->half_l[j] - (w->s_0 + w->offset
+                    + w->half_length);
                 double gap = w->s_follow[j * w->steps + k] - w->half_l[j] - front;
                 gap -= real_min(w->room[j], real_max(now - w->standstill_gap, 0.0));
-                double final = gap + (w->s_follow[j * w->steps + w->steps - 1] - w->s_follow[j * w->steps +
-                    k]);
+                double final = gap + (w->s_follow[j * w->steps + w->steps - 1] - w->s_follow[j * w->steps
+                    + k]);
                 if (w->t[k] < w->risk_until && tail <= 0.0) {
-                    double excess = real_min(rollout_needed_braking(w, speed, gap, w->v_follow[j * w->steps +
-                        k]), 3.0 * w->b_max) / w->b_soft - 1.0;
+                    double excess = real_min(rollout_needed_braking(w, speed, gap, w->v_follow[j
+                        * w->steps + k]), 3.0 * w->b_max) / w->b_soft - 1.0;
                     risk = real_max(risk, real_max(excess, 0.0) * real_max(excess, 0.0));
                 }
                 double a = rollout_follow_at_gap(w, speed, gap, w->v_follow[j * w->steps + k], final,
@@ -2675,8 +2782,8 @@ static double gap_checks_rear_gap(const Scene *w, int row, int j, int k, double 
 }
 
 /* Gap of the ego's body to a rectangle in route coordinates. */
-static double gap_checks_ego_gap(const Scene *w, int row, int p, int k, double low, double high, double right,
-    double left)
+static double gap_checks_ego_gap(const Scene *w, int row, int p, int k, double low, double high,
+    double right, double left)
 {
     double at = w->s[row * w->steps + k];
     double middle = at + w->offset;
@@ -2691,16 +2798,16 @@ static double gap_checks_ego_gap(const Scene *w, int row, int p, int k, double l
     double end = real_max(real_min(high, middle + reach + GAP_CHECKS_NEAR), begin);
     double turn = scene_slope(w, p, at);
     double scale = 1.0 / sqrt(1.0 + turn * turn);
-    double width = w->half_width + 0.5 * fabs(w->kappa[scene_station(w->n, at)]) * w->half_length *
-        w->half_length;
-    return cca_oriented_box_gap(0.5 * (begin + end) - at - w->offset * scale, 0.5 * (right + left) -
-        w->offset_at[row * w->steps + k] - w->offset * turn * scale, scale, turn * scale, 1.0, 0.0,
+    double width = w->half_width + 0.5 * fabs(w->kappa[scene_station(w->n, at)]) * w->half_length
+        * w->half_length;
+    return cca_oriented_box_gap(0.5 * (begin + end) - at - w->offset * scale, 0.5 * (right + left)
+        - w->offset_at[row * w->steps + k] - w->offset * turn * scale, scale, turn * scale, 1.0, 0.0,
         w->half_length, width, 0.5 * (end - begin), 0.5 * (left - right));
 }
 
 /* Gap of the ego's body at a position of a path to a box in the plane. */
-static double gap_checks_body_gap(const Scene *w, int p, double at, double d, double x, double y, double psi,
-    double length, double width)
+static double gap_checks_body_gap(const Scene *w, int p, double at, double d, double x, double y,
+    double psi, double length, double width)
 {
     double route = scene_at_station(w->n, w->psi, at);
     double kappa = w->kappa[scene_station(w->n, at)];
@@ -2712,16 +2819,16 @@ static double gap_checks_body_gap(const Scene *w, int p, double at, double d, do
     if (!(box_gaps_norm(x - x_ego, y - y_ego) < length + width + w->half_length + w->half_width + 15.0)) {
         return 15.0;
     }
-    return cca_oriented_box_gap(x - x_ego, y - y_ego, c, s, cos(psi), sin(psi), w->half_length, w->half_width,
-        length, width);
+    return cca_oriented_box_gap(x - x_ego, y - y_ego, c, s, cos(psi), sin(psi), w->half_length,
+        w->half_width, length, width);
 }
 
 /* Gap of the ego's body in a motion to a box in the plane. */
 static double gap_checks_plane_gap(const Scene *w, int row, int p, int k, double x, double y, double psi,
     double length, double width)
 {
-    return gap_checks_body_gap(w, p, w->s[row * w->steps + k], w->offset_at[row * w->steps + k], x, y, psi,
-        length, width);
+    return gap_checks_body_gap(w, p, w->s[row * w->steps + k], w->offset_at[row * w->steps + k], x, y,
+        psi, length, width);
 }
 
 /* Find the stations of a path that a crossing vehicle passes over, and when. */
@@ -2736,8 +2843,8 @@ bool cca_find_conflict_stations(Scene *w, int p, int j, int reach, double until,
         double d = scene_lateral(w, p, at);
         double x = scene_at_station(w->n, w->x, at);
         double y = scene_at_station(w->n, w->y, at);
-        double reach_j = w->half_l[j] + w->half_w[j] + w->half_length + w->half_width + fabs(w->offset) +
-            fabs(d) + margin;
+        double reach_j = w->half_l[j] + w->half_w[j] + w->half_length + w->half_width + fabs(w->offset)
+            + fabs(d) + margin;
         for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
             if (!(w->t[k] <= until)) {
                 break;
@@ -2745,8 +2852,8 @@ bool cca_find_conflict_stations(Scene *w, int p, int j, int reach, double until,
             if (!(box_gaps_norm(w->x_o[j * w->steps + k] - x, w->y_o[j * w->steps + k] - y) <= reach_j)) {
                 continue;
             }
-            double gap = gap_checks_body_gap(w, p, at, d, w->x_o[j * w->steps + k], w->y_o[j * w->steps + k],
-                w->psi_o[j * w->steps + k], w->half_l[j], w->half_w[j]);
+            double gap = gap_checks_body_gap(w, p, at, d, w->x_o[j * w->steps + k], w->y_o[j * w->steps
+                + k], w->psi_o[j * w->steps + k], w->half_l[j], w->half_w[j]);
             if (gap < margin) {
                 if (w->s_enter < 0.0) {
                     w->s_enter = at;
@@ -2772,8 +2879,8 @@ static double gap_checks_nominal_gap(const Scene *w, int row, int p, int j, int 
     }
     double s = w->s_o[j * w->steps + k];
     double d = w->d_o[j * w->steps + k];
-    return gap_checks_ego_gap(w, row, p, k, s - w->half_l[j], s + w->half_l[j], d - w->half_w[j], d +
-        w->half_w[j]);
+    return gap_checks_ego_gap(w, row, p, k, s - w->half_l[j], s + w->half_l[j], d - w->half_w[j], d
+        + w->half_w[j]);
 }
 
 /* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
@@ -2825,8 +2932,8 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
         return gap_checks_plane_gap(w, row, p, k, w->x_w[j * w->steps + k], w->y_w[j * w->steps + k],
             w->psi_w[j * w->steps + k], w->half_l_w[j * w->steps + k], w->half_w_w[j * w->steps + k]);
     }
-    return gap_checks_ego_gap(w, row, p, k, w->low[j * w->steps + k], w->high[j * w->steps + k], w->right[j *
-        w->steps + k], w->left[j * w->steps + k]);
+    return gap_checks_ego_gap(w, row, p, k, w->low[j * w->steps + k], w->high[j * w->steps + k],
+        w->right[j * w->steps + k], w->left[j * w->steps + k]);
 }
 
 /* Whether vehicles within the declared bounds cannot touch the ego.
@@ -2834,8 +2941,8 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
 `which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the ego
 keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when it enters
 that lane, or from when the maneuver begins if the vehicle comes nearer. */
-bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait, double
-    x_safety, int which)
+bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
+    double x_safety, int which)
 {
     int back = gap_checks_find_duty(w, row, wait);
     w->least = GAP_CHECKS_FAR;
@@ -2843,8 +2950,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
     w->when = w->steps;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         bool passed = w->overtakes[p * w->max_m + j] != 0.0;
-        bool nears = w->v_o[j * w->steps + 0] < ROLLOUT_ONCOMING || w->v_o[j * w->steps + 0] > w->v_0 ||
-            w->assumed[j] != 0;
+        bool nears = w->v_o[j * w->steps + 0] < ROLLOUT_ONCOMING || w->v_o[j * w->steps + 0] > w->v_0
+            || w->assumed[j] != 0;
         double since = nears ? w->begin_from : w->zone_from;
         int begin = w->steps - 1;
         for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
@@ -2864,8 +2971,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
         }
         double asked = passed ? clearance : touch;
         for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            if (gap_checks_has_duty(w, j, k, back) || gap_checks_is_established(w, j) || (which == 1 && k >
-                back)) {
+            if (gap_checks_has_duty(w, j, k, back) || gap_checks_is_established(w, j) || (which == 1 && k
+                > back)) {
                 continue;
             }
             double d = w->offset_at[row * w->steps + k];
@@ -2874,8 +2981,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
             if (zone && beside) {
                 double middle = w->s[row * w->steps + k] + w->offset;
                 double rear = ahead ? w->s_o[j * w->steps + k] - w->half_l[j] : w->low[j * w->steps + k];
-                double zone_gap = real_max(rear - x_safety - (middle + w->half_length), middle -
-                    w->half_length - (w->high[j * w->steps + k] + x_safety));
+                double zone_gap = real_max(rear - x_safety - (middle + w->half_length), middle
+                    - w->half_length - (w->high[j * w->steps + k] + x_safety));
                 if (same && !ahead && w->rear_reaction > 0.0) {
                     zone_gap = k == begin ? gap_checks_rear_gap(w, row, j, k, x_safety) : GAP_CHECKS_FAR;
                 }
@@ -2906,8 +3013,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
     return w->least >= 0.0;
 }
 
-/* reach.py: Where other vehicles may be: distances, reachable and occupied intervals, danger zones, occupancy
-    boxes. */
+/* reach.py: Where other vehicles may be: distances, reachable and occupied intervals, danger zones,
+    occupancy boxes. */
 #define REACH_BELIEVED_BRAKING (-1.0)
 #define REACH_SMALLEST 1e-300
 #define REACH_WINDOW 15.0
@@ -2930,68 +3037,30 @@ static double reach_distance_driven(double v, double a_x, double t)
     return v * (braking + real_min(t, 0.0)) + 0.5 * a_x * braking * braking;
 }
 
-/* Speed at the time of the measurement, before it was dead-reckoned. */
-static double reach_measured_speed(double speed, double age, double rate)
+/* Speed when it was measured, distance that dead reckoning has counted since, time until standstill. */
+static cca_ddd reach_measured_motion(double v, double age, double rate, double braking)
 {
-    return real_max(speed - rate * real_min(age, CONSTANTS_STALE_AGE), 0.0);
+    double speed = fabs(v);
+    double known = real_min(age, CONSTANTS_STALE_AGE);
+    double measured = real_max(speed - rate * known, 0.0);
+    double stops = braking > 0.0 ? measured / real_max(braking, REACH_SMALLEST) : HUGE_VAL;
+    return (cca_ddd){measured, speed * age - 0.5 * rate * known * known, stops};
 }
 
-/* Distance that was driven before now or before t, or that dead reckoning has counted. */
-static double reach_distance_counted(double speed, double t, double age, double rate)
+/* Smallest and largest displacement along the road within assumed limits. */
+static cca_dd reach_reach(double v, double t, double age, double braking, double acceleration,
+    double measured, double counted, double stops)
 {
-    if (t < 0.0) {
-        return speed * t;
+    double shortest = fabs(v) * t;
+    double longest = shortest;
+    if (t >= 0.0) {
+        double since = t + age;
+        double slows = real_min(since, stops);
+        shortest = measured * slows - 0.5 * braking * slows * slows - counted;
+        longest = measured * since + 0.5 * acceleration * since * since - counted;
     }
-    double counted = real_min(age, CONSTANTS_STALE_AGE);
-    return -(speed * age - 0.5 * rate * counted * counted);
-}
-
-/* Smallest distance driven, as if forwards. */
-static double reach_shortest(double speed, double t, double braking, double age, double rate)
-{
-    double known = reach_distance_counted(speed, t, age, rate);
-    if (t < 0.0) {
-        return known;
-    }
-    double measured = reach_measured_speed(speed, age, rate);
-    double slows = t + age;
-    if (braking > 0.0) {
-        slows = real_min(slows, measured / real_max(braking, REACH_SMALLEST));
-    }
-    return measured * slows - 0.5 * braking * slows * slows + known;
-}
-
-/* Largest distance driven, as if forwards. */
-static double reach_longest(double speed, double t, double acceleration, double age, double rate)
-{
-    double known = reach_distance_counted(speed, t, age, rate);
-    if (t < 0.0) {
-        return known;
-    }
-    double since = t + age;
-    return reach_measured_speed(speed, age, rate) * since + 0.5 * acceleration * since * since + known;
-}
-
-/* Smallest displacement along the road within assumed limits. */
-static double reach_reach_low(double v, double t, double braking, double acceleration, double age, double
-    rate)
-{
     double creeping = acceleration > 0.0 ? CONSTANTS_STANDSTILL_SPEED : 0.0;
-    if (v < creeping) {
-        return -reach_longest(fabs(v), t, acceleration, age, rate);
-    }
-    return reach_shortest(fabs(v), t, braking, age, rate);
-}
-
-/* Largest displacement along the road within assumed limits. */
-static double reach_reach_high(double v, double t, double braking, double acceleration, double age, double
-    rate)
-{
-    double creeping = acceleration > 0.0 ? CONSTANTS_STANDSTILL_SPEED : 0.0;
-    if (v > -creeping) {
-        return reach_longest(fabs(v), t, acceleration, age, rate);
-    }
-    return -reach_shortest(fabs(v), t, braking, age, rate);
+    return (cca_dd){v < creeping ? -longest : shortest, v > -creeping ? longest : -shortest};
 }
 
 /* Distance driven at many times. */
@@ -3003,12 +3072,18 @@ void cca_distances_driven(int n, const double *t, double v, double a_x, double *
 }
 
 /* Displacements that vehicles can reach, one time for each. */
-void cca_reachable_intervals(int n, const double *v, const double *t, const double *age, const double *rate,
-    double braking, double acceleration, double *low, double *high)
+void cca_reachable_intervals(int n, const double *v, const double *t, const double *age, const double
+    *rate, double braking, double acceleration, double *low, double *high)
 {
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        low[i] = reach_reach_low(v[i], t[i], braking, acceleration, age[i], rate[i]);
-        high[i] = reach_reach_high(v[i], t[i], braking, acceleration, age[i], rate[i]);
+        const cca_ddd result1_ = reach_measured_motion(v[i], age[i], rate[i], braking);
+        double measured = result1_.item0;
+        double counted = result1_.item1;
+        double stops = result1_.item2;
+        const cca_dd result2_ = reach_reach(v[i], t[i], age[i], braking, acceleration, measured, counted,
+            stops);
+        low[i] = result2_.item0;
+        high[i] = result2_.item1;
     }
 }
 
@@ -3018,35 +3093,50 @@ void cca_occupied_intervals(int vehicles, int times, const double *motion, const
 {
     for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
         double v = motion[k * 8 + REACH_SPEED];
-        double braking = motion[k * 8 + REACH_BRAKING];
-        double acceleration = motion[k * 8 + REACH_ACCELERATION];
+        double age = motion[k * 8 + REACH_AGE];
+        double b = motion[k * 8 + REACH_BRAKING];
+        double a = motion[k * 8 + REACH_ACCELERATION];
+        bool keeps = b == 0.0 && a == 0.0;
+        const cca_ddd result1_ = reach_measured_motion(v, age, motion[k * 8 + REACH_RATE], b);
+        double measured = result1_.item0;
+        double counted = result1_.item1;
+        double stops = result1_.item2;
         for (int i = 0, i_end_ = times; i < i_end_; i += 1) {
-            double low = copysign(1.0, v) * reach_distance_driven(fabs(v), motion[k * 8 + REACH_A_X], t[i]);
-            double high = low;
-            if (!(braking == 0.0 && acceleration == 0.0)) {
-                low = reach_reach_low(v, t[i], braking, acceleration, motion[k * 8 + REACH_AGE], motion[k * 8
-                    + REACH_RATE]);
-                high = reach_reach_high(v, t[i], braking, acceleration, motion[k * 8 + REACH_AGE], motion[k *
-                    8 + REACH_RATE]);
+            if (keeps) {
+                double low = copysign(1.0, v) * reach_distance_driven(fabs(v), motion[k * 8 + REACH_A_X],
+                    t[i]);
+                rear[k * times + i] = motion[k * 8 + REACH_REAR] + low;
+                front[k * times + i] = motion[k * 8 + REACH_FRONT] + low;
+            } else {
+                const cca_dd result2_ = reach_reach(v, t[i], age, b, a, measured, counted, stops);
+                double first = result2_.item0;
+                double last = result2_.item1;
+                rear[k * times + i] = motion[k * 8 + REACH_REAR] + first;
+                front[k * times + i] = motion[k * 8 + REACH_FRONT] + last;
             }
-            rear[k * times + i] = motion[k * 8 + REACH_REAR] + low;
-            front[k * times + i] = motion[k * 8 + REACH_FRONT] + high;
         }
     }
 }
 
 /* Intervals of the road in which vehicles of the adjacent lane block a maneuver, relative to the ego. */
-void cca_danger_zones(int vehicles, int times, const double *motion, const double *t, const double *travel,
-    double *zone)
+void cca_danger_zones(int vehicles, int times, const double *motion, const double *t, const double
+    *travel, double *zone)
 {
     for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
+        double v = motion[k * 8 + REACH_SPEED];
+        double age = motion[k * 8 + REACH_AGE];
+        double b = motion[k * 8 + REACH_BRAKING];
+        double a = motion[k * 8 + REACH_ACCELERATION];
+        const cca_ddd result1_ = reach_measured_motion(v, age, motion[k * 8 + REACH_RATE], b);
+        double measured = result1_.item0;
+        double counted = result1_.item1;
+        double stops = result1_.item2;
         double low = HUGE_VAL;
         double high = -HUGE_VAL;
         for (int i = 0, i_end_ = times; i < i_end_; i += 1) {
-            double first = reach_reach_low(motion[k * 8 + REACH_SPEED], t[i], motion[k * 8 + REACH_BRAKING],
-                motion[k * 8 + REACH_ACCELERATION], motion[k * 8 + REACH_AGE], motion[k * 8 + REACH_RATE]);
-            double last = reach_reach_high(motion[k * 8 + REACH_SPEED], t[i], motion[k * 8 + REACH_BRAKING],
-                motion[k * 8 + REACH_ACCELERATION], motion[k * 8 + REACH_AGE], motion[k * 8 + REACH_RATE]);
+            const cca_dd result2_ = reach_reach(v, t[i], age, b, a, measured, counted, stops);
+            double first = result2_.item0;
+            double last = result2_.item1;
             if (first - travel[i] <= last - travel[i]) {
                 low = real_min(low, first - travel[i]);
                 high = real_max(high, last - travel[i]);
@@ -3060,28 +3150,54 @@ void cca_danger_zones(int vehicles, int times, const double *motion, const doubl
     }
 }
 
-/* Boxes that cover occupied intervals near given stations: x, y, heading, length and width of each. */
-void cca_occupancy_boxes(const Curve *curve, int n, const double *s, const double *rear, const double *front,
-    const double *d, const double *half_width, double *boxes)
+/* Box that covers an occupied interval near a station: x, y, heading, length and width. */
+static cca_ddddd reach_occupancy_box(const Curve *curve, double s, double rear, double front, double d,
+    double half_width)
+{
+    double first = real_min(real_max(rear, s - REACH_WINDOW), front);
+    double last = real_max(real_min(front, s + REACH_WINDOW), rear);
+    double length = fabs(last - first);
+    const cca_dddddd result1_ = cca_curve_point(curve, 0.5 * (first + last));
+    double x = result1_.item0;
+    double y = result1_.item1;
+    double dx = result1_.item2;
+    double dy = result1_.item3;
+    double ddx = result1_.item4;
+    double ddy = result1_.item5;
+    double speed = real_max(box_gaps_norm(dx, dy), CURVE_SMALLEST_SPEED);
+    double width = 2.0 * half_width + 0.25 * fabs(curve_curvature_of(dx, dy, ddx, ddy)) * length * length;
+    return (cca_ddddd){x - d * dy / speed, y + d * dx / speed, atan2(dy, dx), length, width};
+}
+
+/* Boxes that cover occupied intervals near given stations. */
+void cca_occupancy_boxes(const Curve *curve, int n, const double *s, const double *rear, const double
+    *front, const double *d, const double *half_width, double *boxes)
 {
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double first = real_min(real_max(rear[i], s[i] - REACH_WINDOW), front[i]);
-        double last = real_max(real_min(front[i], s[i] + REACH_WINDOW), rear[i]);
-        double length = fabs(last - first);
-        const cca_dddddd result1_ = cca_curve_point(curve, 0.5 * (first + last));
-        double x = result1_.item0;
-        double y = result1_.item1;
-        double dx = result1_.item2;
-        double dy = result1_.item3;
-        double ddx = result1_.item4;
-        double ddy = result1_.item5;
-        double speed = real_max(box_gaps_norm(dx, dy), CURVE_SMALLEST_SPEED);
-        boxes[i * 5 + 0] = x - d[i] * dy / speed;
-        boxes[i * 5 + 1] = y + d[i] * dx / speed;
-        boxes[i * 5 + 2] = atan2(dy, dx);
-        boxes[i * 5 + 3] = length;
-        boxes[i * 5 + 4] = 2.0 * half_width[i] + 0.25 * fabs(curve_curvature_of(dx, dy, ddx, ddy)) * length *
-            length;
+        const cca_ddddd result1_ = reach_occupancy_box(curve, s[i], rear[i], front[i], d[i], half_width[i]);
+        boxes[i * 5 + 0] = result1_.item0;
+        boxes[i * 5 + 1] = result1_.item1;
+        boxes[i * 5 + 2] = result1_.item2;
+        boxes[i * 5 + 3] = result1_.item3;
+        boxes[i * 5 + 4] = result1_.item4;
+    }
+}
+
+/* Boxes of vehicles at common times, one vehicle after another, near the stations of the ego then. */
+void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double *s, const double *rear,
+    const double *front, const double *d, const double *half_width, double *boxes)
+{
+    for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
+        for (int i = 0, i_end_ = times; i < i_end_; i += 1) {
+            int at = k * times + i;
+            const cca_ddddd result1_ = reach_occupancy_box(curve, s[i], rear[k * times + i], front[k
+                * times + i], d[k], half_width[k]);
+            boxes[at * 5 + 0] = result1_.item0;
+            boxes[at * 5 + 1] = result1_.item1;
+            boxes[at * 5 + 2] = result1_.item2;
+            boxes[at * 5 + 3] = result1_.item3;
+            boxes[at * 5 + 4] = result1_.item4;
+        }
     }
 }
 
@@ -3107,12 +3223,12 @@ static double rss_lateral_shift(double v, const RssReaction *reaction)
 }
 
 /* Safe distances behind vehicles that may brake fully. */
-void cca_same_direction_distances(int n, const double *v_rear, const double *v_front, const RssReaction *rear,
-    const RssReaction *front, double *distance)
+void cca_same_direction_distances(int n, const double *v_rear, const double *v_front, const RssReaction
+    *rear, const RssReaction *front, double *distance)
 {
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double apart = rss_stopping_distance(v_rear[i], rear, rear->b_min) - v_front[i] * v_front[i] / (2.0 *
-            front->b_max);
+        double apart = rss_stopping_distance(v_rear[i], rear, rear->b_min) - v_front[i] * v_front[i]
+            / (2.0 * front->b_max);
         distance[i] = real_max(apart, 0.0) + rear->standstill_gap;
     }
 }
@@ -3129,8 +3245,8 @@ void cca_opposite_distances(int n, const double *v_correct, const double *v_oppo
 }
 
 /* Safe lateral distances between vehicles alongside each other. */
-void cca_lateral_distances(int n, const double *v_left, const double *v_right, const RssReaction *left, const
-    RssReaction *right, double *distance)
+void cca_lateral_distances(int n, const double *v_left, const double *v_right, const RssReaction *left,
+    const RssReaction *right, double *distance)
 {
     double margin = 0.5 * (left->fluctuation + right->fluctuation);
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
@@ -3160,8 +3276,8 @@ double cca_fiala_force(double stiffness, double slip, double f_max)
 }
 
 /* Rates of change of the eight states; they do not depend on the position. */
-static cca_dddddddd single_track_rates(const SingleTrackCar *car, double psi, double v_x, double v_y, double
-    r, double angle, double force, double delta, double a_x)
+static cca_dddddddd single_track_rates(const SingleTrackCar *car, double psi, double v_x, double v_y,
+    double r, double angle, double force, double delta, double a_x)
 {
     double grip = car->mu * CONSTANTS_GRAVITY;
     double front = car->l_r / (car->l_f + car->l_r);
@@ -3174,8 +3290,8 @@ static cca_dddddddd single_track_rates(const SingleTrackCar *car, double psi, do
     if (v_x < SINGLE_TRACK_MIN_SLIP_SPEED) {
         return (cca_dddddddd){v_x * c - v_y * s, v_x * s + v_y * c, r, force, 0.0, 0.0, rate, drive_rate};
     }
-    double side = sqrt(real_max(grip * grip - force * force, SINGLE_TRACK_MIN_SIDE * grip *
-        (SINGLE_TRACK_MIN_SIDE * grip)));
+    double side = sqrt(real_max(grip * grip - force * force, SINGLE_TRACK_MIN_SIDE * grip
+        * (SINGLE_TRACK_MIN_SIDE * grip)));
     double c_d = cos(angle);
     double s_d = sin(angle);
     double v_f = v_y + car->l_f * r;
@@ -3187,9 +3303,9 @@ static cca_dddddddd single_track_rates(const SingleTrackCar *car, double psi, do
     double pull = car->m * front * force;
     double front_x = pull * c_d - f_f * s_d;
     double front_y = pull * s_d + f_f * c_d;
-    return (cca_dddddddd){v_x * c - v_y * s, v_x * s + v_y * c, r, force * (1.0 - front) + front_x / car->m +
-        v_y * r, (front_y + f_r) / car->m - v_x * r, (car->l_f * front_y - car->l_r * f_r) / car->inertia,
-        rate, drive_rate};
+    return (cca_dddddddd){v_x * c - v_y * s, v_x * s + v_y * c, r, force * (1.0 - front) + front_x
+        / car->m + v_y * r, (front_y + f_r) / car->m - v_x * r, (car->l_f * front_y - car->l_r * f_r)
+        / car->inertia, rate, drive_rate};
 }
 
 /* Remove slip and reversing at low speed. */
@@ -3222,8 +3338,8 @@ static void single_track_runge_kutta(SingleTrackCar *car, double delta, double a
     double ar = result1_.item5;
     double aa = result1_.item6;
     double af = result1_.item7;
-    const cca_dddddddd result2_ = single_track_rates(car, psi + m * ap, v + m * av, w + m * aw, r + m * ar,
-        angle + m * aa, force + m * af, delta, a_x);
+    const cca_dddddddd result2_ = single_track_rates(car, psi + m * ap, v + m * av, w + m * aw, r + m
+        * ar, angle + m * aa, force + m * af, delta, a_x);
     double bx = result2_.item0;
     double by = result2_.item1;
     double bp = result2_.item2;
@@ -3232,8 +3348,8 @@ static void single_track_runge_kutta(SingleTrackCar *car, double delta, double a
     double br = result2_.item5;
     double ba = result2_.item6;
     double bf = result2_.item7;
-    const cca_dddddddd result3_ = single_track_rates(car, psi + m * bp, v + m * bv, w + m * bw, r + m * br,
-        angle + m * ba, force + m * bf, delta, a_x);
+    const cca_dddddddd result3_ = single_track_rates(car, psi + m * bp, v + m * bv, w + m * bw, r + m
+        * br, angle + m * ba, force + m * bf, delta, a_x);
     double cx = result3_.item0;
     double cy = result3_.item1;
     double cp = result3_.item2;
@@ -3242,8 +3358,8 @@ static void single_track_runge_kutta(SingleTrackCar *car, double delta, double a
     double cr = result3_.item5;
     double ca = result3_.item6;
     double cf = result3_.item7;
-    const cca_dddddddd result4_ = single_track_rates(car, psi + h * cp, v + h * cv, w + h * cw, r + h * cr,
-        angle + h * ca, force + h * cf, delta, a_x);
+    const cca_dddddddd result4_ = single_track_rates(car, psi + h * cp, v + h * cv, w + h * cw, r + h
+        * cr, angle + h * ca, force + h * cf, delta, a_x);
     double dx = result4_.item0;
     double dy = result4_.item1;
     double dp = result4_.item2;
@@ -3280,8 +3396,8 @@ void cca_drive(SingleTrackCar *car, double delta, double a_x, double dt)
             single_track_roll(car);
         }
     }
-    const cca_dddddddd result1_ = single_track_rates(car, car->psi, car->v_x, car->v_y, car->r, car->delta,
-        car->a_x, delta, a_x);
+    const cca_dddddddd result1_ = single_track_rates(car, car->psi, car->v_x, car->v_y, car->r,
+        car->delta, car->a_x, delta, a_x);
     double v_y_dot = result1_.item4;
     car->a_y = v_y_dot + car->v_x * car->r;
 }
@@ -3290,24 +3406,36 @@ void cca_drive(SingleTrackCar *car, double delta, double a_x, double dt)
 #define SPEED_STRAIGHT 1e-09
 #define SPEED_LOOKAHEAD 2.0
 
+/* Time for a distance at a constant acceleration that is not zero [s]. */
+static double speed_ramp_time(double v, double a, double distance)
+{
+    return (sqrt(real_max(v * v + 2.0 * a * distance, 0.0)) - v) / a;
+}
+
 /* Compute when points ahead are reached if the target speed is approached freely. */
-void cca_arrival_times(int n, double v_x, double v_target, const double *distance, double a_max, double
-    b_comfort, double *t)
+void cca_arrival_times(int n, double v_x, double v_target, const double *distance, double a_max,
+    double b_comfort, double *t)
 {
     double v = real_max(v_x, CONSTANTS_STANDSTILL_SPEED);
     double target = real_max(v_target, CONSTANTS_STANDSTILL_SPEED);
     double a = target > v ? a_max : -b_comfort;
     double ramp = (target * target - v * v) / (2.0 * a);
+    double t_ramp = speed_ramp_time(v, a, ramp);
+    double unknown = isnan(ramp) ? ramp : 0.0;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double on_ramp = real_min(real_max(distance[i], 0.0), ramp);
-        t[i] = (sqrt(v * v + 2.0 * a * on_ramp) - v) / a;
-        t[i] += real_min(distance[i], 0.0) / v + real_max(distance[i] - ramp, 0.0) / target;
+        if (distance[i] >= ramp) {
+            t[i] = t_ramp + (distance[i] - ramp) / target;
+        } else if (distance[i] > 0.0) {
+            t[i] = speed_ramp_time(v, a, distance[i]) + unknown;
+        } else {
+            t[i] = distance[i] / v + unknown;
+        }
     }
 }
 
 /* Squares of the highest speeds at stations, with standstill at the last one. */
-void cca_squared_speed_limits(const Curve *curve, int n, double cruise, double a_y, double b_comfort, const
-    double *s, double *squared)
+void cca_squared_speed_limits(const Curve *curve, int n, double cruise, double a_y, double b_comfort,
+    const double *s, double *squared)
 {
     squared[n - 1] = 0.0;
     for (int i = n - 2, i_end_ = -1; i > i_end_; i -= 1) {
@@ -3347,8 +3475,8 @@ double cca_interpolated(int n, const double *at, const double *value, double s)
 }
 
 /* Acceleration along a speed profile, with its slope as feedforward. */
-double cca_profile_acceleration(int n, const double *at, const double *squared, double s, double v_x, double
-    a_max, double b_comfort, double b_max)
+double cca_profile_acceleration(int n, const double *at, const double *squared, double s, double v_x,
+    double a_max, double b_comfort, double b_max)
 {
     double horizon = SPEED_LOOKAHEAD + real_max(v_x, 0.0);
     double here = real_max(cca_interpolated(n, at, squared, s), 0.0);
@@ -3358,8 +3486,8 @@ double cca_profile_acceleration(int n, const double *at, const double *squared, 
     return real_min(cruise, real_max(ahead, -b_max));
 }
 
-/* steering.py: Preview steering: the single-track model inverted along a path, and PD control of the error
-    ahead. */
+/* steering.py: Preview steering: the single-track model inverted along a path, and PD control of the
+    error ahead. */
 #define STEERING_ROLLING_SPEED 3.0
 #define STEERING_INTEGRAL_TIME 3.0
 #define STEERING_INTEGRAL_LIMIT 0.02
@@ -3403,8 +3531,8 @@ static void steering_integrate(IdealCar *car, double kappa, double v, double dt)
     double h = dt / n;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         double a_y = v * v * (car->kappa + (i + 0.5) / n * (kappa - car->kappa));
-        double r_dot = (car->l_f * car->m * a_y - (car->l_f + car->l_r) * steering_rear_force(car, v)) /
-            car->inertia;
+        double r_dot = (car->l_f * car->m * a_y - (car->l_f + car->l_r) * steering_rear_force(car, v))
+            / car->inertia;
         double v_y_dot = a_y - v * car->r;
         car->r += h * r_dot;
         car->v_y += h * v_y_dot;
@@ -3417,8 +3545,8 @@ static void steering_start_steady(IdealCar *car, double kappa, double v)
     car->first = 0;
     car->count = 0;
     car->r = v * kappa;
-    double rolling = v < STEERING_ROLLING_SPEED ? 0.0 : car->l_f * car->m * v * v / (car->c_r * (car->l_f +
-        car->l_r));
+    double rolling = v < STEERING_ROLLING_SPEED ? 0.0 : car->l_f * car->m * v * v / (car->c_r * (car->l_f
+        + car->l_r));
     car->v_y = v * kappa * (car->l_r - rolling);
 }
 
@@ -3487,8 +3615,8 @@ static double steering_gain_at(const double *gains, int i, double fraction)
 }
 
 /* Steering angle within the limits of lateral acceleration, angle and rate. */
-static double steering_limited(const Steering *law, const IdealCar *car, double target, double v_x, double
-    v_y, double r, double dt)
+static double steering_limited(const Steering *law, const IdealCar *car, double target, double v_x,
+    double v_y, double r, double dt)
 {
     double v = real_max(v_x, 1.0);
     double reach = car->l_f + car->l_r + real_max(law->understeer, 0.0) * v * v;
@@ -3507,8 +3635,8 @@ static double steering_limited(const Steering *law, const IdealCar *car, double 
 }
 
 /* Road-wheel angle for this cycle; `law.s` becomes the station of the vehicle. */
-double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_guess, double x, double y, double
-    psi, double v_x, double v_y, double r, double dt)
+double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_guess, double x, double y,
+    double psi, double v_x, double v_y, double r, double dt)
 {
     double v = real_max(v_x, 0.0);
     const cca_dddd result1_ = cca_foot_point(curve, x, y, s_guess);

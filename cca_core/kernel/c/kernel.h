@@ -234,8 +234,6 @@ void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const d
     const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
     double *u, int *solves, int *converged);
 
-typedef struct cca_ddd { double item0; double item1; double item2; } cca_ddd;
-
 typedef struct Scene {
     int n;
     int max_m;
@@ -331,8 +329,8 @@ typedef struct Scene {
 
 void cca_limit_path_speed(Scene *w, int p, double a_y);
 
-void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yields, double braking, double
-    tail, bool kept);
+void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yields, double braking,
+    double tail, bool kept);
 
 void cca_sum_costs(Scene *w, int row, int p, double until);
 
@@ -340,8 +338,10 @@ bool cca_find_conflict_stations(Scene *w, int p, int j, int reach, double until,
 
 void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet);
 
-bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait, double
-    x_safety, int which);
+bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
+    double x_safety, int which);
+
+typedef struct cca_ddd { double item0; double item1; double item2; } cca_ddd;
 
 void cca_distances_driven(int n, const double *t, double v, double a_x, double *distance);
 

@@ -57,53 +57,6 @@ static PyObject *call_oriented_box_gap(PyObject *self_, PyObject *const *given_,
     return PyFloat_FromDouble(result_);
 }
 
-static PyObject *call_aligned_box_gaps(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("aligned_box_gaps", 6, count_)) {
-        return NULL;
-    }
-    int n;
-    const double *dx;
-    const double *dy;
-    double length;
-    double width;
-    double *gap;
-    if (!lend_whole(given_[0], &n)) {
-        return NULL;
-    }
-    if (!lend_real(given_[3], &length)) {
-        return NULL;
-    }
-    if (!lend_real(given_[4], &width)) {
-        return NULL;
-    }
-    Lent lent_[3];
-    int held_ = 0;
-    dx = lend_array("dx", given_[1], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
-    if (dx == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    dy = lend_array("dy", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
-    if (dy == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    gap = lend_array("gap", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 1);
-    if (gap == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    double result_;
-    Py_BEGIN_ALLOW_THREADS
-    result_ = cca_aligned_box_gaps(n, dx, dy, length, width, gap);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    return PyFloat_FromDouble(result_);
-}
-
 static PyObject *call_box_gap(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -381,12 +334,60 @@ static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_s
         return NULL;
     }
     cca_dddddd result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_curve_point(curve, s);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1), PyFloat_FromDouble(result_.item2), PyFloat_FromDouble(result_.item3), PyFloat_FromDouble(result_.item4), PyFloat_FromDouble(result_.item5)};
     return lend_group(items_, 6);
+}
+
+static PyObject *call_curve_points(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("curve_points", 6, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    int n;
+    const double *s;
+    double *position;
+    double *first;
+    double *second;
+    if (!lend_whole(given_[1], &n)) {
+        return NULL;
+    }
+    Lent lent_[5];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s = lend_array("s", given_[2], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (s == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    position = lend_array("position", given_[3], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 2, 1);
+    if (position == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    first = lend_array("first", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 2, 1);
+    if (first == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    second = lend_array("second", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)n, 2, 1);
+    if (second == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_curve_points(curve, n, s, position, first, second);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
 }
 
 static PyObject *call_curvature_at(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
@@ -409,9 +410,7 @@ static PyObject *call_curvature_at(PyObject *self_, PyObject *const *given_, Py_
         return NULL;
     }
     double result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_curvature_at(curve, s);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -444,9 +443,7 @@ static PyObject *call_foot_point(PyObject *self_, PyObject *const *given_, Py_ss
         return NULL;
     }
     cca_dddd result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_foot_point(curve, x, y, s_guess);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1), PyFloat_FromDouble(result_.item2), PyFloat_FromDouble(result_.item3)};
     return lend_group(items_, 4);
@@ -482,9 +479,7 @@ static PyObject *call_nearest_point(PyObject *self_, PyObject *const *given_, Py
         return NULL;
     }
     cca_dd result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_nearest_point(curve, samples, x, y);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1)};
     return lend_group(items_, 2);
@@ -1216,6 +1211,72 @@ static PyObject *call_occupancy_boxes(PyObject *self_, PyObject *const *given_, 
     Py_RETURN_NONE;
 }
 
+static PyObject *call_vehicle_boxes(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("vehicle_boxes", 9, count_)) {
+        return NULL;
+    }
+    const Curve *curve;
+    int vehicles;
+    int times;
+    const double *s;
+    const double *rear;
+    const double *front;
+    const double *d;
+    const double *half_width;
+    double *boxes;
+    if (!lend_whole(given_[1], &vehicles)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &times)) {
+        return NULL;
+    }
+    Lent lent_[7];
+    int held_ = 0;
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s = lend_array("s", given_[3], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)times, 0, 0);
+    if (s == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    rear = lend_array("rear", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, (Py_ssize_t)times, 0);
+    if (rear == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    front = lend_array("front", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)vehicles, (Py_ssize_t)times, 0);
+    if (front == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    d = lend_array("d", given_[6], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)vehicles, 0, 0);
+    if (d == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    half_width = lend_array("half_width", given_[7], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)vehicles, 0, 0);
+    if (half_width == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    boxes = lend_array("boxes", given_[8], &lent_[held_], &held_, 'd', 2, ((Py_ssize_t)vehicles * (Py_ssize_t)times), 5, 1);
+    if (boxes == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_vehicle_boxes(curve, vehicles, times, s, rear, front, d, half_width, boxes);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
 static PyObject *call_same_direction_distances(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1552,9 +1613,7 @@ static PyObject *call_interpolated(PyObject *self_, PyObject *const *given_, Py_
         return NULL;
     }
     double result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_interpolated(n, at, value, s);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -1605,9 +1664,7 @@ static PyObject *call_profile_acceleration(PyObject *self_, PyObject *const *giv
         return NULL;
     }
     double result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_profile_acceleration(n, at, squared, s, v_x, a_max, b_comfort, b_max);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -1632,9 +1689,7 @@ static PyObject *call_front_slip(PyObject *self_, PyObject *const *given_, Py_ss
         return NULL;
     }
     double result_;
-    Py_BEGIN_ALLOW_THREADS
     result_ = cca_front_slip(car, fraction);
-    Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyFloat_FromDouble(result_);
 }
@@ -1775,13 +1830,13 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
 
 static PyMethodDef methods[] = {
     {"oriented_box_gap", (PyCFunction)(void (*)(void))call_oriented_box_gap, METH_FASTCALL, NULL},
-    {"aligned_box_gaps", (PyCFunction)(void (*)(void))call_aligned_box_gaps, METH_FASTCALL, NULL},
     {"box_gap", (PyCFunction)(void (*)(void))call_box_gap, METH_FASTCALL, NULL},
     {"box_gaps", (PyCFunction)(void (*)(void))call_box_gaps, METH_FASTCALL, NULL},
     {"relax_bands", (PyCFunction)(void (*)(void))call_relax_bands, METH_FASTCALL, NULL},
     {"measure_band", (PyCFunction)(void (*)(void))call_measure_band, METH_FASTCALL, NULL},
     {"join_cubics", (PyCFunction)(void (*)(void))call_join_cubics, METH_FASTCALL, NULL},
     {"curve_point", (PyCFunction)(void (*)(void))call_curve_point, METH_FASTCALL, NULL},
+    {"curve_points", (PyCFunction)(void (*)(void))call_curve_points, METH_FASTCALL, NULL},
     {"curvature_at", (PyCFunction)(void (*)(void))call_curvature_at, METH_FASTCALL, NULL},
     {"foot_point", (PyCFunction)(void (*)(void))call_foot_point, METH_FASTCALL, NULL},
     {"nearest_point", (PyCFunction)(void (*)(void))call_nearest_point, METH_FASTCALL, NULL},
@@ -1799,6 +1854,7 @@ static PyMethodDef methods[] = {
     {"occupied_intervals", (PyCFunction)(void (*)(void))call_occupied_intervals, METH_FASTCALL, NULL},
     {"danger_zones", (PyCFunction)(void (*)(void))call_danger_zones, METH_FASTCALL, NULL},
     {"occupancy_boxes", (PyCFunction)(void (*)(void))call_occupancy_boxes, METH_FASTCALL, NULL},
+    {"vehicle_boxes", (PyCFunction)(void (*)(void))call_vehicle_boxes, METH_FASTCALL, NULL},
     {"same_direction_distances", (PyCFunction)(void (*)(void))call_same_direction_distances, METH_FASTCALL, NULL},
     {"opposite_distances", (PyCFunction)(void (*)(void))call_opposite_distances, METH_FASTCALL, NULL},
     {"lateral_distances", (PyCFunction)(void (*)(void))call_lateral_distances, METH_FASTCALL, NULL},
@@ -1819,7 +1875,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "48340ad2b39697936b0bd5a2bfa1083d5126ac25a44a8cf8aeefe2ab682ce59c") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "b91bc721a32655e29713b0767ae907277e3103e6b0e8a612c47a3e07d8fa3ac4") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
