@@ -84,7 +84,15 @@ def in_path(w: Scene, p: Int, j: Int, k: Int, then: Int) -> Flag:
 
 
 def roll_out(
-    w: Scene, row: Int, p: Int, follows: Flag, passes: Flag, yields: Int, braking: Real, tail: Real, kept: Flag
+    w: Scene,
+    row: Int,
+    p: Int,
+    follows: Flag,
+    passes: Flag,
+    yields: Int,
+    braking: Real,
+    tail: Real,
+    kept: Flag,
 ) -> None:
     """Drive a path: cruise, follow, yield to the first vehicles that cross, brake; `tail` brakes after `react`."""
     position = w.s_0
@@ -128,7 +136,9 @@ def roll_out(
                 gap -= min(w.room[j], max(now - w.standstill_gap, 0.0))
                 final = gap + (w.s_follow[j, w.steps - 1] - w.s_follow[j, k])
                 if w.t[k] < w.risk_until and tail <= 0.0:
-                    excess = min(needed_braking(w, speed, gap, w.v_follow[j, k]), 3.0 * w.b_max) / w.b_soft - 1.0
+                    excess = (
+                        min(needed_braking(w, speed, gap, w.v_follow[j, k]), 3.0 * w.b_max) / w.b_soft - 1.0
+                    )
                     risk = max(risk, max(excess, 0.0) * max(excess, 0.0))
                 a = follow_at_gap(w, speed, gap, w.v_follow[j, k], final, w.stands[j] != 0)
                 if a < want:

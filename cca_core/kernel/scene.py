@@ -1,6 +1,5 @@
 """Scene of a decision: the route, candidate paths, other vehicles, and motions of the ego along the paths."""
 
-import math
 from typing import Annotated
 
 from cca_core.kernel.types import Flag, Grid, Int, Ints, Real, Reals, floor_within

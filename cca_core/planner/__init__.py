@@ -1,20 +1,31 @@
 """Planner: one cycle from vehicles around the ego to steering and acceleration."""
 
 from cca_core.planner.command import Command
-from cca_core.planner.maneuver_tuning import AbortSettings, LastResortSettings, ReplanSettings
+from cca_core.planner.maneuver_tuning import (
+    AbortSettings,
+    CertificateSettings,
+    CostSettings,
+    LastResortSettings,
+    ReplanSettings,
+)
 from cca_core.planner.planner import Planner
+from cca_core.planner.records import Mode, SafeStop
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.tuning import ActuationSettings, DecisionSettings, LeadSettings, YieldSettings
 
 __all__ = [
     "AbortSettings",
     "ActuationSettings",
+    "CertificateSettings",
     "Command",
+    "CostSettings",
     "DecisionSettings",
     "EvasionSettings",
     "LastResortSettings",
     "LeadSettings",
+    "Mode",
     "Planner",
     "ReplanSettings",
+    "SafeStop",
     "YieldSettings",
 ]  # fmt: skip

@@ -17,7 +17,9 @@ _STOP_STEP = 0.1  # [s]
 _HOLD = 1.0  # deceleration that holds a stationary vehicle [m/s^2]
 
 
-def planned_acceleration(plan: DrivenPlan, t: float, v: float, a_y: float, limits: Limits, mu: float) -> float:
+def planned_acceleration(
+    plan: DrivenPlan, t: float, v: float, a_y: float, limits: Limits, mu: float
+) -> float:
     """Return the acceleration of the plan at a time, within the friction [m/s^2]."""
     at = np.append(0.0, TIMES[1:])
     a = float(np.interp(t - plan.t, at, np.append(plan.a_0, plan.a[:-1])))
@@ -26,7 +28,7 @@ def planned_acceleration(plan: DrivenPlan, t: float, v: float, a_y: float, limit
 
 
 def safe_stop(
-    reference: Path, s: float, s_tail: Array, v_tail: Array, a_tail: Array, vehicle: VehicleParams
+    reference: Path, s_tail: Array, v_tail: Array, a_tail: Array, vehicle: VehicleParams
 ) -> SafeStop:
     """Return steering and braking that follow a braking tail along the reference."""
     t = np.arange(0.0, _STOP_TIME + 0.5 * _STOP_STEP, _STOP_STEP)
@@ -38,7 +40,9 @@ def safe_stop(
     return SafeStop(t=t, delta=delta, a_x=np.interp(t, TIMES, a_tail))
 
 
-def dead_reckon(state: VehicleState, delta: float, a_x: float, dt: float, vehicle: VehicleParams) -> VehicleState:
+def dead_reckon(
+    state: VehicleState, delta: float, a_x: float, dt: float, vehicle: VehicleParams
+) -> VehicleState:
     """Return the state after a time by the kinematic single-track model with understeer."""
     v = max(state.v_x + a_x * dt, 0.0)
     mean = 0.5 * (state.v_x + v)
@@ -46,7 +50,11 @@ def dead_reckon(state: VehicleState, delta: float, a_x: float, dt: float, vehicl
     wheel = state.delta + (delta - state.delta) * lag
     turn = vehicle.wheelbase + vehicle.understeer_gradient * mean * mean
     r = mean * math.tan(wheel) / turn
-    beta = math.atan(r * (vehicle.l_r - vehicle.l_f * vehicle.m * mean * mean / (vehicle.C_r * vehicle.wheelbase)) / max(mean, 0.5))
+    beta = math.atan(
+        r
+        * (vehicle.l_r - vehicle.l_f * vehicle.m * mean * mean / (vehicle.C_r * vehicle.wheelbase))
+        / max(mean, 0.5)
+    )
     psi = state.psi + r * dt
     course = state.psi + 0.5 * r * dt + beta
     return VehicleState(

@@ -1,6 +1,5 @@
 """Candidates: paths by levels, speed profiles, and the motions that they give."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -10,7 +9,7 @@ from cca_core._checks import Array
 from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.path import Lane
-from cca_core.planner.occupancy import N_STOPS, Traffic
+from cca_core.planner.occupancy import N_STOPS
 from cca_core.planner.paths import Surroundings, return_paths, route_path, swerve
 from cca_core.planner.records import LateralPath, Level, Plan, Profile
 from cca_core.planner.scene import (
@@ -96,7 +95,9 @@ def swerves(
             lanes: tuple[Lane | None, ...] = (None,) if lane is None else (None, lane)
             for level in levels:
                 for corridor in lanes:
-                    refused = None if corridor is None else _lane_refusal(around, corridor, side, awareness_range)
+                    refused = (
+                        None if corridor is None else _lane_refusal(around, corridor, side, awareness_range)
+                    )
                     found = refused or swerve(around, group, side, corridor, level, last)
                     if isinstance(found, Rejection):
                         if corridor is lanes[-1]:
@@ -135,7 +136,7 @@ def find_stops(scene: Lent[Scene], around: Surroundings, path: int) -> list[Stop
             continue
         front = around.vehicle.front
         lines = [line - front for line in around.road.stop_lines if around.s - 0.5 < line - front < enter]
-        until = work.t_exit + around.settings.certificate.pet + around.settings.crossing.hold_pet
+        until = work.t_exit + around.settings.crossing.min_pet + around.settings.crossing.hold_pet
         found.append(
             Stop(
                 vehicle_id=traffic.ids[j], row=int(j), s=max(lines, default=enter), has_line=bool(lines),
@@ -208,17 +209,3 @@ class Rollout:
 def shifted(a: Array, elapsed: float) -> Array:
     """Return an acceleration profile as seen later."""
     return np.interp(TIMES + elapsed, TIMES, a)
-
-
-def free_motion(rollout: Rollout, path: LateralPath, i: int) -> Plan:
-    """Return the motion that no vehicle limits."""
-    plan = rollout.add(path, i, Profile("free", follows=False))
-    assert plan is not None
-    return plan
-
-
-__all__ = [
-    "Rollout", "Stop", "Traffic", "blocking_rows", "find_stops", "free_motion", "home_paths", "profiles",
-    "shifted", "swerves",
-]  # fmt: skip
-_ = math

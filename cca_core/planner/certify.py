@@ -20,7 +20,8 @@ _GRIP_SHARE = 0.95  # of all tires that a path may use [-]
 class Certifier:
     """Certificates of the plans of one decision."""
 
-    def __init__(self, scene: Lent[Scene], around: Surroundings, *, inside: bool, kept: object, stops: Sequence[Stop]
+    def __init__(
+        self, scene: Lent[Scene], around: Surroundings, *, inside: bool, kept: object, stops: Sequence[Stop]
     ) -> None:
         self._scene, self._around, self._inside = scene, around, inside
         self._settings = around.settings.certificate
@@ -41,9 +42,9 @@ class Certifier:
         around, work, settings = self._around, self._scene.workspace, self._settings
         is_kept = plan.profile.kept or plan.path.is_last
         touch = settings.touch_kept if is_kept else settings.touch
-        clearance = settings.clearance_kept if is_kept else max(plan.path.clearance - 0.15, 0.2)
+        clearance = around.settings.replan.min_clearance if is_kept else max(plan.path.clearance - 0.15, 0.2)
         plan.grade, plan.rejection, plan.is_certified = Grade.SEVERITY, None, True
-        pet = settings.pet * (0.5 if is_kept else 1.0)
+        pet = around.settings.crossing.min_pet * (0.5 if is_kept else 1.0)
         asked = min(clearance, plan.path.clearance)
         check_gaps(work, plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
         which, plan.gap = work.which, work.gap
@@ -100,7 +101,11 @@ class Certifier:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
             plan.grade = Grade.FULL
-        elif float(plan.a[:k].min()) <= -limits.b_comfort + 0.05 and not plan.path.kind.is_swerve and not out_now:
+        elif (
+            float(plan.a[:k].min()) <= -limits.b_comfort + 0.05
+            and not plan.path.kind.is_swerve
+            and not out_now
+        ):
             plan.grade, plan.braking = Grade.FULL, limits.b_max  # the proper response
         else:
             plan.grade = Grade.NOMINAL
@@ -116,7 +121,9 @@ class Certifier:
         x_safety = around.settings.x_safety * (0.5 if plan.path.is_last else 1.0)
         begins = np.flatnonzero(plan.s + around.lateral.base >= plan.path.begin)
         set_numbers(
-            self._scene, begin_from=float(TIMES[begins[0]]) if len(begins) else 0.0, zone_from=float(TIMES[steps[0]]), 
+            self._scene,
+            begin_from=float(TIMES[begins[0]]) if len(begins) else 0.0,
+            zone_from=float(TIMES[steps[0]]),
             zone_side=1 if plan.path.kind is PathKind.LEFT else 2,
         )
         b_max = around.limits.b_max
@@ -125,8 +132,13 @@ class Certifier:
             return
         # behind a vehicle of the ego lane it can brake at once, on this path or on its route, or after the pass
         if (
-            self._inside and self._tail_is_safe(plan, settings.reaction_time, b_max, touch, clearance, 0.0, _OTHERS)
-            or self._tail_is_safe(plan, react, b_max, touch, clearance, 0.0, _OTHERS if self._inside else _ALL)
+            (
+                self._inside
+                and self._tail_is_safe(plan, settings.reaction_time, b_max, touch, clearance, 0.0, _OTHERS)
+            )
+            or self._tail_is_safe(
+                plan, react, b_max, touch, clearance, 0.0, _OTHERS if self._inside else _ALL
+            )
             or home()
         ):
             plan.grade, plan.braking = Grade.COMFORTABLE, settings.comfortable_braking
@@ -169,7 +181,9 @@ class Certifier:
             profile.kept,
         )  # fmt: skip
         return bool(
-            check_worst(work, _TAIL, plan.path_row, touch, clearance, self._settings.duty_delay, x_safety, which)
+            check_worst(
+                work, _TAIL, plan.path_row, touch, clearance, self._settings.duty_delay, x_safety, which
+            )
         )
 
     def tail(self, plan: Plan, braking: float) -> tuple[object, object, object]:

@@ -7,12 +7,26 @@ from cca_core.planner.certify import Certifier
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.records import Costs, Grade, LateralPath, Level, PathKind, Plan
 
-_TERMS = {"a_x": 0, "a_y": 1, "outside": 3, "s": 5, "v": 6, "d_end": 7, "risk": 8}  # columns of the scene's terms
+_TERMS = {
+    "a_x": 0,
+    "a_y": 1,
+    "outside": 3,
+    "s": 5,
+    "v": 6,
+    "d_end": 7,
+    "risk": 8,
+}  # columns of the scene's terms
 _SHARE_OF_KEPT = 0.3  # of the cost of a change that remains for a return
 
 
 def assess(
-    plan: Plan, terms: Array, free: Array, around: Surroundings, last: LateralPath | None, a_0: float, cruise: float
+    plan: Plan,
+    terms: Array,
+    free: Array,
+    around: Surroundings,
+    last: LateralPath | None,
+    a_0: float,
+    cruise: float,
 ) -> None:
     """Set the cost of a plan, but for its safe end."""
     weights = around.settings.cost

@@ -1,4 +1,4 @@
-"""Groups of settings: last resort, replanning and abort of maneuvers."""
+"""Groups of settings: last resort, replanning and abort of maneuvers; certificates and costs."""
 
 from dataclasses import dataclass
 
@@ -37,27 +37,14 @@ class LastResortSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplanSettings:
-    """How an ongoing maneuver is replanned or canceled.
+    """How an ongoing maneuver is replanned.
 
     Parameters
     ----------
     committed_time : float
-        Time in which the reference can no longer change [s].
-    recovery_time : float
-        Time after that in which a missing clearance is regained [s].
+        Time in which the path no longer changes [s].
     min_clearance : float
-        Clearance below which a missing clearance is not relaxed [m].
-    clearance_tolerance, edge_tolerance : float
-        Relaxation beyond the missing clearance, and of road edges, in the committed part [m]: bounds
-        between nodes are looser than at nodes.
-    curvature_tolerance : float
-        Fraction by which the committed part may exceed its curvature [-].
-    window_hysteresis : float
-        Distance by which the end must move to be moved [m]; less is rounding of messages.
-    abort_clearance : float
-        Clearance of the unchanged maneuver below which the ego returns [m].
-    cancel_brake_fraction : float
-        Fraction of the brakes up to which following is feasible instead [-].
+        Clearance to an overtaken vehicle that the maneuver being driven must keep [m].
 
     Raises
     ------
@@ -66,17 +53,10 @@ class ReplanSettings:
     """
 
     committed_time: float = 0.5
-    recovery_time: float = 2.0
     min_clearance: float = 0.3
-    clearance_tolerance: float = 0.05
-    edge_tolerance: float = 0.05
-    curvature_tolerance: float = 0.002
-    window_hysteresis: float = 2.0
-    abort_clearance: float = 0.1
-    cancel_brake_fraction: float = 0.3
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("recovery_time",))
+        check_fields(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,28 +65,8 @@ class AbortSettings:
 
     Parameters
     ----------
-    deceleration : float
-        Deceleration with which the ego falls back, and following vehicles slow down [m/s^2].
-    brake_delay : float
-        Time until it acts [s]: half the time in which brakes build up, and their lag.
-    reaction_time : float
-        Reaction time of drivers of following vehicles [s].
-    standstill_gap : float
-        Gap to the vehicles ahead and behind after the return [m].
-    time_gap : float
-        Time gap to the next lead vehicle after an early return [s].
-    lateral_gap : float
-        Lateral gap to a vehicle that is passed during an early return [m].
-    lateral_acceleration : float
-        Lateral acceleration of the return [m/s^2].
-    min_length : float
-        Least length of a return [m].
-    max_overshoot_ratio : float
-        Largest length of a return, as a multiple of the distance in which its slope leads back [-].
-    settling_time : float
-        Time in which a return that is too early is stopped [s].
     max_hold_time : float
-        Latest begin of an early return [s].
+        Latest begin of a return [s].
 
     Raises
     ------
@@ -114,17 +74,120 @@ class AbortSettings:
         If a value is not finite or negative.
     """
 
-    deceleration: float = 5.0
-    brake_delay: float = 0.3
-    reaction_time: float = 1.0
-    standstill_gap: float = 2.0
-    time_gap: float = 2.0
-    lateral_gap: float = 0.2
-    lateral_acceleration: float = 4.0
-    min_length: float = 15.0
-    max_overshoot_ratio: float = 2.5
-    settling_time: float = 0.6
-    max_hold_time: float = 3.0
+    max_hold_time: float = 5.0
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("deceleration", "lateral_acceleration", "min_length"))
+        check_fields(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CertificateSettings:
+    """What a plan must keep to be certified.
+
+    Parameters
+    ----------
+    reaction_time : float
+        Time that a plan is driven before its braking tail begins [s]: two decisions and the brakes' delay.
+    comfortable_braking : float
+        Deceleration of the tail up to which a safe end is comfortable [m/s^2].
+    touch : float
+        Gap that a new plan keeps to every nominal motion [m].
+    touch_kept : float
+        The same of the plan that is being driven [m]: less, so that it is kept.
+    duty_delay : float
+        Time after the return from which on vehicles behind the ego keep their distance [s].
+    look_time : float
+        Time for which a vehicle is followed before it is in the path [s].
+    lag : float
+        Time constant of brakes and engine [s].
+    side_speed : float
+        Lateral speed above which a vehicle is expected to change its lane [m/s].
+    acceleration_time, braking_time : float
+        Time for which a reported acceleration or deceleration is expected to last [s].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    reaction_time: float = 0.4
+    comfortable_braking: float = 3.0
+    touch: float = 0.3
+    touch_kept: float = 0.1
+    duty_delay: float = 1.0
+    look_time: float = 1.6
+    lag: float = 0.15
+    side_speed: float = 0.3
+    acceleration_time: float = 1.0
+    braking_time: float = 4.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, positive=("lag",))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CostSettings:
+    """What the terms of the cost weigh; a cost is a time [s].
+
+    Parameters
+    ----------
+    progress : float
+        Of the time lost within the horizon [-].
+    speed : float
+        Of the speed missing at the horizon, as a fraction of the cruise speed [s].
+    a_x, a_y : float
+        Of the squared accelerations over time [s^3/m^2].
+    change_of_acceleration : float
+        Of the squared change of acceleration at once [s^3/m^2].
+    outside : float
+        Of the time outside the ego lane [-].
+    right : float
+        Of passing on the right [s].
+    change, replan, abort : float
+        Of another intention, of a new path of the same, and of returning before a pass is complete [s].
+    narrow, hard : float
+        Of the levels beyond comfort [s].
+    sharp, sharp_from : float
+        Of a comfortable swerve whose peak lateral acceleration exceeds `sharp_from` times the one at which it
+        aims; of the square of the excess [s], [-].
+    safe_end : float
+        Of a safe end that needs full braking [s]; it grows with the square of the deceleration.
+    astray : float
+        Of a path that does not end in the ego lane [s].
+    risk : float
+        Of following so closely that a lead vehicle's hardest braking would need more than `risk_braking`,
+        over time [-]; it grows with the square of the excess.
+    risk_braking : float
+        Deceleration [m/s^2].
+    horizon : float
+        Time over which costs are summed [s].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    progress: float = 1.0
+    speed: float = 4.0
+    a_x: float = 0.03
+    a_y: float = 0.03
+    change_of_acceleration: float = 0.02
+    outside: float = 0.08
+    right: float = 0.5
+    change: float = 0.4
+    replan: float = 0.15
+    abort: float = 1.0
+    narrow: float = 0.8
+    hard: float = 0.4
+    sharp: float = 15.0
+    sharp_from: float = 1.2
+    safe_end: float = 1.5
+    astray: float = 2.0
+    risk: float = 0.5
+    risk_braking: float = 5.0
+    horizon: float = 10.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, positive=("horizon", "risk_braking"))

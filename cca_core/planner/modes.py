@@ -5,6 +5,7 @@ from typing import Any
 
 from cca_core.decide import Action
 from cca_core.planner.records import DrivenPlan, Mode, PathKind, PlannerState
+from cca_core.planner.tuning import DecisionSettings
 
 ACTIONS = {
     Mode.KEEP: Action.KEEP, Mode.FOLLOW: Action.FOLLOW, Mode.EVADE_LEFT: Action.EVADE_LEFT,
@@ -20,12 +21,10 @@ _DWELL = {
 }  # fmt: skip
 """Time for which another mode must be wished for before it is shown [s]; others change at once."""
 
-_BRAKE_THRESHOLD = 4.0  # deceleration above which the ego brakes, not follows [m/s^2]
-_RELEASE_FRACTION = 0.7  # of it, below which braking ends
-_LIMITED = 0.3  # acceleration lost to a vehicle that makes the ego follow [m/s^2]
+_RELEASE_FRACTION = 0.7  # of the brake threshold, below which braking ends
 
 
-def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float) -> Mode:
+def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float, settings: DecisionSettings) -> Mode:
     """Return the mode that a plan means at a station."""
     path = plan.path
     if path.kind.is_swerve and path.begin <= s < path.end:
@@ -35,8 +34,8 @@ def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float) -> Mode:
     if path.kind.is_swerve and s < path.begin and mode is Mode.FOLLOW:
         return mode  # it follows until it passes
     a = float(plan.a[3])
-    threshold = _BRAKE_THRESHOLD * (_RELEASE_FRACTION if mode is Mode.BRAKE else 1.0)
-    if plan.free_a - a > _LIMITED:  # other vehicles slow the ego, not the route
+    threshold = settings.brake_threshold * (_RELEASE_FRACTION if mode is Mode.BRAKE else 1.0)
+    if plan.free_a - a > settings.follow_threshold:  # other vehicles slow the ego, not the route
         return Mode.BRAKE if min(a, a_x) < -threshold else Mode.FOLLOW
     return Mode.KEEP
 

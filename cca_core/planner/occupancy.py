@@ -156,7 +156,9 @@ def _travel(n: FrenetVehicle, settings: EvasionSettings, limit: float) -> tuple[
     v, a = abs(n.v_s), n.speed_rate
     if "hard_braking" in n.remote.events:
         a = min(a, -_HARD_BRAKING)
-    if abs(a) < _NO_ACCELERATION or settings.assumed_braking == settings.assumed_acceleration == 0.0 and a > 0.0:
+    if abs(a) < _NO_ACCELERATION or (
+        settings.assumed_braking == settings.assumed_acceleration == 0.0 and a > 0.0
+    ):
         return v * TIMES, np.full(len(TIMES), v)
     certificate = settings.certificate
     if a < 0.0:
@@ -188,7 +190,12 @@ def _reach(n: FrenetVehicle, settings: EvasionSettings, limit: float) -> tuple[A
         low = high = math.copysign(1.0, v) * distance
         return low, high
     low, high = reachable_interval(
-        v, TIMES, braking=max(braking, -a_s), acceleration=max(acceleration, a_s), age=n.remote.age, a_reported=a_s
+        v,
+        TIMES,
+        braking=max(braking, -a_s),
+        acceleration=max(acceleration, a_s),
+        age=n.remote.age,
+        a_reported=a_s,
     )
     most = max(limit, abs(v) + 0.5) * np.diff(TIMES)
     high = high[0] + np.concatenate(([0.0], np.cumsum(np.minimum(np.diff(high), most))))
@@ -208,7 +215,7 @@ def _place_crossing(rows: dict[str, Array], j: int, n: FrenetVehicle, settings: 
     x, y, psi = predict_ctra(told, TIMES)
     for name, values in (("x_o", x), ("y_o", y), ("psi_o", psi)):
         rows[name][j] = values
-    crossing, pet = settings.crossing, settings.certificate.pet
+    crossing, pet = settings.crossing, settings.crossing.min_pet
     v, sign = abs(remote.v_x), math.copysign(1.0, remote.v_x)
     free = settings.assumed_braking == settings.assumed_acceleration == 0.0
     bounds = {
@@ -252,7 +259,11 @@ def _room_to_pass(j: int, vehicles: list[FrenetVehicle], road: Road, settings: E
     if n.d - n.half_width > lane.left or n.d + n.half_width < lane.right:
         return 0.0
     for other in vehicles:
-        if other is not n and 0.0 < other.rear - n.front < settings.lead.queue_gap and abs(other.d - n.d) < 1.5:
+        if (
+            other is not n
+            and 0.0 < other.rear - n.front < settings.lead.queue_gap
+            and abs(other.d - n.d) < 1.5
+        ):
             return 0.0  # a queue drives on
     return settings.lead.passing_room
 
@@ -269,4 +280,3 @@ def _in_order(s: Array, d: Array, v: Array, half_l: Array, half_w: Array, crosse
                 behind = np.where(beside, np.inf, follow[k] - space - 1.0)
                 follow[j] = np.maximum.accumulate(np.maximum(np.minimum(follow[j], behind), s[j, 0]))
     return follow
-

@@ -29,7 +29,6 @@ _MAX_NODES = 140  # of a band
 _MIN_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
 _MIN_OFFSET = 0.3  # of which the length of a return is computed at least [m]
 _TIGHTEST = 0.1  # largest curvature that a return aims at [1/m]
-_COMMITTED = 0.5  # time in which the path does not change [s]
 _ROUTE_SHARE = 0.7  # of the free space, kept to the vehicle; the rest to the edge [-]
 
 
@@ -101,7 +100,8 @@ def return_paths(around: Surroundings) -> list[LateralPath]:
         d = _quintic(state.offset, state.slope, state.bend, 0.0, length, x)
         paths.append((level, length, d))
     road, half = around.road, 0.5 * around.vehicle.width + 0.1
-    for hold in (1.5, 3.0, 5.0):
+    for fraction in (0.3, 0.6, 1.0):
+        hold = fraction * around.settings.abort.max_hold_time
         settle = max(1.5 * v, 6.0)
         to = state.offset + 0.4 * state.slope * settle
         to = min(max(to, road.right_edge + half), road.left_edge - half)
@@ -138,7 +138,12 @@ class _Window:
 
 
 def swerve(
-    around: Surroundings, group: Sequence[int], side: Side, lane: Lane | None, level: Level, last: LateralPath | None
+    around: Surroundings,
+    group: Sequence[int],
+    side: Side,
+    lane: Lane | None,
+    level: Level,
+    last: LateralPath | None,
 ) -> LateralPath | Rejection:
     """Return a band around a group of vehicles, inside the ego lane or with an adjacent lane."""
     window = _window(around, group, side, lane, level, last)
@@ -151,7 +156,10 @@ def swerve(
     begin, start = window.start, np.zeros(3)
     under_way = last is not None or not state.on_route
     if under_way:
-        begin = max(begin, math.ceil(around.s + _COMMITTED * around.v * (not state.is_lost)))
+        begin = max(
+            begin,
+            math.ceil(around.s + around.settings.replan.committed_time * around.v * (not state.is_lost)),
+        )
         n = max(math.ceil((window.end - begin) / spacing), 8)
         at = np.array((begin - spacing, begin, begin + spacing)) - state.base
         start = state.d[np.clip(at, 0, len(state.d) - 1)]
@@ -211,7 +219,12 @@ def reference_of(lateral: LateralPath, road: Road, s: float) -> Path:
 
 
 def _window(
-    around: Surroundings, group: Sequence[int], side: Side, lane: Lane | None, level: Level, last: LateralPath | None
+    around: Surroundings,
+    group: Sequence[int],
+    side: Side,
+    lane: Lane | None,
+    level: Level,
+    last: LateralPath | None,
 ) -> _Window | Rejection:
     """Return where a swerve must begin and end."""
     settings, limits, traffic, state = around.settings, around.limits, around.traffic, around.lateral
@@ -325,7 +338,9 @@ def _obstacles(
             continue
         d = np.interp(t, TIMES, traffic.d[j])
         boxes.append(
-            occupancy_boxes(path, stations, s - traffic.half_l[j], s + traffic.half_l[j], d, traffic.half_w[j])
+            occupancy_boxes(
+                path, stations, s - traffic.half_l[j], s + traffic.half_l[j], d, traffic.half_w[j]
+            )
         )
         names.append(n.id)
     return boxes, names

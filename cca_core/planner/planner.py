@@ -16,12 +16,10 @@ from cca_core.frenet import INCOMPLETE, to_frenet
 from cca_core.frenet.branches import Branches
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner import modes
-from cca_core.planner.actuate import dead_reckon, planned_acceleration, safe_stop
-from cca_core.planner.candidates import Rollout, find_stops, free_motion, home_paths, profiles, shifted, swerves
-from cca_core.planner.certify import Certifier
-from cca_core.planner.choose import assess, choose
+from cca_core.planner.actuate import dead_reckon, planned_acceleration
 from cca_core.planner.coast import coast
 from cca_core.planner.command import Command
+from cca_core.planner.deliberation import Deliberation, Setup
 from cca_core.planner.inputs import (
     CycleClock,
     RadioHealth,
@@ -33,18 +31,16 @@ from cca_core.planner.inputs import (
     warn_of_tight_bend,
 )
 from cca_core.planner.limits import limits_of
-from cca_core.planner.occupancy import place_vehicles
-from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
+from cca_core.planner.paths import AHEAD, BEHIND
 from cca_core.planner.reasons import explain
-from cca_core.planner.records import DrivenPlan, Grade, LateralPath, Level, Mode, PathKind, Plan, PlannerState, Sight
-from cca_core.planner.scene import TIMES, Scenes, set_numbers
+from cca_core.planner.records import Grade, LateralPath, Level, Mode, PathKind, PlannerState, Sight
+from cca_core.planner.scene import Scenes
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
 
 _LOG = logging.getLogger(__name__)
-_ON_PATH = 0.4  # lateral error up to which the ego is on its path [m]
 
 
 class Planner:
@@ -99,7 +95,10 @@ class Planner:
         self._lateral_range = self.road.right_edge - margin, self.road.left_edge + margin
         branches = Branches(self.road.path)
         self._branches = branches if branches.passes_itself else None
-        self._scenes = Scenes(BEHIND + AHEAD)
+        self._setup = Setup(
+            vehicle=vehicle, road=self.road, settings=self.evasion, speed=self.speed, limits=self._limits,
+            scenes=Scenes(BEHIND + AHEAD),
+        )  # fmt: skip
         self._last_s: dict[str, float] = {}
         self._clock = CycleClock()
         self._command: Command | None = None
@@ -240,137 +239,9 @@ class Planner:
 
     def _decide(self, sight: Sight) -> None:
         """Enumerate, certify and choose."""
-        state, settings, limits = self._state, self.evasion, self._limits
-        last = None if state.plan is None else state.plan
-        last_path = None if last is None or sight.s >= last.path.end else last.path
-        base = math.floor(sight.s) - BEHIND
-        lateral = lateral_state(
-            base, sight.s, sight.d, sight.angle, sight.bend, None if last is None else last.path, _ON_PATH
-        )
-        self._fill_route(base)
-        scene, traffic = place_vehicles(self._scenes, sight, self.road, settings, base)
-        vehicle, speed, certificate, lane = self.vehicle, self.speed, settings.certificate, self.road.ego_lane
-        set_numbers(
-            scene, lane_right=lane.right, lane_left=lane.left, s_0=sight.s - base, v_0=sight.v,
-            a_0=state.a_x, a_true=state.a_true, half_length=0.5 * vehicle.length,
-            half_width=0.5 * vehicle.width, offset=vehicle.box_offset, a_max=limits.a_max,
-            b_comfort=limits.b_comfort, b_max=limits.b_max, grip=limits.grip, b_other=settings.assumed_braking,
-            b_soft=settings.cost.risk_braking / self.speed.b_max * limits.b_max, risk_until=settings.cost.horizon,
-            standstill_gap=speed.standstill_gap, time_gap=speed.time_gap, approach_rate=speed.approach_rate,
-            jerk=speed.jerk, jerk_emergency=speed.jerk_emergency, lag=certificate.lag,
-            blocking_gap=settings.lead.blocking_gap, look=certificate.look_time,
-            react=certificate.reaction_time, rear_reaction=0.0 if settings.keeps_motion else settings.rear_reaction_time,
-            rear_braking=settings.rear_braking,
-        )  # fmt: skip
-        around = Surroundings(
-            vehicle=vehicle, road=self.road, settings=settings, limits=limits, traffic=traffic, lateral=lateral,
-            s=sight.s, v=sight.v, jerk=speed.jerk, free_s=TIMES, free_v=TIMES,
-        )  # fmt: skip
-        rollout = Rollout(scene, around)
-        homes = home_paths(around)
-        rows = [rollout.add_path(path, limits.a_y_max) for path in homes]
-        free = free_motion(rollout, homes[0], rows[0])
-        around = replace(around, free_s=free.s + base, free_v=free.v)
-        rollout.around = around
-        stops = find_stops(scene, around, rows[0])
-        kept = None if last is None else shifted(last.a, sight.t - last.t)
-        half = 0.5 * vehicle.width
-        inside = lane.right < sight.d - half and sight.d + half < lane.left
-        scene.workspace.established = not inside and scene.workspace.rear_reaction > 0.0
-        certifier = Certifier(scene, around, inside=inside, kept=kept, stops=stops)
-        plans: list[Plan] = []
-        terms = scene.arrays["terms"]
-        free_terms = terms[free.row].copy()
-
-        def add(path: LateralPath, row: int, *, desperate: bool = False) -> None:
-            keeps = kept is not None and (path.is_last or last_path is None and not path.kind.is_swerve)
-            for profile in profiles(
-                path, len(stops), limits.b_comfort, limits.b_max, kept=keeps, desperate=desperate
-            ):
-                plan = rollout.add(path, row, profile, kept)
-                if plan is not None:
-                    assess(plan, terms, free_terms, around, last_path, state.a_x, self._cruise_speed)
-                    plans.append(plan)
-
-        for path, row in zip(homes, rows, strict=True):
-            add(path, row)
-        home_plans = [plan for plan in plans if plan.profile.name == "go"]
-        answer: list[bool] = []
-
-        def home() -> bool:
-            if not answer:
-                answer.append(any(certifier.can_brake(plan) for plan in home_plans))
-            return answer[0]
-
-        under_way = None
-        if last_path is not None and not lateral.is_lost and last_path.kind.value != "route":
-            path = replace(last_path, is_last=True)
-            comfortable = path.kind.is_swerve and path.level is Level.COMFORT
-            add(path, rollout.add_path(path, limits.a_y_limit if comfortable else limits.a_y_max))
-            if last_path.kind.is_swerve and sight.s >= last_path.begin:
-                under_way = last_path
-        v_target = math.sqrt(max(float(np.interp(sight.s, *self._speed_profile)), 0.0))
-        max_speed = v_target - settings.min_speed_advantage
-        best = choose(plans, certifier, around, home)
-        rejections = []
-        for levels in ((Level.COMFORT,), (Level.HARD, Level.NARROW)):
-            certified = best.grade <= Grade.FULL
-            if certified and (levels[0] is not Level.COMFORT or best.path.is_last and best.path.kind.is_swerve):
-                break
-            found, why = swerves(around, levels, under_way, max_speed, sight.awareness_range)
-            rejections += why
-            for path in found:
-                if not rollout.is_full:
-                    a_y = limits.a_y_limit if path.level is Level.COMFORT else limits.a_y_max
-                    add(path, rollout.add_path(path, a_y), desperate=path.level is not Level.COMFORT)
-            best = choose(plans, certifier, around, home)
-        rejections += [p.rejection for p in plans if p.rejection is not None and p.cost < best.cost]
-        cheaper = sorted((p for p in plans if p.is_certified and p.impact_id and p is not best), key=lambda p: p.cost)
-        if cheaper and cheaper[0].cost < best.cost:
-            best.impact_id = best.impact_id or cheaper[0].impact_id
-        self._commit(best, free, base, sight, certifier, stops, tuple(rejections))
-
-    def _fill_route(self, base: int) -> None:
-        """Put the stretch of the route around the ego into the scenes."""
-        grid = base + np.arange(float(BEHIND + AHEAD))
-        xy, first, second = self.road.path.derivatives(grid)
-        route = self._scenes.route
-        route["x"][:], route["y"][:] = xy[:, 0], xy[:, 1]
-        route["psi"][:] = np.unwrap(np.arctan2(first[:, 1], first[:, 0]))
-        cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-        route["kappa"][:] = cross / np.hypot(first[:, 0], first[:, 1]) ** 3
-        route["cap"][:] = np.interp(grid, *self._speed_profile)
-
-    def _commit(
-        self, best: Plan, free: Plan, base: int, sight: Sight, certifier: Certifier, stops: list, rejections: tuple
-    ) -> None:
-        """Make the best plan the one that is driven."""
-        state, last = self._state, self._state.plan
-        path = best.path
-        if path.is_last and last is not None:
-            path, reference = replace(last.path, is_last=False), last.reference
-        elif path.kind.value == "route":
-            reference = self.road.path
-        else:
-            reference = reference_of(path, self.road, sight.s)
-            path = replace(path, reference=reference)
-        ids = certifier.names
-        limited = "" if best.limited_by == -1 else "curve"
-        yields_to = ""
-        if best.limited_by >= 0:
-            limited = ids[best.limited_by]
-        elif best.limited_by <= -10:
-            yields_to = stops[-10 - best.limited_by].vehicle_id
-            limited = f"yield {yields_to}"
-        b = self._limits.b_max if best.grade >= Grade.FULL else max(best.braking, self._limits.b_comfort)
-        tail = certifier.tail(best, min(b, self._limits.b_max))
-        stop = safe_stop(reference, sight.s, tail[0] + base, tail[1], tail[2], self.vehicle)
-        self._state = replace(state, plan=DrivenPlan(
-            t=sight.t, path=path, reference=reference, profile=best.profile, s=best.s + base, v=best.v.copy(),
-            a=best.a.copy(), a_0=state.a_x, grade=best.grade, limited_by=limited, yields_to=yields_to,
-            free_a=float(free.a[3]), safe_stop=stop, rejections=rejections, braking=best.braking,
-            costs=best.costs, impact_id=best.impact_id,
-        ))  # fmt: skip
+        state = self._state
+        deliberation = Deliberation(self._setup, state, sight, self._speed_profile, self._cruise_speed)
+        self._state = replace(state, plan=deliberation.decide())
 
     def _act(
         self, sight: Sight, state: VehicleState, dt: float, dropped: tuple[tuple[str, str], ...]
@@ -382,11 +253,19 @@ class Planner:
             plan, sight.t + dt, sight.v, state.v_x * state.r, self._limits, self.vehicle.mu
         )
         delta = self._controller.steer(state, plan.reference, dt, s_guess=sight.s)
-        wish = modes.wished_mode(plan, self._state.mode, sight.s, a_x)
+        wish = modes.wished_mode(plan, self._state.mode, sight.s, a_x, self.evasion.decision)
         lag = 1.0 - math.exp(-dt / self.evasion.certificate.lag)
         a_true = self._state.a_true + (a_x - self._state.a_true) * lag
         self._state = modes.advance(
-            self._state, sight.t, wish, s=sight.s, v=sight.v, a_x=a_x, a_true=a_true, delta=delta, estimate=state
+            self._state,
+            sight.t,
+            wish,
+            s=sight.s,
+            v=sight.v,
+            a_x=a_x,
+            a_true=a_true,
+            delta=delta,
+            estimate=state,
         )
         mode = self._state.mode
         decision = explain(mode, plan, sight, a_x, self.vehicle, self._speed_profile)

@@ -31,12 +31,18 @@ def explain(
             until = f"braking for {lead.id}; {until}"
         return explained(action, f"passing {name} on the {side}", until, lead_id=_first(plan))
     if mode is Mode.RETURN:
-        return explained(action, "returning to the ego lane", why or "the maneuver ended", lead_id=plan.limited_by or None)
+        return explained(
+            action, "returning to the ego lane", why or "the maneuver ended", lead_id=plan.limited_by or None
+        )
     if plan.yields_to and plan.limited_by.startswith("yield"):
         n = vehicles.get(plan.yields_to)
         away = "" if n is None else f" ({abs(n.s - sight.s):.0f} m ahead)"
         return explained(
-            action, f"yielding to {plan.yields_to}", "it crosses the route", numbers=away, lead_id=plan.yields_to
+            action,
+            f"yielding to {plan.yields_to}",
+            "it crosses the route",
+            numbers=away,
+            lead_id=plan.yields_to,
         )
     if mode is Mode.BRAKE or (mode is Mode.FOLLOW and lead is None):
         name = plan.impact_id or plan.limited_by or plan.yields_to
@@ -48,7 +54,9 @@ def explain(
         stands = abs(float(lead.v_s)) < 0.5
         activity = f"stopping behind {lead.id}" if stands else f"following {lead.id}"
         numbers = f" ({'stationary' if stands else f'{lead.v_s:.1f} m/s'}, gap {gap:.0f} m)"
-        return explained(action, activity, why or "its speed limits the ego's", numbers=numbers, lead_id=lead.id)
+        return explained(
+            action, activity, why or "its speed limits the ego's", numbers=numbers, lead_id=lead.id
+        )
     if plan.path.kind.is_swerve and sight.s < plan.path.begin:
         side = "left" if plan.path.kind is PathKind.LEFT else "right"
         cause = f"{side} maneuver feasible, starts in {plan.path.begin - sight.s:.0f} m"
@@ -59,7 +67,9 @@ def explain(
         return explained(action, activity, cause)
     if lead is not None:
         gap = lead.rear - sight.s - vehicle.front
-        return explained(action, "keeping lane", f"{lead.id} {gap:.0f} m ahead, no action needed yet", lead_id=lead.id)
+        return explained(
+            action, "keeping lane", f"{lead.id} {gap:.0f} m ahead, no action needed yet", lead_id=lead.id
+        )
     nearest = _ahead(sight, vehicle)
     if nearest is not None or a_x < -0.1:
         cause = "releasing the brakes" if a_x < -0.1 else "no action needed for the vehicles around"

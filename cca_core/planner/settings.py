@@ -4,7 +4,13 @@ import math
 from dataclasses import dataclass, field
 from typing import Self
 
-from cca_core.planner.maneuver_tuning import AbortSettings, LastResortSettings, ReplanSettings
+from cca_core.planner.maneuver_tuning import (
+    AbortSettings,
+    CertificateSettings,
+    CostSettings,
+    LastResortSettings,
+    ReplanSettings,
+)
 from cca_core.planner.tuning import (
     ActuationSettings,
     DecisionSettings,
@@ -12,7 +18,6 @@ from cca_core.planner.tuning import (
     YieldSettings,
     check_fields,
 )
-from cca_core.planner.weights import CertificateSettings, CostSettings
 from cca_core.vehicle import STALE_AGE
 
 

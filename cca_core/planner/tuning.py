@@ -18,9 +18,9 @@ class DecisionSettings:
     period : float
         Time between two decisions about the same vehicles and events [s], the period of messages.
     follow_threshold : float
-        Deceleration asked for by the lead vehicle above which the ego follows or evades [m/s^2].
-    comfort_deceleration : float
-        Deceleration up to which a comfort stop is preferred to a maneuver [m/s^2].
+        Acceleration lost to other vehicles above which the ego follows [m/s^2].
+    brake_threshold : float
+        Deceleration above which it brakes [m/s^2].
     max_route_distance : float
         Lateral offset above which the ego is off its route and makes a safe stop [m].
     relevance_margin : float
@@ -48,8 +48,8 @@ class DecisionSettings:
     """
 
     period: float = 0.1
-    follow_threshold: float = 0.5
-    comfort_deceleration: float = 2.0
+    follow_threshold: float = 0.3
+    brake_threshold: float = 4.0
     max_route_distance: float = 15.0
     relevance_margin: float = 1.5
     level_gap: float = 4.0
@@ -69,17 +69,12 @@ class ActuationSettings:
 
     Parameters
     ----------
-    grip_fraction : float
-        Fraction of the grip for acceleration in normal driving [-].
     emergency_grip_fraction : float
-        The same in an emergency [-]; more only if less cannot avoid the collision.
-    hard_braking_fraction : float
-        Fraction of `SpeedSettings.b_max` above which braking is an emergency [-], as above twice the
-        comfortable deceleration.
+        Fraction of the grip that plans may use [-].
     curve_acceleration : float
         Lateral acceleration that limits the speed in curves [m/s^2].
     safe_stop_deceleration : float
-        Deceleration of a safe stop, and the least of the action BRAKE [m/s^2].
+        Deceleration of a safe stop [m/s^2].
 
     Raises
     ------
@@ -87,43 +82,22 @@ class ActuationSettings:
         If a value is not finite or negative.
     """
 
-    grip_fraction: float = 0.9
     emergency_grip_fraction: float = 0.98
-    hard_braking_fraction: float = 0.7
     curve_acceleration: float = 2.5
     safe_stop_deceleration: float = 4.0
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("grip_fraction", "emergency_grip_fraction", "curve_acceleration"))
+        check_fields(self, positive=("emergency_grip_fraction", "curve_acceleration"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LeadSettings:
-    """Which vehicle is the lead vehicle, and what it demands.
+    """Which vehicles are followed, and where the ego stops behind them.
 
     Parameters
     ----------
     blocking_gap : float
-        Lateral gap to the route below which a vehicle blocks it [m].
-    creep_speed : float
-        Speed below which a vehicle creeps and is taken as stationary [m/s]. It is twice the standstill speed
-        of reports: at that one, noise of 0.2 m/s makes the action alternate behind a downstream vehicle.
-    creep_stop_time : float
-        Time in which a creeping ego stops [s].
-    lane_entry_horizon : float
-        Time for which a stale oncoming vehicle is assumed to keep its heading across the route [s].
-    downstream_braking : float
-        Deceleration above which a downstream vehicle can be the lead vehicle [m/s^2].
-    brake_now_deceleration : float
-        Required deceleration above which the ego brakes for a braking downstream vehicle at once [m/s^2].
-    follow_speed_difference : float
-        Speed difference below which a vehicle before the downstream one is followed, not passed [m/s].
-    fall_back_speed : float
-        Speed difference with which the ego falls back from an uncertain lead vehicle [m/s].
-    stop_horizon, stop_delay : float
-        Time ahead at which a comfort stop is decided, and the delay of the brakes [s].
-    stop_margin : float
-        Distance kept in reserve for a comfort stop [m].
+        Lateral gap to the path below which a vehicle is in its way [m].
     passing_room : float
         Distance kept behind a single stationary vehicle beside a lane, so that it can be passed from
         standstill [m].
@@ -137,21 +111,11 @@ class LeadSettings:
     """
 
     blocking_gap: float = 0.3
-    creep_speed: float = 1.0
-    creep_stop_time: float = 0.5
-    lane_entry_horizon: float = 2.0
-    downstream_braking: float = 2.0
-    brake_now_deceleration: float = 1.0
-    follow_speed_difference: float = 2.0
-    fall_back_speed: float = 2.0
-    stop_horizon: float = 5.0
-    stop_delay: float = 0.3
-    stop_margin: float = 5.0
     passing_room: float = 7.0
     queue_gap: float = 15.0
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("creep_stop_time",))
+        check_fields(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,18 +124,12 @@ class YieldSettings:
 
     Parameters
     ----------
-    horizon : float
-        Time within which conflicts are predicted [s].
     range : float
         Distance within which crossing vehicles are considered [m].
+    min_pet : float
+        Least post-encroachment time: between the ego and a crossing vehicle at one place [s].
     hold_pet : float
-        Time after the post-encroachment time at which a yielding ego means to arrive [s].
-    sufficient_gap : float
-        Predicted gap that braking must keep if the ego can no longer stop before the conflict area [m].
-    brake_delay : float
-        Time until the brakes act [s].
-    min_braking : float
-        Deceleration that remains where cornering takes all of the grip [m/s^2].
+        Time after that at which a yielding ego means to arrive [s].
     assumed_braking, assumed_acceleration : float
         Assumed maximum deceleration and acceleration of crossing vehicles [m/s^2].
 
@@ -181,17 +139,14 @@ class YieldSettings:
         If a value is not finite or negative.
     """
 
-    horizon: float = 8.0
     range: float = 150.0
+    min_pet: float = 1.0
     hold_pet: float = 0.5
-    sufficient_gap: float = 0.5
-    brake_delay: float = 0.3
-    min_braking: float = 1.0
     assumed_braking: float = 2.0
     assumed_acceleration: float = 2.0
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("horizon", "min_braking"))
+        check_fields(self)
 
 
 def check_fields(settings: Any, *, positive: tuple[str, ...] = (), infinite: str = "") -> None:

@@ -1,0 +1,225 @@
+"""Deliberation: one decision, from what is seen to the plan that is driven."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.decide import Rejection
+from cca_core.follow import SpeedSettings
+from cca_core.path import Path, Road
+from cca_core.planner.actuate import safe_stop
+from cca_core.planner.candidates import Rollout, Stop, find_stops, home_paths, profiles, shifted, swerves
+from cca_core.planner.certify import Certifier
+from cca_core.planner.choose import assess, choose
+from cca_core.planner.limits import Limits
+from cca_core.planner.occupancy import place_vehicles
+from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
+from cca_core.planner.records import (
+    DrivenPlan,
+    Grade,
+    LateralPath,
+    Level,
+    PathKind,
+    Plan,
+    PlannerState,
+    Profile,
+    Sight,
+)
+from cca_core.planner.scene import TIMES, Lent, Scene, Scenes, set_numbers
+from cca_core.planner.settings import EvasionSettings
+from cca_core.vehicle import VehicleParams
+
+_ON_PATH = 0.4  # lateral error up to which the ego is on its path [m]
+_STAGES = ((Level.COMFORT,), (Level.HARD, Level.NARROW))  # levels that are enumerated at once
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Setup:
+    """What does not change from decision to decision."""
+
+    vehicle: VehicleParams
+    road: Road
+    settings: EvasionSettings
+    speed: SpeedSettings
+    limits: Limits
+    scenes: Scenes
+
+
+class Deliberation:
+    """Candidates of one decision: enumerated by levels, certified, and one of them chosen."""
+
+    def __init__(
+        self, setup: Setup, state: PlannerState, sight: Sight, profile: tuple[Array, Array], cruise: float
+    ) -> None:
+        self._setup, self._state, self._sight, self._profile = setup, state, sight, profile
+        self._cruise, self._base = cruise, math.floor(sight.s) - BEHIND
+        self._last = state.plan
+        driven = None if state.plan is None else state.plan.path
+        self._last_path = None if driven is None or sight.s >= driven.end else driven
+        self._plans: list[Plan] = []
+        self._rejections: list[Rejection] = []
+        self._home_is_safe: bool | None = None
+        self._prepare(driven)
+
+    def decide(self) -> DrivenPlan:
+        """Return the plan to drive: comfortable paths first, others only if none of them is certified."""
+        best = self._choose()
+        for levels in _STAGES:
+            if best.grade <= Grade.FULL and (levels[0] is not Level.COMFORT or self._goes_on(best)):
+                break
+            self._add_swerves(levels)
+            best = self._choose()
+        return self._commit(best)
+
+    def _prepare(self, driven: LateralPath | None) -> None:
+        """Place the vehicles, and roll out the paths home and the last plan."""
+        setup, sight, state = self._setup, self._sight, self._state
+        vehicle, lane = setup.vehicle, setup.road.ego_lane
+        fill_route(setup.scenes, setup.road.path, self._base, self._profile)
+        scene, traffic = place_vehicles(setup.scenes, sight, setup.road, setup.settings, self._base)
+        half = 0.5 * vehicle.width
+        inside = lane.right < sight.d - half and sight.d + half < lane.left
+        set_ego(scene, setup, state, sight, self._base, inside=inside)
+        lateral = lateral_state(self._base, sight.s, sight.d, sight.angle, sight.bend, driven, _ON_PATH)
+        around = Surroundings(
+            vehicle=vehicle, road=setup.road, settings=setup.settings, limits=setup.limits, traffic=traffic,
+            lateral=lateral, s=sight.s, v=sight.v, jerk=setup.speed.jerk, free_s=TIMES, free_v=TIMES,
+        )  # fmt: skip
+        self._scene, self._rollout = scene, Rollout(scene, around)
+        homes = home_paths(around)
+        rows = [self._rollout.add_path(path, setup.limits.a_y_max) for path in homes]
+        free = self._rollout.add(homes[0], rows[0], Profile("free", follows=False))
+        assert free is not None
+        self._free, self._free_terms = free, scene.arrays["terms"][free.row].copy()
+        self._around = around = replace(around, free_s=free.s + self._base, free_v=free.v)
+        self._rollout.around = around
+        self._stops = find_stops(scene, around, rows[0])
+        self._kept = None if self._last is None else shifted(self._last.a, sight.t - self._last.t)
+        self._certifier = Certifier(scene, around, inside=inside, kept=self._kept, stops=self._stops)
+        for path, row in zip(homes, rows, strict=True):
+            self._add(path, row)
+        self._homes = [plan for plan in self._plans if plan.profile.name == "go"]
+        last = self._last_path
+        if last is not None and not lateral.is_lost and last.kind is not PathKind.ROUTE:
+            self._add(replace(last, is_last=True), None)
+
+    def _add(self, path: LateralPath, row: int | None) -> None:
+        """Roll out a path with all of its profiles."""
+        limits = self._setup.limits
+        is_comfortable = path.kind.is_swerve and path.level is Level.COMFORT
+        if row is None:
+            if self._rollout.is_full:
+                return
+            row = self._rollout.add_path(path, limits.a_y_limit if is_comfortable else limits.a_y_max)
+        keeps = path.is_last or (self._last_path is None and not path.kind.is_swerve)
+        found = profiles(
+            path, len(self._stops), limits.b_comfort, limits.b_max, kept=keeps and self._kept is not None,
+            desperate=path.kind.is_swerve and not is_comfortable,
+        )  # fmt: skip
+        for profile in found:
+            plan = self._rollout.add(path, row, profile, self._kept)
+            if plan is not None:
+                assess(
+                    plan, self._scene.arrays["terms"], self._free_terms, self._around, self._last_path,
+                    self._state.a_x, self._cruise,
+                )  # fmt: skip
+                self._plans.append(plan)
+
+    def _add_swerves(self, levels: Sequence[Level]) -> None:
+        """Enumerate the swerves of some levels."""
+        sight, last = self._sight, self._last_path
+        under_way = None
+        if last is not None and last.kind.is_swerve and sight.s >= last.begin:
+            under_way = None if self._around.lateral.is_lost else last
+        v_target = math.sqrt(max(float(np.interp(sight.s, *self._profile)), 0.0))
+        max_speed = v_target - self._setup.settings.min_speed_advantage
+        found, why = swerves(self._around, levels, under_way, max_speed, sight.awareness_range)
+        self._rejections += why
+        for path in found:
+            self._add(path, None)
+
+    def _choose(self) -> Plan:
+        return choose(self._plans, self._certifier, self._around, self._is_home_safe)
+
+    def _goes_on(self, best: Plan) -> bool:
+        """Whether the best plan is the swerve that is being driven."""
+        return best.path.is_last and best.path.kind.is_swerve
+
+    def _is_home_safe(self) -> bool:
+        """Return whether braking on the route, or on a way back to it, is safe in the worst case."""
+        if self._home_is_safe is None:
+            self._home_is_safe = any(self._certifier.can_brake(plan) for plan in self._homes)
+        return self._home_is_safe
+
+    def _commit(self, best: Plan) -> DrivenPlan:
+        """Return the best plan as the one that is driven, with its reference and its safe stop."""
+        setup, sight, last = self._setup, self._sight, self._last
+        path, limits = best.path, setup.limits
+        if path.is_last and last is not None:
+            path, reference = replace(last.path, is_last=False), last.reference
+        elif path.kind is PathKind.ROUTE:
+            reference = setup.road.path
+        else:
+            reference = reference_of(path, setup.road, sight.s)
+            path = replace(path, reference=reference)
+        braking = limits.b_max if best.grade >= Grade.FULL else max(best.braking, limits.b_comfort)
+        s, v, a = self._certifier.tail(best, min(braking, limits.b_max))
+        limited_by, yields_to = self._limit_of(best)
+        rejected = (p.rejection for p in self._plans if p.rejection is not None and p.cost < best.cost)
+        return DrivenPlan(
+            t=sight.t, path=path, reference=reference, profile=best.profile, s=best.s + self._base,
+            v=best.v.copy(), a=best.a.copy(), a_0=self._state.a_x, grade=best.grade, limited_by=limited_by,
+            yields_to=yields_to, free_a=float(self._free.a[3]), rejections=(*self._rejections, *rejected),
+            safe_stop=safe_stop(reference, s + self._base, v, a, setup.vehicle), braking=best.braking,
+            costs=best.costs, impact_id=best.impact_id or self._cause_of(best),
+        )  # fmt: skip
+
+    def _limit_of(self, plan: Plan) -> tuple[str, str]:
+        """Return what limits the speed of a plan now, and the vehicle that it yields to."""
+        row = plan.limited_by
+        if row >= 0:
+            return self._certifier.names[row], ""
+        if row <= -10:
+            stop: Stop = self._stops[-10 - row]
+            return f"yield {stop.vehicle_id}", stop.vehicle_id
+        return ("" if row == -1 else "curve"), ""
+
+    def _cause_of(self, best: Plan) -> str:
+        """Return the vehicle because of which the cheapest plan is not driven; empty if it is."""
+        refused = [p for p in self._plans if p.is_certified and p.impact_id and p.cost < best.cost]
+        return min(refused, key=lambda p: p.cost).impact_id if refused else ""
+
+
+def fill_route(scenes: Scenes, path: Path, base: int, profile: tuple[Array, Array]) -> None:
+    """Put the stretch of the route around the ego into the scenes."""
+    grid = base + np.arange(float(BEHIND + AHEAD))
+    xy, first, second = path.derivatives(grid)
+    route = scenes.route
+    route["x"][:], route["y"][:] = xy[:, 0], xy[:, 1]
+    route["psi"][:] = np.unwrap(np.arctan2(first[:, 1], first[:, 0]))
+    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    route["kappa"][:] = cross / np.hypot(first[:, 0], first[:, 1]) ** 3
+    route["cap"][:] = np.interp(grid, *profile)
+
+
+def set_ego(
+    scene: Lent[Scene], setup: Setup, state: PlannerState, sight: Sight, base: int, *, inside: bool
+) -> None:
+    """Put the ego, its limits and the assumptions of the settings into a scene."""
+    vehicle, speed, limits, settings = setup.vehicle, setup.speed, setup.limits, setup.settings
+    certificate, lane = settings.certificate, setup.road.ego_lane
+    rear_reaction = 0.0 if settings.keeps_motion else settings.rear_reaction_time
+    set_numbers(
+        scene, lane_right=lane.right, lane_left=lane.left, s_0=sight.s - base, v_0=sight.v, a_0=state.a_x,
+        a_true=state.a_true, half_length=0.5 * vehicle.length, half_width=0.5 * vehicle.width,
+        offset=vehicle.box_offset, a_max=limits.a_max, b_comfort=limits.b_comfort, b_max=limits.b_max,
+        b_soft=settings.cost.risk_braking / speed.b_max * limits.b_max, b_other=settings.assumed_braking,
+        risk_until=settings.cost.horizon, grip=limits.grip, standstill_gap=speed.standstill_gap,
+        time_gap=speed.time_gap, approach_rate=speed.approach_rate, jerk=speed.jerk,
+        jerk_emergency=speed.jerk_emergency, lag=certificate.lag, blocking_gap=settings.lead.blocking_gap,
+        look=certificate.look_time, react=certificate.reaction_time, rear_reaction=rear_reaction,
+        rear_braking=settings.rear_braking, established=not inside and rear_reaction > 0.0,
+    )  # fmt: skip
