@@ -1,4 +1,4 @@
-"""Gaps of the ego's motions to other vehicles: nominal, in the worst case, and conflicts with crossing ones."""
+"""Gaps of the ego's motions to other vehicles, nominal and in the worst case; crossing conflicts."""
 
 import math
 
@@ -66,9 +66,11 @@ def ego_gap(w: Scene, row: Int, p: Int, k: Int, low: Real, high: Real, right: Re
     turn = slope(w, p, at)
     scale = 1.0 / math.sqrt(1.0 + turn * turn)
     width = w.half_width + 0.5 * abs(w.kappa[station(w.n, at)]) * w.half_length * w.half_length
+    ahead = 0.5 * (begin + end) - at - w.offset * scale
+    aside = 0.5 * (right + left) - w.offset_at[row, k] - w.offset * turn * scale
     return oriented_box_gap(
-        0.5 * (begin + end) - at - w.offset * scale, 0.5 * (right + left) - w.offset_at[row, k] - w.offset * turn * scale,
-        scale, turn * scale, 1.0, 0.0, w.half_length, width, 0.5 * (end - begin), 0.5 * (left - right),
+        ahead, aside, scale, turn * scale, 1.0, 0.0, w.half_length, width,
+        0.5 * (end - begin), 0.5 * (left - right),
     )  # fmt: skip
 
 
@@ -183,9 +185,9 @@ def check_worst_case(
 ) -> Flag:
     """Whether vehicles within the declared bounds cannot touch the ego.
 
-    `which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the ego
-    keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when it enters
-    that lane, or from when the maneuver begins if the vehicle comes nearer.
+    `which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
+    ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
+    it enters that lane, or from when the maneuver begins if the vehicle comes nearer.
     """
     back = find_duty(w, row, wait)
     w.least = FAR

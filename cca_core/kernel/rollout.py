@@ -94,7 +94,7 @@ def roll_out(
     tail: Real,
     kept: Flag,
 ) -> None:
-    """Drive a path: cruise, follow, yield to the first vehicles that cross, brake; `tail` brakes after `react`."""
+    """Drive a path: cruise, follow, yield to the first crossing vehicles, brake; `tail` after `react`."""
     position = w.s_0
     speed = w.v_0
     command = w.a_0

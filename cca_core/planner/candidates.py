@@ -85,8 +85,8 @@ def swerves(
         if fast is not None:
             rejections.append(
                 Rejection(
-                    kind=RejectionKind.TOO_FAST, vehicle_id=traffic.ids[fast], value=float(traffic.v[fast, 0]),
-                    limit=max_speed,
+                    kind=RejectionKind.TOO_FAST, vehicle_id=traffic.ids[fast],
+                    value=float(traffic.v[fast, 0]), limit=max_speed,
                 )
             )  # fmt: skip
             break
@@ -185,9 +185,11 @@ class Rollout:
 
     def add(self, path: LateralPath, i: int, profile: Profile, kept: Array | None = None) -> Plan | None:
         """Drive a path with a profile; None if the scene is full."""
+        return None if self.n_rows >= N_ROWS - 1 else self.drive(path, i, profile, kept)
+
+    def drive(self, path: LateralPath, i: int, profile: Profile, kept: Array | None = None) -> Plan:
+        """Drive a path with a profile."""
         rows, work, row = self.scene.arrays, self.scene.workspace, self.n_rows
-        if row >= N_ROWS - 1:
-            return None
         self.n_rows += 1
         if profile.kept and kept is not None:
             rows["a"][row] = kept
@@ -196,8 +198,9 @@ class Rollout:
         )
         sum_up(work, row, i, self.around.settings.cost.horizon)
         return Plan(
-            path=path, row=row, path_row=i, profile=profile, s=rows["s"][row], v=rows["v"][row], a=rows["a"][row],
-            d=rows["offset_at"][row], limited_by=int(rows["limited_by"][row]), peak=float(rows["terms"][row, 2]),
+            path=path, row=row, path_row=i, profile=profile, s=rows["s"][row], v=rows["v"][row],
+            a=rows["a"][row], d=rows["offset_at"][row], limited_by=int(rows["limited_by"][row]),
+            peak=float(rows["terms"][row, 2]),
         )  # fmt: skip
 
     @property

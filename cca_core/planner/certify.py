@@ -70,7 +70,7 @@ class Certifier:
             self._grade_by_braking(plan, out_now=bool(out[0]))
 
     def _passes_stop_line(self, plan: Plan) -> bool:
-        """Whether a plan passes a stop line, and then goes behind a crossing vehicle that it does not wait for."""
+        """Whether a plan passes a stop line and goes behind a crossing vehicle without waiting there."""
         s = plan.s + self._around.lateral.base
         for stop in self._stops[plan.profile.yields :]:
             exits = np.flatnonzero(s > stop.s_exit)
@@ -130,7 +130,7 @@ class Certifier:
         if self._inside and not self._tail_is_safe(plan, react, b_max, touch, clearance, x_safety, _ADJACENT):
             plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan, work.which)
             return
-        # behind a vehicle of the ego lane it can brake at once, on this path or on its route, or after the pass
+        # behind a vehicle of the ego lane it can brake at once, here or on its route, or after the pass
         if (
             (
                 self._inside
@@ -177,8 +177,8 @@ class Certifier:
             self._scene.arrays["a"][_TAIL] = self._kept
         work.react = react
         roll(
-            work, _TAIL, plan.path_row, profile.follows, profile.passes, profile.yields, profile.braking, braking,
-            profile.kept,
+            work, _TAIL, plan.path_row, profile.follows, profile.passes, profile.yields, profile.braking,
+            braking, profile.kept,
         )  # fmt: skip
         return bool(
             check_worst(

@@ -16,7 +16,6 @@ _TERMS = {
     "d_end": 7,
     "risk": 8,
 }  # columns of the scene's terms
-_SHARE_OF_KEPT = 0.3  # of the cost of a change that remains for a return
 
 
 def assess(
@@ -57,29 +56,28 @@ def assess(
         progress=weights.progress * lost, speed=weights.speed * slow,
         comfort=weights.a_x * row[_TERMS["a_x"]]
         + weights.change_of_acceleration * float(plan.a[1] - a_0) ** 2 + 0.01 * plan.profile.braking,
-        lateral=weights.a_y * row[_TERMS["a_y"]], outside=weights.outside * row[_TERMS["outside"]], change=change,
-        risk=weights.risk * row[_TERMS["risk"]],
+        lateral=weights.a_y * row[_TERMS["a_y"]], outside=weights.outside * row[_TERMS["outside"]],
+        change=change, risk=weights.risk * row[_TERMS["risk"]],
     )  # fmt: skip
 
 
 def choose(
     plans: Sequence[Plan], certifier: Certifier, around: Surroundings, home: Callable[[], bool]
 ) -> Plan:
-    """Return the plan of the best grade with the least cost; plans are certified in the order of their cost."""
-    best: Plan | None = None
+    """Return the cheapest plan of the best grade; plans are certified in the order of their cost."""
+    best = plans[0]
     settings, limits = around.settings, around.limits
     soft = settings.certificate.comfortable_braking
     for plan in sorted(plans, key=lambda p: p.cost):
-        if best is not None and best.grade <= Grade.FULL and plan.cost >= best.cost:
+        if best.is_certified and best.grade <= Grade.FULL and plan.cost >= best.cost:
             break
         if not plan.is_certified:
             certifier.certify(plan, home)
         if plan.grade <= Grade.FULL and plan.braking > soft:
             excess = (plan.braking - soft) / max(limits.b_max - soft, 0.1)
             plan.costs = plan.costs._replace(safe_end=settings.cost.safe_end * excess * excess)
-        if best is None or _key(plan) < _key(best):
+        if not best.is_certified or _key(plan) < _key(best):
             best = plan
-    assert best is not None
     return best
 
 

@@ -91,8 +91,7 @@ class Deliberation:
         self._scene, self._rollout = scene, Rollout(scene, around)
         homes = home_paths(around)
         rows = [self._rollout.add_path(path, setup.limits.a_y_max) for path in homes]
-        free = self._rollout.add(homes[0], rows[0], Profile("free", follows=False))
-        assert free is not None
+        free = self._rollout.drive(homes[0], rows[0], Profile("free", follows=False))
         self._free, self._free_terms = free, scene.arrays["terms"][free.row].copy()
         self._around = around = replace(around, free_s=free.s + self._base, free_v=free.v)
         self._rollout.around = around

@@ -114,9 +114,11 @@ def place_vehicles(
     v_follow = np.gradient(follow, TIMES, axis=1) if m else v
     stands[:] = np.abs(v_follow[:, -1]) < STANDSTILL_SPEED
     for name, values in (
-        ("s_o", s - base), ("v_o", v), ("d_o", d), ("s_follow", follow - base), ("v_follow", v_follow), ("half_l", half_l),
-        ("half_w", half_w), ("low", low - base), ("high", high - base), ("right", right), ("left", left),
-        ("crosses", crosses), ("room", room), ("stands", stands), ("adjacent", adjacent), ("assumed", assumed),
+        ("s_o", s - base), ("v_o", v), ("d_o", d), ("s_follow", follow - base), ("v_follow", v_follow),
+        ("half_l", half_l), ("half_w", half_w), ("low", low - base), ("high", high - base),
+        ("right", right), ("left", left),
+        ("crosses", crosses), ("room", room), ("stands", stands), ("adjacent", adjacent),
+        ("assumed", assumed),
     ):  # fmt: skip
         if m:
             rows[name][:m] = values

@@ -125,7 +125,7 @@ def route_path(base: int) -> LateralPath:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Window:
-    """Where a swerve must be: beside the vehicles from `first` to `last`, off the route from `start` to `end`."""
+    """Where a swerve is: beside the vehicles from `first` to `last`, off the route from `start` to `end`."""
 
     start: int
     end: int

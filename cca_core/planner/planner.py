@@ -224,7 +224,8 @@ class Planner:
             known, self._input_faults = 0.0, self._input_faults + incomplete
         angle = math.remainder(state.psi - heading, 2.0 * math.pi)
         return Sight(
-            t=self._clock.t, s=s, d=d, angle=angle, v=max(state.v_x, 0.0), bend=state.r / max(state.v_x, 3.0) - kappa, vehicles=tuple(vehicles),
+            t=self._clock.t, s=s, d=d, angle=angle, v=max(state.v_x, 0.0),
+            bend=state.r / max(state.v_x, 3.0) - kappa, vehicles=tuple(vehicles),
             awareness_range=min(known, self.evasion.awareness_range),
         ), dropped  # fmt: skip
 
@@ -248,7 +249,8 @@ class Planner:
     ) -> Command:
         """Follow the plan and explain it."""
         plan = self._state.plan
-        assert plan is not None
+        if plan is None:  # the first decision precedes the first command
+            return self._safe_stop("no plan", dt)
         a_x = planned_acceleration(
             plan, sight.t + dt, sight.v, state.v_x * state.r, self._limits, self.vehicle.mu
         )

@@ -202,7 +202,7 @@ class DrivenPlan:
     safe_stop: SafeStop
     rejections: tuple[Rejection, ...] = ()
     braking: float = 0.0
-    costs: Costs = Costs()
+    costs: Costs = field(default_factory=Costs)
     impact_id: str = ""
 
 

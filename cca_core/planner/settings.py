@@ -122,7 +122,7 @@ class EvasionSettings:
 
     @classmethod
     def paper(cls) -> Self:
-        """Settings with the assumption of the paper: every vehicle is known and keeps its motion.
+        """Return settings with the paper's assumption: every vehicle is known and keeps its motion.
 
         Returns
         -------
@@ -133,7 +133,7 @@ class EvasionSettings:
 
     @classmethod
     def cautious(cls) -> Self:
-        """Settings that assume no reaction of other drivers.
+        """Return settings that assume no reaction of other drivers.
 
         Returns
         -------
@@ -144,7 +144,7 @@ class EvasionSettings:
 
     @classmethod
     def traffic(cls) -> Self:
-        """Settings that ordinary overtaking needs.
+        """Return settings that ordinary overtaking needs.
 
         Returns
         -------

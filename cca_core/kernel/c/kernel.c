@@ -2425,8 +2425,8 @@ void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const d
     }
 }
 
-/* gap_checks.py: Gaps of the ego's motions to other vehicles: nominal, in the worst case, and conflicts
-    with crossing ones. */
+/* gap_checks.py: Gaps of the ego's motions to other vehicles, nominal and in the worst case; crossing
+    conflicts. */
 
 /* rollout.py: Motions of the ego along candidate paths: cruise, follow, yield and brake; and what they
     cost. */
@@ -2578,8 +2578,7 @@ static bool rollout_in_path(const Scene *w, int p, int j, int k, int then)
     return low < reach && high > -reach;
 }
 
-/* Drive a path: cruise, follow, yield to the first vehicles that cross, brake; `tail` brakes after
-    `react`. */
+/* Drive a path: cruise, follow, yield to the first crossing vehicles, brake; `tail` after `react`. */
 void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yields, double braking,
     double tail, bool kept)
 {
@@ -2800,9 +2799,10 @@ static double gap_checks_ego_gap(const Scene *w, int row, int p, int k, double l
     double scale = 1.0 / sqrt(1.0 + turn * turn);
     double width = w->half_width + 0.5 * fabs(w->kappa[scene_station(w->n, at)]) * w->half_length
         * w->half_length;
-    return cca_oriented_box_gap(0.5 * (begin + end) - at - w->offset * scale, 0.5 * (right + left)
-        - w->offset_at[row * w->steps + k] - w->offset * turn * scale, scale, turn * scale, 1.0, 0.0,
-        w->half_length, width, 0.5 * (end - begin), 0.5 * (left - right));
+    double ahead = 0.5 * (begin + end) - at - w->offset * scale;
+    double aside = 0.5 * (right + left) - w->offset_at[row * w->steps + k] - w->offset * turn * scale;
+    return cca_oriented_box_gap(ahead, aside, scale, turn * scale, 1.0, 0.0, w->half_length, width, 0.5
+        * (end - begin), 0.5 * (left - right));
 }
 
 /* Gap of the ego's body at a position of a path to a box in the plane. */
@@ -2938,9 +2938,9 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
 
 /* Whether vehicles within the declared bounds cannot touch the ego.
 
-`which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the ego
-keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when it enters
-that lane, or from when the maneuver begins if the vehicle comes nearer. */
+`which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
+ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
+it enters that lane, or from when the maneuver begins if the vehicle comes nearer. */
 bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
     double x_safety, int which)
 {

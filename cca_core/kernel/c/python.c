@@ -1875,7 +1875,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "e2d3f6e8b2600e6b98ce0b91a7c931493cb3d2cdb71b5fe1613bd6330a807ece") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "666c1915504b485436770e0e127451da09bd0084fb3c6ceb19d5529eb6a2ef43") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
