@@ -177,7 +177,7 @@ def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
         return plane_gap(
             w, row, p, k, w.x_w[j, k], w.y_w[j, k], w.psi_w[j, k], w.half_l_w[j, k], w.half_w_w[j, k]
         )
-    return ego_gap(w, row, p, k, w.low[j, k], w.high[j, k], w.right[j, k], w.left[j, k])
+    return ego_gap(w, row, p, k, w.low[j, k] - w.margin, w.high[j, k] + w.margin, w.right[j, k], w.left[j, k])
 
 
 def check_worst_case(

@@ -96,6 +96,7 @@ class Scene:
     blocking_gap: Real
     look: Real
     react: Real
+    margin: Real  # along the road, which a new plan keeps beyond the worst case [m]
     # motions of the ego
     s: Runs
     v: Runs

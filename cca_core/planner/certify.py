@@ -44,6 +44,7 @@ class Certifier:
         touch = settings.touch_kept if is_kept else settings.touch
         clearance = around.settings.replan.min_clearance if is_kept else max(plan.path.clearance - 0.15, 0.2)
         plan.grade, plan.rejection, plan.is_certified = Grade.SEVERITY, None, True
+        work.margin = 0.0 if is_kept else settings.margin
         pet = around.settings.crossing.min_pet * (0.5 if is_kept else 1.0)
         asked = min(clearance, plan.path.clearance)
         check_gaps(work, plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
@@ -82,6 +83,7 @@ class Certifier:
 
     def can_brake(self, plan: Plan) -> bool:
         """Return whether braking fully on a path is safe in the worst case."""
+        self._scene.workspace.margin = 0.0
         return self._tail_is_safe(plan, self._settings.reaction_time, self._around.limits.b_max, 0.0, 0.0)
 
     def _set_severity(self, plan: Plan, clearance: float) -> None:

@@ -94,6 +94,8 @@ class CertificateSettings:
         Gap that a new plan keeps to every nominal motion [m].
     touch_kept : float
         The same of the plan that is being driven [m]: less, so that it is kept.
+    margin : float
+        Distance along the road that a new plan keeps beyond the worst case [m].
     duty_delay : float
         Time after the return from which on vehicles behind the ego keep their distance [s].
     look_time : float
@@ -115,6 +117,7 @@ class CertificateSettings:
     comfortable_braking: float = 3.0
     touch: float = 0.3
     touch_kept: float = 0.1
+    margin: float = 1.0
     duty_delay: float = 1.0
     look_time: float = 1.6
     lag: float = 0.15

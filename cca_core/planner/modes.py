@@ -16,7 +16,7 @@ ACTIONS = {
 
 _CALM = (Mode.KEEP, Mode.FOLLOW, Mode.BRAKE)
 _DWELL = {
-    (Mode.KEEP, Mode.FOLLOW): 0.2, (Mode.FOLLOW, Mode.KEEP): 0.6, (Mode.BRAKE, Mode.FOLLOW): 0.4,
+    (Mode.KEEP, Mode.FOLLOW): 0.2, (Mode.FOLLOW, Mode.KEEP): 1.0, (Mode.BRAKE, Mode.FOLLOW): 0.4,
     (Mode.BRAKE, Mode.KEEP): 0.4, (Mode.FOLLOW, Mode.BRAKE): 0.0, (Mode.KEEP, Mode.BRAKE): 0.0,
 }  # fmt: skip
 """Time for which another mode must be wished for before it is shown [s]; others change at once."""

@@ -302,6 +302,7 @@ typedef struct Scene {
     double blocking_gap;
     double look;
     double react;
+    double margin;
     double *s;
     double *v;
     double *a;
