@@ -76,6 +76,8 @@ def choose(
         if plan.grade <= Grade.FULL and plan.braking > soft:
             excess = (plan.braking - soft) / max(limits.b_max - soft, 0.1)
             plan.costs = plan.costs._replace(safe_end=settings.cost.safe_end * excess * excess)
+        if plan.grade is Grade.NOMINAL and plan.path.is_last and plan.path.kind.is_swerve:
+            plan.costs = plan.costs._replace(safe_end=settings.cost.uncertified)
         if not best.is_certified or _key(plan) < _key(best):
             best = plan
     return best
@@ -83,4 +85,5 @@ def choose(
 
 def _key(plan: Plan) -> tuple[float, float, float]:
     severity = round(plan.severity, 1) if plan.grade is Grade.SEVERITY else 0.0
-    return plan.grade.tier, severity, plan.cost
+    goes_on = plan.grade is Grade.NOMINAL and plan.path.is_last and plan.path.kind.is_swerve
+    return (Grade.FULL.tier if goes_on else plan.grade.tier), severity, plan.cost

@@ -156,6 +156,8 @@ class CostSettings:
         aims; of the square of the excess [s], [-].
     safe_end : float
         Of a safe end that needs full braking [s]; it grows with the square of the deceleration.
+    uncertified : float
+        Of going on with a maneuver that has lost its certificate but not its nominal one [s].
     astray : float
         Of a path that does not end in the ego lane [s].
     risk : float
@@ -187,6 +189,7 @@ class CostSettings:
     sharp: float = 15.0
     sharp_from: float = 1.2
     safe_end: float = 1.5
+    uncertified: float = 4.0
     astray: float = 2.0
     risk: float = 0.5
     risk_braking: float = 5.0
