@@ -177,7 +177,10 @@ def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
         return plane_gap(
             w, row, p, k, w.x_w[j, k], w.y_w[j, k], w.psi_w[j, k], w.half_l_w[j, k], w.half_w_w[j, k]
         )
-    return ego_gap(w, row, p, k, w.low[j, k] - w.margin, w.high[j, k] + w.margin, w.right[j, k], w.left[j, k])
+    passed = w.overtakes[p, j] != 0.0
+    low = w.low_passed[j, k] if passed else w.low[j, k]
+    high = w.high_passed[j, k] if passed else w.high[j, k]
+    return ego_gap(w, row, p, k, low - w.margin, high + w.margin, w.right[j, k], w.left[j, k])
 
 
 def check_worst_case(

@@ -52,6 +52,8 @@ class Scene:
     half_w: PerVehicle
     low: Motions
     high: Motions
+    high_passed: Motions  # of a vehicle that is overtaken
+    low_passed: Motions  # the same of an oncoming one
     right: Motions
     left: Motions
     crosses: VehicleMarks

@@ -76,14 +76,19 @@ def choose(
         if plan.grade <= Grade.FULL and plan.braking > soft:
             excess = (plan.braking - soft) / max(limits.b_max - soft, 0.1)
             plan.costs = plan.costs._replace(safe_end=settings.cost.safe_end * excess * excess)
-        if plan.grade is Grade.NOMINAL and plan.path.is_last and plan.path.kind.is_swerve:
+        if _goes_on(plan, around.s):
             plan.costs = plan.costs._replace(safe_end=settings.cost.uncertified)
-        if not best.is_certified or _key(plan) < _key(best):
+        if not best.is_certified or _key(plan, around.s) < _key(best, around.s):
             best = plan
     return best
 
 
-def _key(plan: Plan) -> tuple[float, float, float]:
+def _key(plan: Plan, s: float) -> tuple[float, float, float]:
+    """Rank of a plan; a maneuver that is under way and nominally safe is compared with certified plans."""
     severity = round(plan.severity, 1) if plan.grade is Grade.SEVERITY else 0.0
-    goes_on = plan.grade is Grade.NOMINAL and plan.path.is_last and plan.path.kind.is_swerve
-    return (Grade.FULL.tier if goes_on else plan.grade.tier), severity, plan.cost
+    return Grade.FULL.tier if _goes_on(plan, s) else plan.grade.tier, severity, plan.cost
+
+
+def _goes_on(plan: Plan, s: float) -> bool:
+    path = plan.path
+    return plan.grade is Grade.NOMINAL and path.is_last and path.kind.is_swerve and path.begin <= s

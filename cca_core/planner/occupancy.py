@@ -72,7 +72,8 @@ def place_vehicles(
     rows = scene.arrays
     steps = len(TIMES)
     s, v, d = np.full((m, steps), _GONE), np.zeros((m, steps)), np.zeros((m, steps))
-    low, high, right, left = (np.full((m, steps), value) for value in (_GONE, _GONE, 0.0, 0.0))
+    right, left = np.zeros((2, m, steps))
+    reach = np.full((2, 2, m, steps), _GONE)  # of vehicles that are not overtaken, and that are
     half_l, half_w = np.ones(m), np.ones(m)
     crosses, stands, adjacent, assumed = np.zeros((4, m), dtype=np.int32)
     lane = road.ego_lane
@@ -96,9 +97,12 @@ def place_vehicles(
         s[j], v[j] = n.s + shift_s + sign * distance, sign * speed
         d[j] = n.d + shift_d + _lateral_motion(n, road, settings)
         whole = _extent(n, kappa)
-        low[j], high[j] = _reach(n, settings, road.speed_limit)
-        low[j] += n.s + whole[0]
-        high[j] += n.s + whole[1]
+        for side, a in ((0, settings.assumed_acceleration), (1, settings.assumed_acceleration_passed)):
+            reported = _without_acceleration(n) if side else n
+            least, most = _reach(reported, settings, road.speed_limit, a)
+            if side and sign > 0.0:  # a reported acceleration is believed for a while
+                most = np.maximum(most, distance)
+            reach[side, 0, j], reach[side, 1, j] = least + n.s + whole[0], most + n.s + whole[1]
         across = d[j] - d[j, 0]
         right[j] = n.d + whole[2] + np.minimum(across, 0.0)
         left[j] = n.d + whole[3] + np.maximum(across, 0.0)
@@ -106,7 +110,7 @@ def place_vehicles(
             n.d - n.half_width < lane.right - settings.lane_entry_tolerance
         )
     for j, (rear, speed, other) in enumerate(phantoms, start=n_real):
-        low[j] = high[j] = rear + speed * TIMES
+        reach[:, :, j] = rear + speed * TIMES
         right[j], left[j] = other.d - 0.9, other.d + 0.9
         adjacent[j], assumed[j] = 1 if other.d > 0.0 else 2, 1
     room = np.array([_room_to_pass(j, vehicles, road, settings) if j < n_real else 0.0 for j in range(m)])
@@ -115,7 +119,8 @@ def place_vehicles(
     stands[:] = np.abs(v_follow[:, -1]) < STANDSTILL_SPEED
     for name, values in (
         ("s_o", s - base), ("v_o", v), ("d_o", d), ("s_follow", follow - base), ("v_follow", v_follow),
-        ("half_l", half_l), ("half_w", half_w), ("low", low - base), ("high", high - base),
+        ("half_l", half_l), ("half_w", half_w), ("low", reach[0, 0] - base), ("high", reach[0, 1] - base),
+        ("low_passed", reach[1, 0] - base), ("high_passed", reach[1, 1] - base),
         ("right", right), ("left", left),
         ("crosses", crosses), ("room", room), ("stands", stands), ("adjacent", adjacent),
         ("assumed", assumed),
@@ -124,7 +129,7 @@ def place_vehicles(
             rows[name][:m] = values
     traffic = Traffic(
         vehicles=tuple(vehicles), ids=tuple(n.id for n in vehicles), crosses=crosses.astype(bool), s=s, v=v,
-        d=d, half_l=half_l, half_w=half_w, low=low, high=high,
+        d=d, half_l=half_l, half_w=half_w, low=reach[0, 0], high=reach[0, 1],
     )  # fmt: skip
     return scene, traffic
 
@@ -183,11 +188,13 @@ def _lateral_motion(n: FrenetVehicle, road: Road, settings: EvasionSettings) -> 
     return side * np.minimum(abs(v_d) * TIMES, distance)
 
 
-def _reach(n: FrenetVehicle, settings: EvasionSettings, limit: float) -> tuple[Array, Array]:
+def _reach(
+    n: FrenetVehicle, settings: EvasionSettings, limit: float, acceleration: float
+) -> tuple[Array, Array]:
     """Worst-case displacements along the route, least and largest."""
-    braking, acceleration = settings.assumed_braking, settings.assumed_acceleration
+    braking = settings.assumed_braking
     v, a_s = n.v_s, n.speed_rate
-    if braking == acceleration == 0.0:
+    if settings.keeps_motion:
         distance, _ = _travel(n, settings, limit)
         low = high = math.copysign(1.0, v) * distance
         return low, high
@@ -251,6 +258,11 @@ def _assumed_vehicles(sight: Sight, road: Road, settings: EvasionSettings) -> li
         else (sight.s - known, road.speed_limit, lane)
         for lane in road.lanes if lane is not road.ego_lane
     ]  # fmt: skip
+
+
+def _without_acceleration(n: FrenetVehicle) -> FrenetVehicle:
+    """Return a vehicle as if it kept its speed, unless it brakes."""
+    return replace(n, remote=replace(n.remote, a_x=0.0)) if n.speed_rate > 0.0 else n
 
 
 def _room_to_pass(j: int, vehicles: list[FrenetVehicle], road: Road, settings: EvasionSettings) -> float:

@@ -29,7 +29,8 @@ _MAX_NODES = 140  # of a band
 _MIN_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
 _MIN_OFFSET = 0.3  # of which the length of a return is computed at least [m]
 _TIGHTEST = 0.1  # largest curvature that a return aims at [1/m]
-_ROUTE_SHARE = 0.7  # of the free space, kept to the vehicle; the rest to the edge [-]
+_VEHICLE_SHARE = 0.6  # of the free space, kept to the vehicle; the rest to the edge [-]
+_MIN_CLEARANCE = 0.2  # of the narrowest path [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -240,7 +241,9 @@ def _window(
     space = edge - outermost - 2.0 * half
     clearance = settings.clearance
     if narrow:
-        clearance = min(clearance, max(_ROUTE_SHARE * space, settings.last_resort.clearance))
+        clearance = min(
+            clearance, max(_VEHICLE_SHARE * space, min(settings.last_resort.clearance, _MIN_CLEARANCE))
+        )
     if space < clearance - 0.05:
         if lane is None:
             return Rejection(kind=RejectionKind.NO_LANE, side=side)

@@ -4,15 +4,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleParams, VehicleState
-from cca_core.follow import arrival_times, squared_speed_limit
-from cca_core.geometry import Boxes, box_gap
 from cca_core.path import fit_path
 from cca_core.planner import EvasionSettings
-from cca_core.planner.maneuver import Maneuver
-from cca_core.predict import reachable_interval
 
 CAR = replace(VehicleParams.bmw_320i(), length=4.5, width=1.8)
 LANE = 3.5
@@ -122,59 +117,3 @@ def decide(case: Situation, others: tuple[Other, ...]) -> Planner:
     state = VehicleState(x=x, y=y, psi=float(case.road.path.heading(START)), v_x=case.v_x)
     planner.step(0.0, state, [o.remote for o in others])
     return planner
-
-
-def drive(case: Situation, planner: Planner, maneuver: Maneuver) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times, stations and poses (n, 3) of the ego that drives a band as it was planned."""
-    path = case.road.path
-    s = np.arange(START, maneuver.end + 1.0, 0.05)
-    limit = min(case.cruise, case.road.speed_limit)
-    curve_acceleration = SETTINGS.actuation.curve_acceleration
-    profile = squared_speed_limit(path, limit, curve_acceleration, planner.speed)
-    v_target = math.sqrt(float(np.interp(START, *profile)))
-    t = arrival_times(case.v_x, v_target, s - START, planner.speed)
-    grid = np.arange(0.0, t[-1], STEP)
-    at = np.interp(grid, t, s)
-    n = len(maneuver.band.nodes)
-    curve = CubicSpline(np.linspace(maneuver.start, maneuver.end, n), maneuver.band.nodes)
-    inside = (at >= maneuver.start) & (at <= maneuver.end)
-    position, tangent, _ = path.derivatives(at)
-    position[inside], tangent[inside] = curve(at[inside]), curve(at[inside], 1)
-    psi = np.arctan2(tangent[:, 1], tangent[:, 0])
-    return grid, at, np.column_stack((position, psi))
-
-
-def min_gap(case: Situation, planner: Planner, maneuver: Maneuver) -> float:
-    """Smallest gap to the true vehicles while the band is driven [m]."""
-    t, _, pose = drive(case, planner, maneuver)
-    psi = pose[:, 2]
-    ego = Boxes(
-        pose[:, 0] + CAR.box_offset * np.cos(psi), pose[:, 1] + CAR.box_offset * np.sin(psi), psi,
-        np.array(CAR.length), np.array(CAR.width),
-    )  # fmt: skip
-    gap = math.inf
-    for o in case.others:
-        s = o.stations(t)
-        xy = case.road.path.to_cartesian(s, np.full(len(s), o.d))
-        body = Boxes(
-            xy[:, 0], xy[:, 1], case.road.path.heading(s), np.array(o.remote.length), np.array(o.remote.width)
-        )
-        gap = min(gap, float(box_gap(ego, body).min()))
-    return gap
-
-
-def free_at_worst(case: Situation, planner: Planner, maneuver: Maneuver) -> bool:
-    """Whether no vehicle but the lead can reach the ego's body during a maneuver."""
-    t, at, _ = drive(case, planner, maneuver)
-    u = np.interp(at, np.linspace(maneuver.start, maneuver.end, len(maneuver.band.nodes)),
-                  maneuver.band.displacement, left=0.0, right=0.0)  # fmt: skip
-    rear, front = at + CAR.box_offset - 0.5 * CAR.length, at + CAR.box_offset + 0.5 * CAR.length
-    for o in case.others[1:]:
-        r = o.remote
-        s, d = (float(x) for x in case.road.path.project((r.x, r.y)))
-        overlap = np.abs(u - d) < 0.5 * (CAR.width + r.width) + 2.0 * r.sigma_across
-        low, high = reachable_interval(o.v, t, braking=8.0, acceleration=3.0, age=r.age)
-        half = 0.5 * r.length + 2.0 * r.sigma_along
-        if ((s + low - half < front) & (s + high + half > rear) & overlap).any():
-            return False
-    return True

@@ -21,7 +21,6 @@ from cca_core import (
     VehicleState,
     choose_action,
     fit_path,
-    relax_band,
 )  # fmt: skip
 from cca_core.band import BandSettings, BandStiffness, CurvatureBounds
 from cca_core.decide import (
@@ -47,15 +46,16 @@ from cca_core.path import FitReport, Waypoints, clean_route
 from cca_core.planner import (
     AbortSettings,
     ActuationSettings,
+    CertificateSettings,
+    CostSettings,
     DecisionSettings,
     EvasionSettings,
     LastResortSettings,
     LeadSettings,
     ReplanSettings,
+    SafeStop,
     YieldSettings,
 )
-from cca_core.planner.maneuver import Maneuver
-from cca_core.planner.replan import Outcome, ReplanResult
 from cca_core.v2x import (
     BrakeStatus,
     Bsm,
@@ -143,13 +143,10 @@ def examples() -> dict[str, Any]:
             reason="",
         ),
         EvasionSettings(awareness_range=math.inf),
-        ReplanResult(maneuver=None, outcome=Outcome.CANCELED, rejection=rejection), rejection,
+        rejection, SafeStop(t=np.arange(3.0), delta=np.zeros(3), a_x=np.zeros(3)), CertificateSettings(),
+        CostSettings(),
         AbortSettings(), ActuationSettings(), DecisionSettings(), LastResortSettings(), LeadSettings(),
         ReplanSettings(), YieldSettings(),
-        Maneuver(
-            side="left", start=1.0, end=99.0, band=relax_band(ROUTE.sample(5.0), vehicle=CAR),
-            displacement=np.zeros(20), reference=ROUTE, candidate=candidate,
-        ),
         ego, frenet_vehicle,
         PositionalAccuracy(), PositionErrorModel(), BrakeStatus(wheels=(True, False)),
         Bsm(msg_count=3, id="01ab23cd", speed=20.0),

@@ -2932,8 +2932,11 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
         return gap_checks_plane_gap(w, row, p, k, w->x_w[j * w->steps + k], w->y_w[j * w->steps + k],
             w->psi_w[j * w->steps + k], w->half_l_w[j * w->steps + k], w->half_w_w[j * w->steps + k]);
     }
-    return gap_checks_ego_gap(w, row, p, k, w->low[j * w->steps + k] - w->margin, w->high[j * w->steps
-        + k] + w->margin, w->right[j * w->steps + k], w->left[j * w->steps + k]);
+    bool passed = w->overtakes[p * w->max_m + j] != 0.0;
+    double low = passed ? w->low_passed[j * w->steps + k] : w->low[j * w->steps + k];
+    double high = passed ? w->high_passed[j * w->steps + k] : w->high[j * w->steps + k];
+    return gap_checks_ego_gap(w, row, p, k, low - w->margin, high + w->margin, w->right[j * w->steps + k],
+        w->left[j * w->steps + k]);
 }
 
 /* Whether vehicles within the declared bounds cannot touch the ego.

@@ -261,6 +261,8 @@ typedef struct Scene {
     double *half_w;
     double *low;
     double *high;
+    double *high_passed;
+    double *low_passed;
     double *right;
     double *left;
     int *crosses;

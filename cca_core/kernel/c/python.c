@@ -1875,7 +1875,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "089f210f65bf3ad71fd15f2bf76a5ecde09594b01c281b1d0f828e9ec8a3996f") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "470e515a2b9a84e9f7aacc2b3b4017ed526c694536968e5679683679ad577743") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
