@@ -29,7 +29,7 @@ _MAX_NODES = 140  # of a band
 _MIN_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
 _MIN_OFFSET = 0.3  # of which the length of a return is computed at least [m]
 _TIGHTEST = 0.1  # largest curvature that a return aims at [1/m]
-_VEHICLE_SHARE = 0.6  # of the free space, kept to the vehicle; the rest to the edge [-]
+_VEHICLE_SHARE = 0.5  # of the free space, kept to the vehicle; the rest to the edge [-]
 _MIN_CLEARANCE = 0.2  # of the narrowest path [m]
 
 

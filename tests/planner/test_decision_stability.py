@@ -164,9 +164,10 @@ def test_reference_is_continuous_at_ego_on_curve(radius: float, v: float) -> Non
 
 
 def test_downstream_stationary_car_without_noise_is_stable() -> None:
-    """At 50 km/h the ego stops behind it, once the vehicle directly ahead has left the lane."""
+    """At 50 km/h the ego passes it, after the vehicle directly ahead has left the lane."""
     v, station = 13.9, 125.1
     yellow = LaneLeavingVehicle(1.5 * v + 4.5, v, station=station, range=1.1 * v + 4.5, offset=3.0)
     red = ScriptedVehicle("R", station, -1.05, 0.0)
-    run = ClosedLoop(make_planner(cruise=v), [yellow, red], 22.0, v=v, done=lambda ego: ego.v_x < 0.05)
-    assert max(len(changes(run, since)) for since in (0.0, 2.0, 4.0)) <= 1
+    run = ClosedLoop(make_planner(cruise=v), [yellow, red], 22.0, v=v, done=lambda ego: ego.x > 200.0)
+    assert run.collided_with is None
+    assert len(changes(run)) <= 3

@@ -78,8 +78,8 @@ class TestArguments:
             EvasionSettings(**{group: {"period": 0.1}})
 
     def test_error_names_field_of_settings_group(self) -> None:
-        with pytest.raises(InputError, match="deceleration must be greater than 0"):
-            AbortSettings(deceleration=0.0)
+        with pytest.raises(InputError, match="max_hold_time must be at least 0"):
+            AbortSettings(max_hold_time=-1.0)
 
     def test_settings_group_changes_safe_stop(self) -> None:
         gentle = ActuationSettings(safe_stop_deceleration=3.0)
@@ -230,9 +230,8 @@ class TestDropping:
 def test_steering_rate_follows_time_between_steps(dt: float) -> None:
     planner = make_planner(None)
     before = planner.step(0.0, ego_state(v_x=10.0), []).delta
-    assert planner.step(
-        dt, ego_state(START + 10.0 * dt, v_x=10.0, y=-1.5), []
-    ).delta - before == pytest.approx(CAR.delta_rate_max * dt)
+    after = planner.step(dt, ego_state(START + 10.0 * dt, v_x=10.0, y=-1.5), []).delta
+    assert 0.0 < after - before <= CAR.delta_rate_max * dt + 1e-9
 
 
 def test_curve_beyond_turning_circle_is_warned_of_once() -> None:

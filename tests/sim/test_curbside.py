@@ -1,4 +1,4 @@
-"""Curb-side: the fast ego evades the parked car, the slow ego stops; driver and sensor come late."""
+"""Curb-side: the ego slows and evades the parked car at both speeds; driver and sensor come late."""
 
 import numpy as np
 import pytest
@@ -22,13 +22,14 @@ def test_fast_ego_evades(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_slow_ego_brakes(seed: int) -> None:
+def test_slow_ego_slows_and_evades(seed: int) -> None:
     log = simulated("curbside", "slow", "v2v", seed=seed)
-    assert not any(action.startswith("EVADE") for action in log.actions)
-    assert log.actions[-1] == "BRAKE"
+    assert "EVADE_LEFT" in log.actions
+    assert log.actions[-1] == "KEEP"
+    assert len(log.actions) <= 6
     assert -log.ego[:, 7].min() <= 4.5  # yellow may be silent for a second
-    assert log.ego[-1, 3] < 0.3
-    assert 2.0 < log.gaps()[-1, 1] < 5.0
+    assert np.abs(log.a_y).max() <= 2.5
+    assert log.gaps()[:, 1].min() > 0.8
 
 
 def test_slow_ego_brakes_gently_on_ideal_channel() -> None:
