@@ -8,21 +8,13 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
+from cca_core.kernel.memory import Lent
+from cca_core.kernel.scene import Scene
 from cca_core.path import Lane
 from cca_core.planner.occupancy import N_STOPS
 from cca_core.planner.paths import Surroundings, return_paths, route_path, swerve
 from cca_core.planner.records import LateralPath, Level, Plan, Profile
-from cca_core.planner.scene import (
-    N_PATHS,
-    N_ROWS,
-    TIMES,
-    Lent,
-    Scene,
-    find_conflict,
-    limit_path,
-    roll,
-    sum_up,
-)
+from cca_core.planner.scene import N_PATHS, N_ROWS, TIMES, find_conflict, limit_path, roll, sum_up
 
 _SIDES: tuple[Side, Side] = ("left", "right")
 _MAX_GROUP = 3  # vehicles that are passed at once
@@ -78,7 +70,7 @@ def swerves(
     rows = blocking_rows(around, frozenset() if last is None else last.overtaken)
     paths: list[LateralPath] = []
     rejections: list[Rejection] = []
-    sides = _SIDES if last is None else ((last.kind.value),)
+    sides = _SIDES if last is None else tuple(side for side in _SIDES if side == last.side)
     for size in range(1, min(len(rows), _MAX_GROUP) + 1):
         group = rows[:size]
         fast = next((j for j in group if traffic.v[j, 0] > max_speed), None)

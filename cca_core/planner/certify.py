@@ -5,11 +5,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from cca_core._checks import Array, Mask
 from cca_core.decide import Rejection, RejectionKind
+from cca_core.kernel.memory import Lent
+from cca_core.kernel.scene import Scene
 from cca_core.planner.candidates import Stop
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.records import Grade, Level, PathKind, Plan
-from cca_core.planner.scene import N_ROWS, TIMES, Lent, Scene, check_gaps, check_worst, roll, set_numbers
+from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
 
 _TAIL = N_ROWS - 1  # row of the braking tail
 _BISECTIONS = 3
@@ -21,8 +24,14 @@ class Certifier:
     """Certificates of the plans of one decision."""
 
     def __init__(
-        self, scene: Lent[Scene], around: Surroundings, *, inside: bool, kept: object, stops: Sequence[Stop]
-    ) -> None:
+        self,
+        scene: Lent[Scene],
+        around: Surroundings,
+        *,
+        inside: bool,
+        kept: Array | None,
+        stops: Sequence[Stop],
+    ) -> None:  # fmt: skip
         self._scene, self._around, self._inside = scene, around, inside
         self._settings = around.settings.certificate
         self._kept, self._stops = kept, stops
@@ -113,7 +122,7 @@ class Certifier:
             plan.grade = Grade.NOMINAL
 
     def _certify_swerve(
-        self, plan: Plan, out: object, touch: float, clearance: float, home: Callable[[], bool]
+        self, plan: Plan, out: Mask, touch: float, clearance: float, home: Callable[[], bool]
     ) -> None:
         """Certify a plan that leaves its lane: gap acceptance, then a safe end behind the next vehicle."""
         around, work, settings = self._around, self._scene.workspace, self._settings
@@ -188,7 +197,7 @@ class Certifier:
             )
         )
 
-    def tail(self, plan: Plan, braking: float) -> tuple[object, object, object]:
+    def tail(self, plan: Plan, braking: float) -> tuple[Array, Array, Array]:
         """Return stations, speeds and accelerations of a plan's braking tail."""
         rows = self._scene.arrays
         self._tail_is_safe(plan, self._settings.reaction_time, braking, 0.0, 0.0)

@@ -9,6 +9,8 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.decide import Rejection
 from cca_core.follow import SpeedSettings
+from cca_core.kernel.memory import Lent
+from cca_core.kernel.scene import Scene
 from cca_core.path import Path, Road
 from cca_core.planner.actuate import safe_stop
 from cca_core.planner.candidates import Rollout, Stop, find_stops, home_paths, profiles, shifted, swerves
@@ -28,7 +30,7 @@ from cca_core.planner.records import (
     Profile,
     Sight,
 )
-from cca_core.planner.scene import TIMES, Lent, Scene, Scenes, set_numbers
+from cca_core.planner.scene import TIMES, Scenes, set_numbers
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import VehicleParams
 

@@ -5,11 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core._checks import Array, Index
 from cca_core.frenet import CROSSING_SINE, FrenetVehicle
+from cca_core.kernel.memory import Lent
+from cca_core.kernel.scene import Scene
 from cca_core.path import Lane, Road
 from cca_core.planner.records import Sight
-from cca_core.planner.scene import TIMES, Lent, Scene, Scenes
+from cca_core.planner.scene import TIMES, Scenes
 from cca_core.planner.settings import EvasionSettings
 from cca_core.predict import predict_ctra, reachable_interval
 from cca_core.vehicle import STANDSTILL_SPEED
@@ -75,7 +77,7 @@ def place_vehicles(
     right, left = np.zeros((2, m, steps))
     reach = np.full((2, 2, m, steps), _GONE)  # of vehicles that are not overtaken, and that are
     half_l, half_w = np.ones(m), np.ones(m)
-    crosses, stands, adjacent, assumed = np.zeros((4, m), dtype=np.int32)
+    crosses, stands, adjacent, assumed = np.zeros((4, m), dtype=np.intp)
     lane = road.ego_lane
     for j, n in enumerate(vehicles):
         kappa = float(rows["kappa"][min(max(int(n.s) - base, 0), len(rows["kappa"]) - 1)])
@@ -109,8 +111,8 @@ def place_vehicles(
         adjacent[j] = (n.d + n.half_width > lane.left + settings.lane_entry_tolerance) + 2 * (
             n.d - n.half_width < lane.right - settings.lane_entry_tolerance
         )
-    for j, (rear, speed, other) in enumerate(phantoms, start=n_real):
-        reach[:, :, j] = rear + speed * TIMES
+    for j, (station, velocity, other) in enumerate(phantoms, start=n_real):
+        reach[:, :, j] = station + velocity * TIMES
         right[j], left[j] = other.d - 0.9, other.d + 0.9
         adjacent[j], assumed[j] = 1 if other.d > 0.0 else 2, 1
     room = np.array([_room_to_pass(j, vehicles, road, settings) if j < n_real else 0.0 for j in range(m)])
@@ -282,7 +284,7 @@ def _room_to_pass(j: int, vehicles: list[FrenetVehicle], road: Road, settings: E
     return settings.lead.passing_room
 
 
-def _in_order(s: Array, d: Array, v: Array, half_l: Array, half_w: Array, crosses: Array) -> Array:
+def _in_order(s: Array, d: Array, v: Array, half_l: Array, half_w: Array, crosses: Index) -> Array:
     """Stations where vehicles of one lane stay behind each other, a meter apart."""
     follow = s.copy()
     rows = [j for j in np.argsort(-s[:, 0]) if not crosses[j] and v[j, 0] >= 0.0 and s[j, 0] < 0.5 * _GONE]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.band import Side, relax_band
+from cca_core.band import Band, Side, relax_band
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.errors import Status
 from cca_core.frenet import FrenetVehicle
@@ -94,7 +94,7 @@ def lateral_state(
 def return_paths(around: Surroundings) -> list[LateralPath]:
     """Return paths back to the route: in comfort, hard, and after holding the offset for a while."""
     state, limits, v = around.lateral, around.limits, max(around.v, 2.0)
-    x = state.base + np.arange(BEHIND + AHEAD) - around.s
+    x: Array = state.base + np.arange(float(BEHIND + AHEAD)) - around.s
     paths = []
     for level, a_y in ((Level.COMFORT, limits.a_y), (Level.HARD, limits.a_y_hard)):
         length = _length(abs(state.offset) + abs(state.slope) * v, a_y, v)
@@ -353,7 +353,7 @@ def _beyond(n: FrenetVehicle, lane: Lane) -> bool:
     return n.d - n.half_width > lane.left or n.d + n.half_width < lane.right
 
 
-def _reject(band: object, side: Side, names: Sequence[str], window: _Window) -> Rejection:
+def _reject(band: Band, side: Side, names: Sequence[str], window: _Window) -> Rejection:
     """Rejection of a band that is not OK, from the constraint that decides."""
     kinds, active = RejectionKind, band.active_obstacle
     if band.active_constraint == "curvature":

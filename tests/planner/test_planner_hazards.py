@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cca_core import Lane, Planner, RemoteVehicle, Road, Status, VehicleState
+from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleState
 from cca_core.path import fit_path
 from cca_core.planner import EvasionSettings
 from cca_core.sim import SingleTrackPlant
