@@ -140,7 +140,7 @@ def nominal_gap(w: Scene, row: Int, p: Int, j: Int, k: Int, pet: Real) -> Real:
 def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real, pet: Real) -> None:
     """Least gap to the nominal motion of others beyond what is asked, and the first overlap."""
     back = find_duty(w, row, wait)
-    w.least = FAR
+    w.min_margin = FAR
     w.gap = FAR
     w.which = -1
     w.when = w.steps
@@ -155,8 +155,8 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
             if k == 0:
                 asked = min(asked, max(gap - 0.02, 0.0))
             w.gap = min(w.gap, gap)
-            if not gap - asked >= w.least:
-                w.least = gap - asked
+            if not gap - asked >= w.min_margin:
+                w.min_margin = gap - asked
                 w.which = j
                 w.when = k
             if gap < 0.0 and k < hit:
@@ -193,7 +193,7 @@ def check_worst_case(
     it enters that lane, or from when the maneuver begins if the vehicle comes nearer.
     """
     back = find_duty(w, row, wait)
-    w.least = FAR
+    w.min_margin = FAR
     w.which = -1
     w.when = w.steps
     for j in range(w.m):
@@ -207,8 +207,8 @@ def check_worst_case(
         same = w.v_o[j, 0] >= ONCOMING and w.assumed[j] == 0
         ahead = same and w.s_o[j, begin] > w.s[row, begin] + w.offset
         adjacent = not passed and (w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side)
-        beside = adjacent and (which == 1 or not ahead)
-        if (which == 1 and not beside) or (which == 2 and beside):
+        in_zone_lane = adjacent and (which == 1 or not ahead)
+        if (which == 1 and not in_zone_lane) or (which == 2 and in_zone_lane):
             continue
         if w.assumed[j] != 0 and not x_safety > 0.0:
             continue
@@ -219,7 +219,7 @@ def check_worst_case(
             d = w.offset_at[row, k]
             out = is_outside(w, d, 0.0)
             zone = x_safety > 0.0 and k <= back and k >= begin
-            if zone and beside:
+            if zone and in_zone_lane:
                 middle = w.s[row, k] + w.offset  # eq 11: along the road, wherever the ego is across it
                 rear = w.s_o[j, k] - w.half_l[j] if ahead else w.low[j, k]
                 zone_gap = max(
@@ -228,8 +228,8 @@ def check_worst_case(
                 )
                 if same and not ahead and w.rear_reaction > 0.0:  # it keeps its distance from then on
                     zone_gap = rear_gap(w, row, j, k, x_safety) if k == begin else FAR
-                if not zone_gap >= w.least:
-                    w.least = zone_gap
+                if not zone_gap >= w.min_margin:
+                    w.min_margin = zone_gap
                     w.which = j
                     w.when = k
                 continue
@@ -240,8 +240,8 @@ def check_worst_case(
             gap = worst_gap(w, row, p, j, k)
             if k == 0:
                 asked = min(asked, max(gap - 0.02, -0.01))
-            if not gap - asked >= w.least:
-                w.least = gap - asked
+            if not gap - asked >= w.min_margin:
+                w.min_margin = gap - asked
                 w.which = j
                 w.when = k
-    return w.least >= 0.0
+    return w.min_margin >= 0.0

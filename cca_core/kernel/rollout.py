@@ -133,7 +133,7 @@ def roll_out(
                     continue
                 now = w.s_follow[j, 0] - w.half_l[j] - (w.s_0 + w.offset + w.half_length)
                 gap = w.s_follow[j, k] - w.half_l[j] - front
-                gap -= min(w.room[j], max(now - w.standstill_gap, 0.0))
+                gap -= min(w.passing_distance[j], max(now - w.standstill_gap, 0.0))
                 final = gap + (w.s_follow[j, w.steps - 1] - w.s_follow[j, k])
                 if w.t[k] < w.risk_until and tail <= 0.0:
                     excess = (
@@ -161,8 +161,8 @@ def roll_out(
         if tail > 0.0 and w.t[k] >= w.react - TIME_EPS:
             want = -tail
         side = (w.kappa[station(w.n, position)] + bend(w, p, position)) * speed * speed
-        most = math.sqrt(max(w.grip * w.grip - side * side, 0.25))
-        want = min(max(want, -most), most)
+        available = math.sqrt(max(w.grip * w.grip - side * side, 0.25))
+        want = min(max(want, -available), available)
         if not kept or (tail > 0.0 and w.t[k] >= w.react - TIME_EPS):
             hard = want < -2.0 * w.b_comfort or tail > 0.0
             low = command - (w.jerk_emergency if hard else w.jerk) * h

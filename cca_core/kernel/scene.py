@@ -58,7 +58,7 @@ class Scene:
     left: Motions
     crosses: VehicleMarks
     stands: VehicleMarks
-    room: PerVehicle  # kept behind a vehicle that can be passed from standstill, beyond the gap [m]
+    passing_distance: PerVehicle  # kept behind a vehicle that can be passed later [m]
     x_o: Motions
     y_o: Motions
     psi_o: Motions
@@ -107,7 +107,7 @@ class Scene:
     limited_by: RunMarks
     terms: Terms
     # results of the last check
-    least: Real
+    min_margin: Real
     gap: Real
     which: Int
     when: Int

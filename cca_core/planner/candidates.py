@@ -12,7 +12,7 @@ from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.path import Lane
 from cca_core.planner.occupancy import N_STOPS
-from cca_core.planner.paths import Surroundings, return_paths, route_path, swerve
+from cca_core.planner.paths import Surroundings, plan_path, return_paths, route_path
 from cca_core.planner.records import LateralPath, Level, Plan, Profile
 from cca_core.planner.scene import N_PATHS, N_ROWS, TIMES, find_conflict, limit_path, roll, sum_up
 
@@ -58,14 +58,14 @@ def blocking_rows(around: Surroundings, overtaken: frozenset[str]) -> list[int]:
     return [j for _, j in sorted(found)]
 
 
-def swerves(
+def maneuver_paths(
     around: Surroundings,
     levels: Sequence[Level],
     last: LateralPath | None,
     max_speed: float,
     awareness_range: float,
 ) -> tuple[list[LateralPath], list[Rejection]]:
-    """Return swerves around the vehicles that block the route, and why others are rejected."""
+    """Return maneuvers around the vehicles that block the route, and why others are rejected."""
     traffic, road = around.traffic, around.road
     rows = blocking_rows(around, frozenset() if last is None else last.overtaken)
     paths: list[LateralPath] = []
@@ -90,7 +90,7 @@ def swerves(
                     refused = (
                         None if corridor is None else _lane_refusal(around, corridor, side, awareness_range)
                     )
-                    found = refused or swerve(around, group, side, corridor, level, last)
+                    found = refused or plan_path(around, group, side, corridor, level, last)
                     if isinstance(found, Rejection):
                         if corridor is lanes[-1]:
                             rejections.append(found)
@@ -147,9 +147,9 @@ def profiles(
 ) -> list[Profile]:
     """Return the speed profiles of a path."""
     found = [Profile("go", yields=y) for y in range(n_stops + 1)]
-    if path.kind.is_swerve:  # whoever is on the path now may be gone when the ego comes
+    if path.kind.is_evasive:  # whoever is on the path now may be gone when the ego comes
         found.append(Profile("pass", passes=True, yields=n_stops))
-    if not path.kind.is_swerve or path.is_last or desperate:
+    if not path.kind.is_evasive or path.is_last or desperate:
         for braking in (b_comfort, 0.5 * (b_comfort + b_max), b_max):
             found.append(Profile(f"brake {braking:.0f}", yields=n_stops, braking=braking))
     if kept:

@@ -58,10 +58,10 @@ class Certifier:
         asked = min(clearance, plan.path.clearance)
         check_gaps(work, plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
         which, plan.gap = work.which, work.gap
-        if not work.least >= 0.0:
+        if not work.min_margin >= 0.0:
             self._set_severity(plan, asked)
             plan.impact_id = self._name(which)
-            if plan.path.kind.is_swerve and which >= 0:
+            if plan.path.kind.is_evasive and which >= 0:
                 plan.rejection = self._lane_rejection(plan, which)
             return
         if plan.peak > _GRIP_SHARE * around.limits.grip:
@@ -73,8 +73,8 @@ class Certifier:
             plan.grade = Grade.NOMINAL
             return
         out = (plan.d + half > lane.left + 0.01) | (plan.d - half < lane.right - 0.01)
-        if out.any() and plan.path.kind.is_swerve:
-            self._certify_swerve(plan, out, touch, clearance, home)
+        if out.any() and plan.path.kind.is_evasive:
+            self._certify_maneuver(plan, out, touch, clearance, home)
         else:
             plan.braking = self._needed_braking(plan, settings.reaction_time, touch, clearance)
             self._grade_by_braking(plan, out_now=bool(out[0]))
@@ -103,7 +103,7 @@ class Certifier:
             plan.t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
             plan.severity = 1.0 + work.impact**2 - 0.5 * plan.t_impact
         else:
-            plan.severity = max(-work.least, 0.01)
+            plan.severity = max(-work.min_margin, 0.01)
 
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
@@ -114,14 +114,14 @@ class Certifier:
             plan.grade = Grade.FULL
         elif (
             float(plan.a[:k].min()) <= -limits.b_comfort + 0.05
-            and not plan.path.kind.is_swerve
+            and not plan.path.kind.is_evasive
             and not out_now
         ):
             plan.grade, plan.braking = Grade.FULL, limits.b_max  # the proper response
         else:
             plan.grade = Grade.NOMINAL
 
-    def _certify_swerve(
+    def _certify_maneuver(
         self, plan: Plan, out: Mask, touch: float, clearance: float, home: Callable[[], bool]
     ) -> None:
         """Certify a plan that leaves its lane: gap acceptance, then a safe end behind the next vehicle."""

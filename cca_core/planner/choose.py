@@ -43,7 +43,7 @@ def assess(
         change += weights.hard
     if path.level is Level.NARROW and not path.is_last:
         change += weights.narrow
-    if path.kind.is_swerve and path.level is Level.COMFORT and not path.is_last:
+    if path.kind.is_evasive and path.level is Level.COMFORT and not path.is_last:
         sharp = plan.peak / around.limits.a_y - weights.sharp_from
         change += weights.sharp * max(sharp, 0.0) ** 2
     if path.kind is PathKind.RIGHT and row[_TERMS["outside"]] > 0.0:
@@ -91,4 +91,4 @@ def _key(plan: Plan, s: float) -> tuple[float, float, float]:
 
 def _goes_on(plan: Plan, s: float) -> bool:
     path = plan.path
-    return plan.grade is Grade.NOMINAL and path.is_last and path.kind.is_swerve and path.begin <= s
+    return plan.grade is Grade.NOMINAL and path.is_last and path.kind.is_evasive and path.begin <= s

@@ -38,7 +38,7 @@ def coast(
         if name in now or not 0.0 < elapsed <= min(fraction * (old.t - old.since), max_time):
             continue
         moved = _moved(old.remote, elapsed)
-        heir = next((other for other in reported.values() if _same_place(moved, other)), None)
+        heir = next((other for other in reported.values() if _overlap(moved, other)), None)
         if heir is not None:
             now[heir.id] = replace(now[heir.id], since=min(now[heir.id].since, old.since))
             continue
@@ -55,7 +55,7 @@ def _moved(remote: RemoteVehicle, elapsed: float) -> RemoteVehicle:
     return replace(remote, x=x, y=y, psi=psi, v_x=v, age=remote.age + elapsed)
 
 
-def _same_place(a: RemoteVehicle, b: RemoteVehicle) -> bool:
+def _overlap(a: RemoteVehicle, b: RemoteVehicle) -> bool:
     if math.hypot(a.x - b.x, a.y - b.y) > a.length + b.length:
         return False
     body_a, body_b = (boxes(r.x, r.y, r.psi, r.length, r.width) for r in (a, b))

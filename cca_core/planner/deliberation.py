@@ -13,22 +13,30 @@ from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.path import Path, Road
 from cca_core.planner.actuate import safe_stop
-from cca_core.planner.candidates import Rollout, Stop, find_stops, home_paths, profiles, shifted, swerves
+from cca_core.planner.candidates import (
+    Rollout,
+    Stop,
+    find_stops,
+    home_paths,
+    maneuver_paths,
+    profiles,
+    shifted,
+)
 from cca_core.planner.certify import Certifier
 from cca_core.planner.choose import assess, choose
 from cca_core.planner.limits import Limits
-from cca_core.planner.occupancy import place_vehicles
+from cca_core.planner.occupancy import predict_vehicles
 from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
 from cca_core.planner.records import (
     DrivenPlan,
     Grade,
     LateralPath,
     Level,
+    Observation,
     PathKind,
     Plan,
     PlannerState,
     Profile,
-    Sight,
 )
 from cca_core.planner.scene import TIMES, Scenes, set_numbers
 from cca_core.planner.settings import EvasionSettings
@@ -54,13 +62,18 @@ class Deliberation:
     """Candidates of one decision: enumerated by levels, certified, and one of them chosen."""
 
     def __init__(
-        self, setup: Setup, state: PlannerState, sight: Sight, profile: tuple[Array, Array], cruise: float
+        self,
+        setup: Setup,
+        state: PlannerState,
+        observation: Observation,
+        profile: tuple[Array, Array],
+        cruise: float,
     ) -> None:
-        self._setup, self._state, self._sight, self._profile = setup, state, sight, profile
-        self._cruise, self._base = cruise, math.floor(sight.s) - BEHIND
+        self._setup, self._state, self._observation, self._profile = setup, state, observation, profile
+        self._cruise, self._base = cruise, math.floor(observation.s) - BEHIND
         self._last = state.plan
         driven = None if state.plan is None else state.plan.path
-        self._last_path = None if driven is None or sight.s >= driven.end else driven
+        self._last_path = None if driven is None or observation.s >= driven.end else driven
         self._plans: list[Plan] = []
         self._rejections: list[Rejection] = []
         self._home_is_safe: bool | None = None
@@ -72,23 +85,26 @@ class Deliberation:
         for levels in _STAGES:
             if best.grade <= Grade.FULL and (levels[0] is not Level.COMFORT or self._goes_on(best)):
                 break
-            self._add_swerves(levels)
+            self._add_maneuvers(levels)
             best = self._choose()
         return self._commit(best)
 
     def _prepare(self, driven: LateralPath | None) -> None:
         """Place the vehicles, and roll out the paths home and the last plan."""
-        setup, sight, state = self._setup, self._sight, self._state
+        setup, observation, state = self._setup, self._observation, self._state
         vehicle, lane = setup.vehicle, setup.road.ego_lane
         fill_route(setup.scenes, setup.road.path, self._base, self._profile)
-        scene, traffic = place_vehicles(setup.scenes, sight, setup.road, setup.settings, self._base)
+        scene, traffic = predict_vehicles(setup.scenes, observation, setup.road, setup.settings, self._base)
         half = 0.5 * vehicle.width
-        inside = lane.right < sight.d - half and sight.d + half < lane.left
-        set_ego(scene, setup, state, sight, self._base, inside=inside)
-        lateral = lateral_state(self._base, sight.s, sight.d, sight.angle, sight.bend, driven, _ON_PATH)
+        inside = lane.right < observation.d - half and observation.d + half < lane.left
+        set_ego(scene, setup, state, observation, self._base, inside=inside)
+        lateral = lateral_state(
+            self._base, observation.s, observation.d, observation.angle, observation.bend, driven, _ON_PATH
+        )
         around = Surroundings(
             vehicle=vehicle, road=setup.road, settings=setup.settings, limits=setup.limits, traffic=traffic,
-            lateral=lateral, s=sight.s, v=sight.v, jerk=setup.speed.jerk, free_s=TIMES, free_v=TIMES,
+            lateral=lateral, s=observation.s, v=observation.v, jerk=setup.speed.jerk, free_s=TIMES,
+            free_v=TIMES,
         )  # fmt: skip
         self._scene, self._rollout = scene, Rollout(scene, around)
         homes = home_paths(around)
@@ -98,7 +114,7 @@ class Deliberation:
         self._around = around = replace(around, free_s=free.s + self._base, free_v=free.v)
         self._rollout.around = around
         self._stops = find_stops(scene, around, rows[0])
-        self._kept = None if self._last is None else shifted(self._last.a, sight.t - self._last.t)
+        self._kept = None if self._last is None else shifted(self._last.a, observation.t - self._last.t)
         self._certifier = Certifier(scene, around, inside=inside, kept=self._kept, stops=self._stops)
         for path, row in zip(homes, rows, strict=True):
             self._add(path, row)
@@ -110,15 +126,15 @@ class Deliberation:
     def _add(self, path: LateralPath, row: int | None) -> None:
         """Roll out a path with all of its profiles."""
         limits = self._setup.limits
-        is_comfortable = path.kind.is_swerve and path.level is Level.COMFORT
+        is_comfortable = path.kind.is_evasive and path.level is Level.COMFORT
         if row is None:
             if self._rollout.is_full:
                 return
             row = self._rollout.add_path(path, limits.a_y_limit if is_comfortable else limits.a_y_max)
-        keeps = path.is_last or (self._last_path is None and not path.kind.is_swerve)
+        keeps = path.is_last or (self._last_path is None and not path.kind.is_evasive)
         found = profiles(
             path, len(self._stops), limits.b_comfort, limits.b_max, kept=keeps and self._kept is not None,
-            desperate=path.kind.is_swerve and not is_comfortable,
+            desperate=path.kind.is_evasive and not is_comfortable,
         )  # fmt: skip
         for profile in found:
             plan = self._rollout.add(path, row, profile, self._kept)
@@ -129,15 +145,15 @@ class Deliberation:
                 )  # fmt: skip
                 self._plans.append(plan)
 
-    def _add_swerves(self, levels: Sequence[Level]) -> None:
-        """Enumerate the swerves of some levels."""
-        sight, last = self._sight, self._last_path
-        under_way = None
-        if last is not None and last.kind.is_swerve and sight.s >= last.begin:
-            under_way = None if self._around.lateral.is_lost else last
-        v_target = math.sqrt(max(float(np.interp(sight.s, *self._profile)), 0.0))
+    def _add_maneuvers(self, levels: Sequence[Level]) -> None:
+        """Enumerate the maneuvers of some levels."""
+        observation, last = self._observation, self._last_path
+        ongoing = None
+        if last is not None and last.kind.is_evasive and observation.s >= last.begin:
+            ongoing = None if self._around.lateral.is_lost else last
+        v_target = math.sqrt(max(float(np.interp(observation.s, *self._profile)), 0.0))
         max_speed = v_target - self._setup.settings.min_speed_advantage
-        found, why = swerves(self._around, levels, under_way, max_speed, sight.awareness_range)
+        found, why = maneuver_paths(self._around, levels, ongoing, max_speed, observation.awareness_range)
         self._rejections += why
         for path in found:
             self._add(path, None)
@@ -146,8 +162,8 @@ class Deliberation:
         return choose(self._plans, self._certifier, self._around, self._is_home_safe)
 
     def _goes_on(self, best: Plan) -> bool:
-        """Whether the best plan is the swerve that is being driven."""
-        return best.path.is_last and best.path.kind.is_swerve
+        """Whether the best plan is the maneuver that is being driven."""
+        return best.path.is_last and best.path.kind.is_evasive
 
     def _is_home_safe(self) -> bool:
         """Return whether braking on the route, or on a way back to it, is safe in the worst case."""
@@ -157,21 +173,21 @@ class Deliberation:
 
     def _commit(self, best: Plan) -> DrivenPlan:
         """Return the best plan as the one that is driven, with its reference and its safe stop."""
-        setup, sight, last = self._setup, self._sight, self._last
+        setup, observation, last = self._setup, self._observation, self._last
         path, limits = best.path, setup.limits
         if path.is_last and last is not None:
             path, reference = replace(last.path, is_last=False), last.reference
         elif path.kind is PathKind.ROUTE:
             reference = setup.road.path
         else:
-            reference = reference_of(path, setup.road, sight.s)
+            reference = reference_of(path, setup.road, observation.s)
             path = replace(path, reference=reference)
         braking = limits.b_max if best.grade >= Grade.FULL else max(best.braking, limits.b_comfort)
         s, v, a = self._certifier.tail(best, min(braking, limits.b_max))
         limited_by, yields_to = self._limit_of(best)
         rejected = (p.rejection for p in self._plans if p.rejection is not None and p.cost < best.cost)
         return DrivenPlan(
-            t=sight.t, path=path, reference=reference, profile=best.profile, s=best.s + self._base,
+            t=observation.t, path=path, reference=reference, profile=best.profile, s=best.s + self._base,
             v=best.v.copy(), a=best.a.copy(), a_0=self._state.a_x, grade=best.grade, limited_by=limited_by,
             yields_to=yields_to, free_a=float(self._free.a[3]), rejections=(*self._rejections, *rejected),
             safe_stop=safe_stop(reference, s + self._base, v, a, setup.vehicle), braking=best.braking,
@@ -207,14 +223,21 @@ def fill_route(scenes: Scenes, path: Path, base: int, profile: tuple[Array, Arra
 
 
 def set_ego(
-    scene: Lent[Scene], setup: Setup, state: PlannerState, sight: Sight, base: int, *, inside: bool
+    scene: Lent[Scene],
+    setup: Setup,
+    state: PlannerState,
+    observation: Observation,
+    base: int,
+    *,
+    inside: bool,
 ) -> None:
     """Put the ego, its limits and the assumptions of the settings into a scene."""
     vehicle, speed, limits, settings = setup.vehicle, setup.speed, setup.limits, setup.settings
     certificate, lane = settings.certificate, setup.road.ego_lane
     rear_reaction = 0.0 if settings.keeps_motion else settings.rear_reaction_time
     set_numbers(
-        scene, lane_right=lane.right, lane_left=lane.left, s_0=sight.s - base, v_0=sight.v, a_0=state.a_x,
+        scene, lane_right=lane.right, lane_left=lane.left, s_0=observation.s - base,
+        v_0=observation.v, a_0=state.a_x,
         a_true=state.a_true, half_length=0.5 * vehicle.length, half_width=0.5 * vehicle.width,
         offset=vehicle.box_offset, a_max=limits.a_max, b_comfort=limits.b_comfort, b_max=limits.b_max,
         b_soft=settings.cost.risk_braking / speed.b_max * limits.b_max, b_other=settings.assumed_braking,

@@ -152,8 +152,8 @@ class CostSettings:
     narrow, hard : float
         Of the levels beyond comfort [s].
     sharp, sharp_from : float
-        Of a comfortable swerve whose peak lateral acceleration exceeds `sharp_from` times the one at which it
-        aims; of the square of the excess [s], [-].
+        Of a comfortable maneuver whose peak lateral acceleration exceeds `sharp_from` times the one at which
+        it aims; of the square of the excess [s], [-].
     safe_end : float
         Of a safe end that needs full braking [s]; it grows with the square of the deceleration.
     uncertified : float

@@ -27,11 +27,11 @@ _RELEASE_FRACTION = 0.7  # of the brake threshold, below which braking ends
 def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float, settings: DecisionSettings) -> Mode:
     """Return the mode that a plan means at a station."""
     path = plan.path
-    if path.kind.is_swerve and path.begin <= s < path.end:
+    if path.kind.is_evasive and path.begin <= s < path.end:
         return Mode.EVADE_LEFT if path.kind is PathKind.LEFT else Mode.EVADE_RIGHT
     if path.kind is PathKind.RETURN and s < path.end:
         return Mode.RETURN
-    if path.kind.is_swerve and s < path.begin and mode is Mode.FOLLOW:
+    if path.kind.is_evasive and s < path.begin and mode is Mode.FOLLOW:
         return mode  # it follows until it passes
     a = float(plan.a[3])
     threshold = settings.brake_threshold * (_RELEASE_FRACTION if mode is Mode.BRAKE else 1.0)

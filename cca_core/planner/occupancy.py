@@ -10,7 +10,7 @@ from cca_core.frenet import CROSSING_SINE, FrenetVehicle
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.path import Lane, Road
-from cca_core.planner.records import Sight
+from cca_core.planner.records import Observation
 from cca_core.planner.scene import TIMES, Scenes
 from cca_core.planner.settings import EvasionSettings
 from cca_core.predict import predict_ctra, reachable_interval
@@ -46,14 +46,14 @@ class Traffic:
         return self.ids.index(vehicle_id) if vehicle_id in self.ids else -1
 
 
-def relevant_vehicles(sight: Sight, settings: EvasionSettings) -> list[FrenetVehicle]:
+def relevant_vehicles(observation: Observation, settings: EvasionSettings) -> list[FrenetVehicle]:
     """Return the vehicles near the ego's part of the route."""
     near = []
-    for n in sight.vehicles:
+    for n in observation.vehicles:
         if is_crossing(n):
-            if abs(n.d) <= settings.crossing.range and abs(n.s - sight.s) < settings.crossing.range:
+            if abs(n.d) <= settings.crossing.range and abs(n.s - observation.s) < settings.crossing.range:
                 near.append(n)
-        elif n.front > sight.s - _BEHIND and n.rear < sight.s + _AHEAD:
+        elif n.front > observation.s - _BEHIND and n.rear < observation.s + _AHEAD:
             near.append(n)
     return near
 
@@ -63,12 +63,12 @@ def is_crossing(n: FrenetVehicle) -> bool:
     return abs(math.sin(n.angle)) > CROSSING_SINE and abs(n.remote.v_x) > STANDSTILL_SPEED
 
 
-def place_vehicles(
-    scenes: Scenes, sight: Sight, road: Road, settings: EvasionSettings, base: int
+def predict_vehicles(
+    scenes: Scenes, observation: Observation, road: Road, settings: EvasionSettings, base: int
 ) -> tuple[Lent[Scene], Traffic]:
     """Predict the vehicles and put them into a scene."""
-    vehicles = relevant_vehicles(sight, settings)[:_MAX_VEHICLES]
-    phantoms = _assumed_vehicles(sight, road, settings)
+    vehicles = relevant_vehicles(observation, settings)[:_MAX_VEHICLES]
+    phantoms = _assumed_vehicles(observation, road, settings)
     n_real, m = len(vehicles), len(vehicles) + len(phantoms)
     scene = scenes.for_vehicles(m)
     rows = scene.arrays
@@ -101,10 +101,10 @@ def place_vehicles(
         whole = _extent(n, kappa)
         for side, a in ((0, settings.assumed_acceleration), (1, settings.assumed_acceleration_passed)):
             reported = _without_acceleration(n) if side else n
-            least, most = _reach(reported, settings, road.speed_limit, a)
+            lowest, highest = _reach(reported, settings, road.speed_limit, a)
             if side and sign > 0.0:  # a reported acceleration is believed for a while
-                most = np.maximum(most, distance)
-            reach[side, 0, j], reach[side, 1, j] = least + n.s + whole[0], most + n.s + whole[1]
+                highest = np.maximum(highest, distance)
+            reach[side, 0, j], reach[side, 1, j] = lowest + n.s + whole[0], highest + n.s + whole[1]
         across = d[j] - d[j, 0]
         right[j] = n.d + whole[2] + np.minimum(across, 0.0)
         left[j] = n.d + whole[3] + np.maximum(across, 0.0)
@@ -115,7 +115,9 @@ def place_vehicles(
         reach[:, :, j] = station + velocity * TIMES
         right[j], left[j] = other.d - 0.9, other.d + 0.9
         adjacent[j], assumed[j] = 1 if other.d > 0.0 else 2, 1
-    room = np.array([_room_to_pass(j, vehicles, road, settings) if j < n_real else 0.0 for j in range(m)])
+    passing_distance = np.array(
+        [_distance_to_pass(j, vehicles, road, settings) if j < n_real else 0.0 for j in range(m)]
+    )
     follow = _in_order(s, d, v, half_l, half_w, crosses)
     v_follow = np.gradient(follow, TIMES, axis=1) if m else v
     stands[:] = np.abs(v_follow[:, -1]) < STANDSTILL_SPEED
@@ -124,7 +126,8 @@ def place_vehicles(
         ("half_l", half_l), ("half_w", half_w), ("low", reach[0, 0] - base), ("high", reach[0, 1] - base),
         ("low_passed", reach[1, 0] - base), ("high_passed", reach[1, 1] - base),
         ("right", right), ("left", left),
-        ("crosses", crosses), ("room", room), ("stands", stands), ("adjacent", adjacent),
+        ("crosses", crosses), ("passing_distance", passing_distance),
+        ("stands", stands), ("adjacent", adjacent),
         ("assumed", assumed),
     ):  # fmt: skip
         if m:
@@ -250,14 +253,16 @@ def _place_crossing(rows: dict[str, Array], j: int, n: FrenetVehicle, settings: 
     )
 
 
-def _assumed_vehicles(sight: Sight, road: Road, settings: EvasionSettings) -> list[tuple[float, float, Lane]]:
+def _assumed_vehicles(
+    observation: Observation, road: Road, settings: EvasionSettings
+) -> list[tuple[float, float, Lane]]:
     """Vehicles assumed at the end of the awareness range: station, speed and lane of each."""
-    known = min(sight.awareness_range, settings.awareness_range)
+    known = min(observation.awareness_range, settings.awareness_range)
     if not 0.0 < known < math.inf:
         return []
     return [
-        (sight.s + known, -road.speed_limit, lane) if lane.direction < 0
-        else (sight.s - known, road.speed_limit, lane)
+        (observation.s + known, -road.speed_limit, lane) if lane.direction < 0
+        else (observation.s - known, road.speed_limit, lane)
         for lane in road.lanes if lane is not road.ego_lane
     ]  # fmt: skip
 
@@ -267,7 +272,7 @@ def _without_acceleration(n: FrenetVehicle) -> FrenetVehicle:
     return replace(n, remote=replace(n.remote, a_x=0.0)) if n.speed_rate > 0.0 else n
 
 
-def _room_to_pass(j: int, vehicles: list[FrenetVehicle], road: Road, settings: EvasionSettings) -> float:
+def _distance_to_pass(j: int, vehicles: list[FrenetVehicle], road: Road, settings: EvasionSettings) -> float:
     """Distance kept behind a single stationary vehicle beside which there is a lane, to pass it later [m]."""
     n, lane = vehicles[j], road.ego_lane
     if len(road.lanes) < 2 or abs(n.v_s) > STANDSTILL_SPEED or is_crossing(n):
@@ -281,7 +286,7 @@ def _room_to_pass(j: int, vehicles: list[FrenetVehicle], road: Road, settings: E
             and abs(other.d - n.d) < 1.5
         ):
             return 0.0  # a queue drives on
-    return settings.lead.passing_room
+    return settings.lead.passing_distance
 
 
 def _in_order(s: Array, d: Array, v: Array, half_l: Array, half_w: Array, crosses: Index) -> Array:
@@ -291,8 +296,8 @@ def _in_order(s: Array, d: Array, v: Array, half_l: Array, half_w: Array, crosse
     for i, j in enumerate(rows):
         for k in rows[:i]:
             space = half_l[j] + half_l[k]
-            beside = np.abs(d[j] - d[k]) >= half_w[j] + half_w[k] - 0.2
-            if s[k, 0] - s[j, 0] > space and not beside[0]:
-                behind = np.where(beside, np.inf, follow[k] - space - 1.0)
+            apart = np.abs(d[j] - d[k]) >= half_w[j] + half_w[k] - 0.2
+            if s[k, 0] - s[j, 0] > space and not apart[0]:
+                behind = np.where(apart, np.inf, follow[k] - space - 1.0)
                 follow[j] = np.maximum.accumulate(np.maximum(np.minimum(follow[j], behind), s[j, 0]))
     return follow

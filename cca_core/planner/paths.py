@@ -126,7 +126,7 @@ def route_path(base: int) -> LateralPath:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Window:
-    """Where a swerve is: beside the vehicles from `first` to `last`, off the route from `start` to `end`."""
+    """Where a maneuver is: alongside vehicles from `first` to `last`, off the route from `start` to `end`."""
 
     start: int
     end: int
@@ -138,7 +138,7 @@ class _Window:
     intervals: tuple[tuple[Array, Array], ...]
 
 
-def swerve(
+def plan_path(
     around: Surroundings,
     group: Sequence[int],
     side: Side,
@@ -155,8 +155,8 @@ def swerve(
     spacing = max(1, math.ceil(length / _MAX_NODES))
     n = max(math.ceil(length / spacing), 8)
     begin, start = window.start, np.zeros(3)
-    under_way = last is not None or not state.on_route
-    if under_way:
+    ongoing = last is not None or not state.on_route
+    if ongoing:
         begin = max(
             begin,
             math.ceil(around.s + around.settings.replan.committed_time * around.v * (not state.is_lost)),
@@ -179,7 +179,7 @@ def swerve(
     ego_lane = road.ego_lane
     right = min(ego_lane.right, ego_lane.right if lane is None else lane.right)
     left = max(ego_lane.left, ego_lane.left if lane is None else lane.left)
-    slack = np.where(t < 1.0, 0.3, 0.0) if under_way else 0.0
+    slack = np.where(t < 1.0, 0.3, 0.0) if ongoing else 0.0
     half = 0.5 * spacing
     band = relax_band(
         path.position(stations), obstacles, side=side, vehicle=around.vehicle, clearance=window.clearance,
@@ -194,7 +194,7 @@ def swerve(
     from scipy.interpolate import CubicSpline  # slow to import
 
     grid = state.base + np.arange(float(len(state.d)))
-    d = state.d.copy() if under_way else np.zeros(len(grid))
+    d = state.d.copy() if ongoing else np.zeros(len(grid))
     inside = (grid >= stations[0]) & (grid <= stations[-1])
     d[inside] = band.displacement if spacing == 1 else CubicSpline(stations, band.displacement)(grid[inside])
     d[grid > stations[-1]] = 0.0
@@ -227,7 +227,7 @@ def _window(
     level: Level,
     last: LateralPath | None,
 ) -> _Window | Rejection:
-    """Return where a swerve must begin and end."""
+    """Return where a maneuver must begin and end."""
     settings, limits, traffic, state = around.settings, around.limits, around.traffic, around.lateral
     narrow = level is Level.NARROW
     vehicles = [traffic.vehicles[j] for j in group]

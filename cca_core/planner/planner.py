@@ -33,7 +33,7 @@ from cca_core.planner.inputs import (
 from cca_core.planner.limits import limits_of
 from cca_core.planner.paths import AHEAD, BEHIND
 from cca_core.planner.reasons import explain
-from cca_core.planner.records import Grade, LateralPath, Level, Mode, PathKind, PlannerState, Sight
+from cca_core.planner.records import Grade, LateralPath, Level, Mode, Observation, PathKind, PlannerState
 from cca_core.planner.scene import Scenes
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -188,19 +188,19 @@ class Planner:
                 reason = f"no usable time for {self._clock.lost_time:.1f} s: {fault}"
             if reason:
                 return self._safe_stop(reason, dt)
-            sight, dropped = self._see(state, remotes, known)
-            if isinstance(sight, str):
-                return self._safe_stop(sight, dt)
-            if self._is_due(sight):
-                self._decide(sight)
-            return self._act(sight, state, dt, dropped)
+            observation, dropped = self._see(state, remotes, known)
+            if isinstance(observation, str):
+                return self._safe_stop(observation, dt)
+            if self._is_due(observation):
+                self._decide(observation)
+            return self._act(observation, state, dt, dropped)
         except Exception as error:  # no input and no defect may leave the vehicle without a command
             _LOG.exception("internal error at t = %.2f s", self._clock.t)
             return self._safe_stop(f"internal error: {error!r}", dt)
 
     def _see(
         self, state: VehicleState, remotes: Iterable[RemoteVehicle], known: float
-    ) -> tuple[Sight | str, tuple[tuple[str, str], ...]]:
+    ) -> tuple[Observation | str, tuple[tuple[str, str], ...]]:
         """Return the ego and the other vehicles on the route, or why the ego is not on it."""
         path, settings = self.road.path, self.evasion.decision
         guess = first_station(path, state) if self._state.s is None else self._state.s
@@ -223,54 +223,54 @@ class Planner:
         if incomplete:
             known, self._input_faults = 0.0, self._input_faults + incomplete
         angle = math.remainder(state.psi - heading, 2.0 * math.pi)
-        return Sight(
+        return Observation(
             t=self._clock.t, s=s, d=d, angle=angle, v=max(state.v_x, 0.0),
             bend=state.r / max(state.v_x, 3.0) - kappa, vehicles=tuple(vehicles),
             awareness_range=min(known, self.evasion.awareness_range),
         ), dropped  # fmt: skip
 
-    def _is_due(self, sight: Sight) -> bool:
+    def _is_due(self, observation: Observation) -> bool:
         """Whether to decide again: once a period, and at once when a vehicle or one of its events is new."""
         state = self._state
-        seen = frozenset((n.id, n.remote.events) for n in sight.vehicles)
-        if sight.t - state.t_decided < self.evasion.decision.period - 1e-6 and seen == state.seen:
+        seen = frozenset((n.id, n.remote.events) for n in observation.vehicles)
+        if observation.t - state.t_decided < self.evasion.decision.period - 1e-6 and seen == state.seen:
             return False
-        self._state = replace(state, seen=seen, t_decided=sight.t)
+        self._state = replace(state, seen=seen, t_decided=observation.t)
         return True
 
-    def _decide(self, sight: Sight) -> None:
+    def _decide(self, observation: Observation) -> None:
         """Enumerate, certify and choose."""
         state = self._state
-        deliberation = Deliberation(self._setup, state, sight, self._speed_profile, self._cruise_speed)
+        deliberation = Deliberation(self._setup, state, observation, self._speed_profile, self._cruise_speed)
         self._state = replace(state, plan=deliberation.decide())
 
     def _act(
-        self, sight: Sight, state: VehicleState, dt: float, dropped: tuple[tuple[str, str], ...]
+        self, observation: Observation, state: VehicleState, dt: float, dropped: tuple[tuple[str, str], ...]
     ) -> Command:
         """Follow the plan and explain it."""
         plan = self._state.plan
         if plan is None:  # the first decision precedes the first command
             return self._safe_stop("no plan", dt)
         a_x = planned_acceleration(
-            plan, sight.t + dt, sight.v, state.v_x * state.r, self._limits, self.vehicle.mu
+            plan, observation.t + dt, observation.v, state.v_x * state.r, self._limits, self.vehicle.mu
         )
-        delta = self._controller.steer(state, plan.reference, dt, s_guess=sight.s)
-        wish = modes.wished_mode(plan, self._state.mode, sight.s, a_x, self.evasion.decision)
+        delta = self._controller.steer(state, plan.reference, dt, s_guess=observation.s)
+        wish = modes.wished_mode(plan, self._state.mode, observation.s, a_x, self.evasion.decision)
         lag = 1.0 - math.exp(-dt / self.evasion.certificate.lag)
         a_true = self._state.a_true + (a_x - self._state.a_true) * lag
         self._state = modes.advance(
             self._state,
-            sight.t,
+            observation.t,
             wish,
-            s=sight.s,
-            v=sight.v,
+            s=observation.s,
+            v=observation.v,
             a_x=a_x,
             a_true=a_true,
             delta=delta,
             estimate=state,
         )
         mode = self._state.mode
-        decision = explain(mode, plan, sight, a_x, self.vehicle, self._speed_profile)
+        decision = explain(mode, plan, observation, a_x, self.vehicle, self._speed_profile)
         beyond_comfort = plan.grade >= Grade.NOMINAL or plan.path.level is not Level.COMFORT
         degraded = beyond_comfort and plan.path.kind is not PathKind.ROUTE
         return self._emit(Command(

@@ -9,23 +9,28 @@ from cca_core.decide import Decision
 from cca_core.decide.action import explained
 from cca_core.frenet import FrenetVehicle
 from cca_core.planner.modes import ACTIONS
-from cca_core.planner.records import DrivenPlan, Mode, PathKind, Sight
+from cca_core.planner.records import DrivenPlan, Mode, Observation, PathKind
 from cca_core.planner.scene import TIMES
 from cca_core.vehicle import VehicleParams
 
 
 def explain(
-    mode: Mode, plan: DrivenPlan, sight: Sight, a_x: float, vehicle: VehicleParams, cap: tuple[Array, Array]
+    mode: Mode,
+    plan: DrivenPlan,
+    observation: Observation,
+    a_x: float,
+    vehicle: VehicleParams,
+    cap: tuple[Array, Array],
 ) -> Decision:
     """Return the decision that a mode, its plan and its acceleration mean."""
-    vehicles = {n.id: n for n in sight.vehicles}
+    vehicles = {n.id: n for n in observation.vehicles}
     action = ACTIONS[mode]
     lead = vehicles.get(plan.limited_by)
     why = "; ".join(dict.fromkeys(str(r) for r in plan.rejections))
     if mode in (Mode.EVADE_LEFT, Mode.EVADE_RIGHT):
         side = "left" if mode is Mode.EVADE_LEFT else "right"
         name = ", ".join(sorted(plan.path.overtaken)) or "the vehicle"
-        back = _time_at(plan, plan.path.end) - (sight.t - plan.t)
+        back = _time_at(plan, plan.path.end) - (observation.t - plan.t)
         until = f"back in ego lane in {max(back, 0.0):.1f} s" if math.isfinite(back) else "returning"
         if a_x < -1.0 and lead is not None:
             until = f"braking for {lead.id}; {until}"
@@ -36,7 +41,7 @@ def explain(
         )
     if plan.yields_to and plan.limited_by.startswith("yield"):
         n = vehicles.get(plan.yields_to)
-        away = "" if n is None else f" ({abs(n.s - sight.s):.0f} m ahead)"
+        away = "" if n is None else f" ({abs(n.s - observation.s):.0f} m ahead)"
         return explained(
             action,
             f"yielding to {plan.yields_to}",
@@ -50,39 +55,41 @@ def explain(
         cause = f"plan brakes with {max(-a_x, 0.0):.1f} m/s²; {why or 'no other plan is certified'}"
         return explained(action, activity, cause, lead_id=name or None)
     if lead is not None and (mode is Mode.FOLLOW or a_x < -0.2):
-        gap = lead.rear - sight.s - vehicle.front
+        gap = lead.rear - observation.s - vehicle.front
         stands = abs(float(lead.v_s)) < 0.5
         activity = f"stopping behind {lead.id}" if stands else f"following {lead.id}"
         numbers = f" ({'stationary' if stands else f'{lead.v_s:.1f} m/s'}, gap {gap:.0f} m)"
         return explained(
             action, activity, why or "its speed limits the ego's", numbers=numbers, lead_id=lead.id
         )
-    if plan.path.kind.is_swerve and sight.s < plan.path.begin:
+    if plan.path.kind.is_evasive and observation.s < plan.path.begin:
         side = "left" if plan.path.kind is PathKind.LEFT else "right"
-        cause = f"{side} maneuver feasible, starts in {plan.path.begin - sight.s:.0f} m"
+        cause = f"{side} maneuver feasible, starts in {plan.path.begin - observation.s:.0f} m"
         return explained(action, f"approaching {_first(plan)}", cause, lead_id=_first(plan))
-    limit = _limit_ahead(sight, cap)
+    limit = _limit_ahead(observation, cap)
     if limit and a_x < -0.1:
         activity, cause = limit
         return explained(action, activity, cause)
     if lead is not None:
-        gap = lead.rear - sight.s - vehicle.front
+        gap = lead.rear - observation.s - vehicle.front
         return explained(
             action, "keeping lane", f"{lead.id} {gap:.0f} m ahead, no action needed yet", lead_id=lead.id
         )
-    nearest = _ahead(sight, vehicle)
+    nearest = _ahead(observation, vehicle)
     if nearest is not None or a_x < -0.1:
         cause = "releasing the brakes" if a_x < -0.1 else "no action needed for the vehicles around"
-        return explained(action, f"keeping lane at {sight.v:.1f} m/s", cause)
-    return explained(action, f"keeping lane at {sight.v:.1f} m/s", "no blocking vehicle")
+        return explained(action, f"keeping lane at {observation.v:.1f} m/s", cause)
+    return explained(action, f"keeping lane at {observation.v:.1f} m/s", "no blocking vehicle")
 
 
 def _first(plan: DrivenPlan) -> str | None:
     return min(plan.path.overtaken, default=None)
 
 
-def _ahead(sight: Sight, vehicle: VehicleParams) -> FrenetVehicle | None:
-    return next((n for n in sight.vehicles if abs(n.d) < 2.0 and n.rear > sight.s + vehicle.front), None)
+def _ahead(observation: Observation, vehicle: VehicleParams) -> FrenetVehicle | None:
+    return next(
+        (n for n in observation.vehicles if abs(n.d) < 2.0 and n.rear > observation.s + vehicle.front), None
+    )
 
 
 def _time_at(plan: DrivenPlan, s: float) -> float:
@@ -90,15 +97,15 @@ def _time_at(plan: DrivenPlan, s: float) -> float:
     return float(np.interp(s, plan.s, TIMES, right=math.inf))
 
 
-def _limit_ahead(sight: Sight, cap: tuple[Array, Array]) -> tuple[str, str] | None:
+def _limit_ahead(observation: Observation, cap: tuple[Array, Array]) -> tuple[str, str] | None:
     """Return what slows the ego on the route: a curve, the end or the cruise speed."""
     stations, squared = cap
-    v = sight.v
-    reach = sight.s + v * v / 2.0 + 30.0
-    ahead = (stations > sight.s) & (stations < reach)
+    v = observation.v
+    reach = observation.s + v * v / 2.0 + 30.0
+    ahead = (stations > observation.s) & (stations < reach)
     if not ahead.any():
         return f"slowing to {v:.1f} m/s", "the route ends"
-    x, limit = stations[ahead] - sight.s, squared[ahead]
+    x, limit = stations[ahead] - observation.s, squared[ahead]
     need = (v * v - limit) / (2.0 * np.maximum(x, 1.0))
     i = int(np.argmax(need))
     if need[i] < 0.05:
@@ -106,5 +113,5 @@ def _limit_ahead(sight: Sight, cap: tuple[Array, Array]) -> tuple[str, str] | No
     end = float(stations[-1]) - 200.0
     low = int(np.argmin(limit))
     if limit[low] <= 0.01:
-        return "stopping", f"route ends in {max(end - sight.s, 0.0):.0f} m"
+        return "stopping", f"route ends in {max(end - observation.s, 0.0):.0f} m"
     return f"slowing to {math.sqrt(limit[low]):.1f} m/s", f"curve or speed limit in {x[low]:.0f} m"

@@ -26,7 +26,7 @@ class PathKind(Enum):
     RIGHT = "right"
 
     @property
-    def is_swerve(self) -> bool:
+    def is_evasive(self) -> bool:
         """Whether it passes vehicles."""
         return self in (PathKind.LEFT, PathKind.RIGHT)
 
@@ -226,7 +226,7 @@ class PlannerState:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Sight:
+class Observation:
     """What is seen in a cycle: the ego on its route, and the other vehicles."""
 
     t: float

@@ -98,7 +98,7 @@ class LeadSettings:
     ----------
     blocking_gap : float
         Lateral gap to the path below which a vehicle is in its way [m].
-    passing_room : float
+    passing_distance : float
         Distance kept behind a single stationary vehicle beside a lane, so that it can be passed from
         standstill [m].
     queue_gap : float
@@ -111,7 +111,7 @@ class LeadSettings:
     """
 
     blocking_gap: float = 0.3
-    passing_room: float = 7.0
+    passing_distance: float = 7.0
     queue_gap: float = 15.0
 
     def __post_init__(self) -> None:

@@ -14,7 +14,7 @@ from cca_core.frenet import to_frenet
 from cca_core.planner.deliberation import Deliberation, Setup
 from cca_core.planner.limits import limits_of
 from cca_core.planner.paths import AHEAD, BEHIND
-from cca_core.planner.records import DrivenPlan, Grade, PathKind, PlannerState, Sight
+from cca_core.planner.records import DrivenPlan, Grade, Observation, PathKind, PlannerState
 from cca_core.planner.scene import Scenes
 from tests.support.planner_drives import ALL_KNOWN, CAR, car, straight
 
@@ -39,13 +39,13 @@ def decide(
         scenes=Scenes(BEHIND + AHEAD),
     )
     vehicles, _ = to_frenet(remotes, road.path, {})
-    sight = Sight(
+    observation = Observation(
         t=0.0, s=S, d=d, angle=0.0, bend=0.0, v=v, vehicles=tuple(vehicles),
         awareness_range=settings.awareness_range,
     )  # fmt: skip
     slowing = replace(speed, b_comfort=limits.b_comfort)
     profile = squared_speed_limit(road.path, cruise, limits.curve, slowing)
-    return Deliberation(setup, PlannerState(), sight, profile, cruise).decide()
+    return Deliberation(setup, PlannerState(), observation, profile, cruise).decide()
 
 
 def test_empty_road_is_cruised() -> None:
@@ -104,7 +104,7 @@ def test_plan_stays_within_friction(mu: float) -> None:
     assert np.abs(plan.a).max() <= mu * 9.81 + 1e-9
 
 
-def test_vehicle_in_front_of_ego_beside_route_counts() -> None:
+def test_vehicle_ahead_of_ego_off_its_route_counts() -> None:
     plan = decide([car(S + 9.0, 2.5, 0.0)], v=6.0, cruise=6.0, d=2.5, lanes=TWO_LANES)
     assert plan.a[:20].min() < -1.0
 

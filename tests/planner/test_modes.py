@@ -22,7 +22,7 @@ from tests.support.planner_drives import straight
 
 SETTINGS = DecisionSettings()
 ROUTE = LateralPath(kind=PathKind.ROUTE, base=0, d=np.zeros(100))
-SWERVE = replace(ROUTE, kind=PathKind.LEFT, begin=30.0, end=90.0)
+EVASIVE = replace(ROUTE, kind=PathKind.LEFT, begin=30.0, end=90.0)
 STOP = SafeStop(t=np.zeros(1), delta=np.zeros(1), a_x=np.zeros(1))
 BEGUN = PlannerState(s=0.0)
 
@@ -45,12 +45,12 @@ def plan(path: LateralPath = ROUTE, a: float = 0.0, free_a: float = 0.0) -> Driv
         (plan(a=-5.0), Mode.FOLLOW, 0.0, Mode.BRAKE),
         (plan(a=-3.5), Mode.FOLLOW, 0.0, Mode.FOLLOW),
         (plan(a=-3.5), Mode.BRAKE, 0.0, Mode.BRAKE),  # released below 70 % only
-        (plan(SWERVE), Mode.KEEP, 29.0, Mode.KEEP),
-        (plan(SWERVE), Mode.FOLLOW, 29.0, Mode.FOLLOW),
-        (plan(SWERVE), Mode.KEEP, 30.0, Mode.EVADE_LEFT),
-        (plan(replace(SWERVE, kind=PathKind.RIGHT)), Mode.KEEP, 31.0, Mode.EVADE_RIGHT),
-        (plan(replace(SWERVE, kind=PathKind.RETURN)), Mode.EVADE_LEFT, 31.0, Mode.RETURN),
-        (plan(SWERVE), Mode.EVADE_LEFT, 90.0, Mode.KEEP),
+        (plan(EVASIVE), Mode.KEEP, 29.0, Mode.KEEP),
+        (plan(EVASIVE), Mode.FOLLOW, 29.0, Mode.FOLLOW),
+        (plan(EVASIVE), Mode.KEEP, 30.0, Mode.EVADE_LEFT),
+        (plan(replace(EVASIVE, kind=PathKind.RIGHT)), Mode.KEEP, 31.0, Mode.EVADE_RIGHT),
+        (plan(replace(EVASIVE, kind=PathKind.RETURN)), Mode.EVADE_LEFT, 31.0, Mode.RETURN),
+        (plan(EVASIVE), Mode.EVADE_LEFT, 90.0, Mode.KEEP),
     ],
 )
 def test_wished_mode_follows_from_plan(driven: DrivenPlan, mode: Mode, s: float, expected: Mode) -> None:

@@ -103,8 +103,8 @@ def public_records() -> set[type]:
 
 def examples() -> dict[str, Any]:
     """One record of each class, by class name."""
-    command = driven(Planner(CAR, ROAD, cruise_speed=20.0), range(200))[-1]
-    assert command.band is not None
+    commands = driven(Planner(CAR, ROAD, cruise_speed=20.0), range(400))
+    command = next(c for c in reversed(commands) if c.band is not None)
     conflict = Conflict(
         vehicle_id="a", s_enter=20.0, s_exit=30.0, distance=17.0, t_ego=(1.0, 1.5), t_other=(0.5, math.inf),
         t_other_nominal=(0.5, 2.0), min_pet=1.0,

@@ -2629,7 +2629,7 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
                 double now = w->s_follow[j * w->steps + 0] - w->half_l[j] - (w->s_0 + w->offset
                     + w->half_length);
                 double gap = w->s_follow[j * w->steps + k] - w->half_l[j] - front;
-                gap -= real_min(w->room[j], real_max(now - w->standstill_gap, 0.0));
+                gap -= real_min(w->passing_distance[j], real_max(now - w->standstill_gap, 0.0));
                 double final = gap + (w->s_follow[j * w->steps + w->steps - 1] - w->s_follow[j * w->steps
                     + k]);
                 if (w->t[k] < w->risk_until && tail <= 0.0) {
@@ -2669,8 +2669,8 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
             want = -tail;
         }
         double side = (w->kappa[scene_station(w->n, position)] + scene_bend(w, p, position)) * speed * speed;
-        double most = sqrt(real_max(w->grip * w->grip - side * side, 0.25));
-        want = real_min(real_max(want, -most), most);
+        double available = sqrt(real_max(w->grip * w->grip - side * side, 0.25));
+        want = real_min(real_max(want, -available), available);
         if (!kept || (tail > 0.0 && w->t[k] >= w->react - ROLLOUT_TIME_EPS)) {
             bool hard = want < -2.0 * w->b_comfort || tail > 0.0;
             double low = command - (hard ? w->jerk_emergency : w->jerk) * h;
@@ -2887,7 +2887,7 @@ static double gap_checks_nominal_gap(const Scene *w, int row, int p, int j, int 
 void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet)
 {
     int back = gap_checks_find_duty(w, row, wait);
-    w->least = GAP_CHECKS_FAR;
+    w->min_margin = GAP_CHECKS_FAR;
     w->gap = GAP_CHECKS_FAR;
     w->which = -1;
     w->when = w->steps;
@@ -2904,8 +2904,8 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
                 asked = real_min(asked, real_max(gap - 0.02, 0.0));
             }
             w->gap = real_min(w->gap, gap);
-            if (!(gap - asked >= w->least)) {
-                w->least = gap - asked;
+            if (!(gap - asked >= w->min_margin)) {
+                w->min_margin = gap - asked;
                 w->which = j;
                 w->when = k;
             }
@@ -2948,7 +2948,7 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
     double x_safety, int which)
 {
     int back = gap_checks_find_duty(w, row, wait);
-    w->least = GAP_CHECKS_FAR;
+    w->min_margin = GAP_CHECKS_FAR;
     w->which = -1;
     w->when = w->steps;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
@@ -2965,8 +2965,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
         bool same = w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING && w->assumed[j] == 0;
         bool ahead = same && w->s_o[j * w->steps + begin] > w->s[row * w->steps + begin] + w->offset;
         bool adjacent = !passed && (w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side);
-        bool beside = adjacent && (which == 1 || !ahead);
-        if ((which == 1 && !beside) || (which == 2 && beside)) {
+        bool in_zone_lane = adjacent && (which == 1 || !ahead);
+        if ((which == 1 && !in_zone_lane) || (which == 2 && in_zone_lane)) {
             continue;
         }
         if (w->assumed[j] != 0 && !(x_safety > 0.0)) {
@@ -2981,7 +2981,7 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
             double d = w->offset_at[row * w->steps + k];
             bool out = scene_is_outside(w, d, 0.0);
             bool zone = x_safety > 0.0 && k <= back && k >= begin;
-            if (zone && beside) {
+            if (zone && in_zone_lane) {
                 double middle = w->s[row * w->steps + k] + w->offset;
                 double rear = ahead ? w->s_o[j * w->steps + k] - w->half_l[j] : w->low[j * w->steps + k];
                 double zone_gap = real_max(rear - x_safety - (middle + w->half_length), middle
@@ -2989,8 +2989,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
                 if (same && !ahead && w->rear_reaction > 0.0) {
                     zone_gap = k == begin ? gap_checks_rear_gap(w, row, j, k, x_safety) : GAP_CHECKS_FAR;
                 }
-                if (!(zone_gap >= w->least)) {
-                    w->least = zone_gap;
+                if (!(zone_gap >= w->min_margin)) {
+                    w->min_margin = zone_gap;
                     w->which = j;
                     w->when = k;
                 }
@@ -3006,14 +3006,14 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
             if (k == 0) {
                 asked = real_min(asked, real_max(gap - 0.02, -0.01));
             }
-            if (!(gap - asked >= w->least)) {
-                w->least = gap - asked;
+            if (!(gap - asked >= w->min_margin)) {
+                w->min_margin = gap - asked;
                 w->which = j;
                 w->when = k;
             }
         }
     }
-    return w->least >= 0.0;
+    return w->min_margin >= 0.0;
 }
 
 /* reach.py: Where other vehicles may be: distances, reachable and occupied intervals, danger zones,

@@ -267,7 +267,7 @@ typedef struct Scene {
     double *left;
     int *crosses;
     int *stands;
-    double *room;
+    double *passing_distance;
     double *x_o;
     double *y_o;
     double *psi_o;
@@ -311,7 +311,7 @@ typedef struct Scene {
     double *offset_at;
     int *limited_by;
     double *terms;
-    double least;
+    double min_margin;
     double gap;
     int which;
     int when;

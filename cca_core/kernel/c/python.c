@@ -1875,7 +1875,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "470e515a2b9a84e9f7aacc2b3b4017ed526c694536968e5679683679ad577743") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "9fad03afab574b599a4f637a9eef301fcd14e56c0b123becc391f271b720e8f4") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
