@@ -101,7 +101,8 @@ class Certifier:
         check_gaps(work, plan.row, plan.path_row, settings.touch, clearance, settings.duty_delay, 0.0)
         if work.gap < 0.0:
             plan.t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
-            plan.severity = 1.0 + work.impact**2 - 0.5 * plan.t_impact
+            # a later impact is less certain: others and the ego can still react
+            plan.severity = 1.0 + work.impact**2 * math.exp(-plan.t_impact / self._settings.foresight)
         else:
             plan.severity = max(-work.min_margin, 0.01)
 

@@ -94,6 +94,8 @@ class CertificateSettings:
         Gap that a new plan keeps to every nominal motion [m].
     touch_kept : float
         The same of the plan that is being driven [m]: less, so that it is kept.
+    foresight : float
+        Time constant with which the weight of a predicted impact falls [s].
     margin : float
         Distance along the road that a new plan keeps beyond the worst case [m].
     duty_delay : float
@@ -117,6 +119,7 @@ class CertificateSettings:
     comfortable_braking: float = 3.0
     touch: float = 0.3
     touch_kept: float = 0.1
+    foresight: float = 2.0
     margin: float = 1.0
     duty_delay: float = 1.0
     look_time: float = 1.6
@@ -126,7 +129,7 @@ class CertificateSettings:
     braking_time: float = 4.0
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("lag",))
+        check_fields(self, positive=("lag", "foresight"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -81,20 +81,20 @@ def predict_vehicles(
     lane = road.ego_lane
     for j, n in enumerate(vehicles):
         kappa = float(rows["kappa"][min(max(int(n.s) - base, 0), len(rows["kappa"]) - 1)])
-        likely = n.nominal() if n.is_stale else n
-        extent = _extent(likely, kappa)
+        nominal = n.nominal() if n.is_stale else n
+        extent = _extent(nominal, kappa)
         half_l[j], half_w[j] = 0.5 * (extent[1] - extent[0]), 0.5 * (extent[3] - extent[2])
         shift_s, shift_d = 0.5 * (extent[0] + extent[1]), 0.5 * (extent[2] + extent[3])
         crosses[j] = is_crossing(n)
         if crosses[j]:
             _place_crossing(rows, j, n, settings)
             half_l[j], half_w[j] = (
-                0.5 * n.remote.length + 2.0 * likely.remote.sigma_along,
-                0.5 * n.remote.width + 2.0 * likely.remote.sigma_across,
+                0.5 * n.remote.length + 2.0 * nominal.remote.sigma_along,
+                0.5 * n.remote.width + 2.0 * nominal.remote.sigma_across,
             )
             s[j], v[j], d[j] = n.s, abs(n.remote.v_x), n.d
             continue
-        distance, speed = _travel(likely, settings, road.speed_limit)
+        distance, speed = _travel(nominal, settings, road.speed_limit)
         sign = math.copysign(1.0, n.v_s)
         s[j], v[j] = n.s + shift_s + sign * distance, sign * speed
         d[j] = n.d + shift_d + _lateral_motion(n, road, settings)
@@ -225,8 +225,8 @@ def _reach(
 def _place_crossing(rows: dict[str, Array], j: int, n: FrenetVehicle, settings: EvasionSettings) -> None:
     """Nominal and worst-case motion of a vehicle in the plane."""
     remote = n.remote
-    told = replace(remote, a_x=0.0) if remote.a_x * remote.v_x > -_NO_ACCELERATION else remote
-    x, y, psi = predict_ctra(told, TIMES)
+    reported_remote = replace(remote, a_x=0.0) if remote.a_x * remote.v_x > -_NO_ACCELERATION else remote
+    x, y, psi = predict_ctra(reported_remote, TIMES)
     for name, values in (("x_o", x), ("y_o", y), ("psi_o", psi)):
         rows[name][j] = values
     crossing, pet = settings.crossing, settings.crossing.min_pet
