@@ -46,7 +46,8 @@ def plan(path: LateralPath = ROUTE, a: float = 0.0, free_a: float = 0.0) -> Driv
         (plan(a=-3.5), Mode.FOLLOW, 0.0, Mode.FOLLOW),
         (plan(a=-3.5), Mode.BRAKE, 0.0, Mode.BRAKE),  # released below 70 % only
         (plan(EVASIVE), Mode.KEEP, 29.0, Mode.KEEP),
-        (plan(EVASIVE), Mode.FOLLOW, 29.0, Mode.FOLLOW),
+        (plan(EVASIVE), Mode.FOLLOW, 9.0, Mode.FOLLOW),
+        (plan(EVASIVE), Mode.FOLLOW, 11.0, Mode.EVADE_LEFT),  # within a second
         (plan(EVASIVE), Mode.KEEP, 30.0, Mode.EVADE_LEFT),
         (plan(replace(EVASIVE, kind=PathKind.RIGHT)), Mode.KEEP, 31.0, Mode.EVADE_RIGHT),
         (plan(replace(EVASIVE, kind=PathKind.RETURN)), Mode.EVADE_LEFT, 31.0, Mode.RETURN),
