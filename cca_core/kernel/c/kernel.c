@@ -793,8 +793,10 @@ static int band_corridor_set_bounds(BandWork *w)
     begins and ends. */
 
 /* equilibrium.py: Equilibrium of a band against one-sided bounds, by a semi-smooth Newton iteration on
-    the active set.  The energy is ``1/2 u K u`` and ``1/2 contact`` times the squared violations of the
-    bounds: convex and piecewise quadratic. A step that reproduces its active set is the minimum. */
+    the active set.
+
+The energy is ``1/2 u K u`` and ``1/2 contact`` times the squared violations of the bounds: convex and
+piecewise quadratic. A step that reproduces its active set is the minimum. */
 
 /* stiffness.py: Stiffness of a band between pinned ends: internal forces, factors of its matrix,
     solutions. */
