@@ -8,6 +8,7 @@ from operator import attrgetter
 import numpy as np
 
 from cca_core.frenet.branches import Branches
+from cca_core.frenet.extent import extent_in_bend
 from cca_core.frenet.records import FrenetVehicle
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import Path
@@ -21,6 +22,9 @@ CROSSING_SINE = 0.35
 
 INCOMPLETE = "the list is incomplete"
 """Beginning of the reason with which the rest of a list is dropped that cannot be read."""
+
+NO_VEHICLE = "not a RemoteVehicle"
+"""Reason with which a record of another type is dropped."""
 
 _FIELDS = tuple(field.name for field in fields(RemoteVehicle))
 _VALUES = attrgetter(*_FIELDS)
@@ -72,13 +76,14 @@ def to_frenet(
     vehicles = []
     for remote, (s, d, heading, kappa) in pairs:
         angle = remote.psi - heading
-        if not lateral_range[0] <= d <= lateral_range[1]:
+        extent = extent_in_bend(remote, path, (s, d, heading, kappa), lateral_range)
+        if extent is None and not lateral_range[0] <= d <= lateral_range[1]:
             sine = abs(math.sin(angle))
             reach = (0.5 * remote.length + 2.0 * remote.sigma_along) * sine
             reach += 0.5 * remote.width + 2.0 * remote.sigma_across
             if sine < CROSSING_SINE and not lateral_range[0] - reach <= d <= lateral_range[1] + reach:
                 continue
-        vehicles.append(FrenetVehicle.from_remote(remote, s, d, angle, kappa))
+        vehicles.append(FrenetVehicle.from_remote(remote, s, d, angle, kappa, extent))
     return vehicles, dropped
 
 
@@ -120,7 +125,7 @@ def _each(remotes: object, dropped: list[tuple[str, str]]) -> Iterator[object]:
 def _plain(record: object) -> RemoteVehicle | str:
     """Return a record of plain numbers, or why there is none."""
     if not isinstance(record, RemoteVehicle):
-        return "not a RemoteVehicle"
+        return NO_VEHICLE
     reason = record.invalid_reason
     if reason is not None:
         return str(reason)  # a class of the caller's may return anything

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import check_points, check_real
+from cca_core._checks import check_bool, check_points, check_real
 from cca_core.errors import InputError
 from cca_core.path.path import Path
 from cca_core.path.route_fit import RouteFit
@@ -97,7 +97,7 @@ def fit_path(
     >>> path
     Path(1 segments, 30.0 m, straight, max deviation 0.00 m at s=...)
     """
-    points = check_points("xy", xy, 2)
+    points, closed = check_points("xy", xy, 2), check_bool("closed", closed)
     per_segment = check_real("points_per_segment", points_per_segment, ge=1)
     if per_segment != int(per_segment):
         raise InputError(f"points_per_segment must be a whole number, was {per_segment:g}")

@@ -34,10 +34,12 @@ from cca_core.planner.inputs import (
     check_arguments,
     first_station,
     invalid_state_reason,
+    is_list,
     usable_range,
     vehicles_on_level,
     warn_of_tight_bend,
 )
+from cca_core.planner.last_known import LastKnown
 from cca_core.planner.lead import find_lead, oncoming_assumed_in_lane
 from cca_core.planner.maneuver import Maneuver
 from cca_core.planner.replan import Outcome, replan
@@ -109,7 +111,9 @@ class Planner:
         self._command: Command | None = None
         self._a_x = 0.0  # of the last cycle that was no safe stop
         self._input_faults: tuple[str, ...] = ()
+        self._is_blind = False
         self._last_s: dict[str, float] = {}
+        self._last_known = LastKnown(self.evasion.decision.memory_time)
         self._awareness_range = math.inf
         self._known_events: frozenset[tuple[str, frozenset[str]]] = frozenset()
         self._t_decided = -math.inf
@@ -194,7 +198,7 @@ class Planner:
         try:
             dt, fault = self._clock.advance(t)
             self._awareness_range, faults = usable_range(awareness_range, radio, remotes)
-            self._input_faults = (*faults, fault) if fault else faults
+            self._is_blind, self._input_faults = bool(faults), (*faults, fault) if fault else faults
             reason = invalid_state_reason(self._clock.now, state, self.evasion.decision.max_state_age)
             if not reason and self._clock.is_lost:
                 reason = f"no usable time for {self._clock.lost_time:.1f} s: {fault}"
@@ -222,11 +226,9 @@ class Planner:
         )  # fmt: skip
         branches = None if self._branches is None else (self._branches, s)
         vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range, branches)
+        vehicles += self._recall(remotes, vehicles, dropped, branches)
         vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, self.evasion.decision)
         dropped, self._input_faults = dropped + off_level, self._input_faults + faults
-        incomplete = [reason for _, reason in dropped if reason.startswith(INCOMPLETE)]
-        if incomplete:
-            self._awareness_range, self._input_faults = 0.0, (*self._input_faults, *incomplete)
         lead_settings = self.evasion.lead
         in_lane = oncoming_assumed_in_lane(vehicles, self.vehicle, self._was_on_route, lead_settings)
         blocking = blocking_vehicles(vehicles, ego, lead_settings, in_lane)
@@ -252,6 +254,24 @@ class Planner:
             band=None if self._maneuver is None else self._maneuver.band, dropped=dropped,
             input_faults=self._input_faults,
         ))  # fmt: skip
+
+    def _recall(
+        self,
+        remotes: object,
+        vehicles: list[FrenetVehicle],
+        dropped: tuple[tuple[str, str], ...],
+        branches: tuple[Branches, float] | None,
+    ) -> list[FrenetVehicle]:
+        """Return vehicles that are not reported, but may be there."""
+        incomplete = [reason for _, reason in dropped if reason.startswith(INCOMPLETE)]
+        recalled, faults = self._last_known.recall(
+            self._clock.t, vehicles, dropped, lost=bool(incomplete) or not is_list(remotes),
+            blind=self._is_blind,
+        )  # fmt: skip
+        if self._last_known.is_listening(self._clock.t):
+            self._awareness_range = 0.0
+        self._input_faults = (*self._input_faults, *incomplete, *faults)
+        return to_frenet(recalled, self.road.path, {}, self._lateral_range, branches)[0] if recalled else []
 
     def _end_maneuver(self, ego: FrenetEgo) -> None:
         """Note whether the body is still inside the ego lane; end a maneuver behind its window."""

@@ -35,6 +35,9 @@ class DecisionSettings:
         lateral offset and still be on a road that meets it.
     max_state_age : float
         Age of the ego's state above which it counts as lost [s].
+    memory_time : float
+        Time for which a vehicle that is missing from the list is assumed to be there, if the radio is not to
+        be trusted or its record cannot be used [s]. While there is no list at all, none is forgotten.
 
     Raises
     ------
@@ -51,6 +54,7 @@ class DecisionSettings:
     max_level_gap: float = 20.0
     max_grade: float = 0.06
     max_state_age: float = 0.1
+    memory_time: float = 30.0
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from cca_core._checks import check_bool
 from cca_core.follow import steady_turn
 from cca_core.kernel import bind
 from cca_core.kernel.box_gaps import box_gap
@@ -79,10 +80,11 @@ def simulate(
     Raises
     ------
     InputError
-        If the plant is unknown.
+        If the plant is unknown or `real_time` is no bool.
     MissingExtraError
         If the plant's package is not installed.
     """
+    check_bool("real_time", real_time)
     seed = scenario.seed if seed is None else seed
     controller = planner or make_controller(scenario)
     path = scenario.road.path
