@@ -8,12 +8,12 @@ from typing import NamedTuple
 from cca_core.frenet import FrenetVehicle
 from cca_core.frenet.convert import NO_VEHICLE
 from cca_core.predict import predict_ctra
-from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED, RemoteVehicle
+from cca_core.vehicle import MAX_SPEED, STALE_AGE, STANDSTILL_SPEED, RemoteVehicle
 
 __all__ = ["LastKnown"]
 
 _BRAKING, _LATERAL = 8.0, 1.0  # assumed of a stale vehicle, as in the bounds of a tracker [m/s^2]
-_MAX_SIGMA, _MAX_AGE = 1e3, 3600.0  # of a valid record [m, s]
+_MAX_SIGMA, _MAX_AGE, _MAX_REVERSING = 1e3, 3600.0, 20.0  # of a valid record [m, s, m/s]
 
 
 class _Known(NamedTuple):
@@ -93,6 +93,7 @@ def dead_reckoned(remote: RemoteVehicle, time: float) -> RemoteVehicle:
     v = remote.v_x + remote.a_x * turning
     if v * remote.v_x < 0.0 or (remote.v_x == 0.0 and v < 0.0):  # it has braked to standstill
         v = 0.0
+    v = min(max(v, -_MAX_REVERSING), MAX_SPEED)
     straight = v * (time - turning)
     age, stale = min(remote.age + time, _MAX_AGE), remote.age + time > STALE_AGE
     before, after = (max(each - STALE_AGE, 0.0) for each in (remote.age, age))

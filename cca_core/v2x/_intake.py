@@ -15,7 +15,7 @@ from cca_core.v2x._reported_motion import (
     ReportedMotion,
     reported_motion,
 )
-from cca_core.v2x._tracks import Track, Tracks
+from cca_core.v2x._tracks import MAX_REVERSING, Track, Tracks
 from cca_core.v2x.bsm import Bsm
 from cca_core.v2x.motion import Fix
 from cca_core.v2x.plausibility import (
@@ -28,7 +28,6 @@ from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED
 
 __all__ = ["Intake"]
 
-_MAX_REVERSING = 20.0  # speed in reverse [m/s]
 _MIN_RIVAL_MESSAGES, _MIN_RIVAL_TIME = 4, 0.25  # of a second body under one id [-, s]
 _MAX_RIVALS = 3
 _MIN_PERIOD = 0.08  # between two messages of one sender; closer ones may come from two bodies [s]
@@ -110,7 +109,7 @@ class Intake:
         if psi is None:
             length = width = min(max(length, width), 5.0)  # [m], a square covers any unknown heading
             psi = 0.0
-        if not (math.isfinite(psi + a + r + measured) and -_MAX_REVERSING <= motion.v <= MAX_SPEED):
+        if not (math.isfinite(psi + a + r + measured) and -MAX_REVERSING <= motion.v <= MAX_SPEED):
             return None
         reported: object = getattr(bsm.accuracy, "semi_major", None)
         reported = reported if isinstance(reported, (int, float)) and reported > 0.0 else 0.0

@@ -9,7 +9,10 @@ from cca_core.v2x._own_messages import EgoLikeness
 from cca_core.v2x._reported_motion import ReportedMotion
 from cca_core.v2x.motion import Fix, dead_reckon, position_bounds, predicted_displacement
 from cca_core.v2x.tracker_settings import TrackerSettings
-from cca_core.vehicle import STALE_AGE, RemoteVehicle, VehicleState
+from cca_core.vehicle import MAX_SPEED, STALE_AGE, RemoteVehicle, VehicleState
+
+MAX_REVERSING = 20.0
+"""Largest speed in reverse [m/s]."""
 
 _NOWHERE = 1e12  # coordinate of an unused row [m]
 _MAX_BODIES = 3  # bodies under one id
@@ -87,6 +90,7 @@ class Track:
         """Return the vehicle dead-reckoned to a time [s], under a name."""
         fix, shared = self.fix, math.hypot(settings.sigma_position, self.accuracy)
         _, x, y, psi, v, a, r = dead_reckon(fix, t)
+        v = min(max(v, -MAX_REVERSING), MAX_SPEED)  # a valid record, whatever acceleration is reported
         age, model = max(t - self.t_position, 0.0), settings.position_errors
         if self.t_position == fix.t:
             along, across = position_bounds(fix.v, age, model=model)
