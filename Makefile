@@ -102,7 +102,7 @@ editable = $(BIN)/python -P -c 'import pathlib, sys, cca_core; \
 
 # the installation compiles the kernel too; this does when it changes
 .venv/kernel.stamp: .venv/dev.stamp $(KERNEL)
-	@$(BIN)/python cca_core/codegen/build.py || echo "no compiler: the kernel runs in Python, slower"
+	@$(BIN)/python cca_core/codegen/build.py || echo "it runs in Python, slower"
 	@touch $@
 
 .venv/bench.stamp: .venv/dev.stamp

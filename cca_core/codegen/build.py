@@ -34,4 +34,7 @@ def compile_kernel(folder: Path = KERNEL, target: Path = KERNEL) -> Path:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(f"compiled {compile_kernel()}\n")
+    try:
+        sys.stdout.write(f"compiled {compile_kernel()}\n")
+    except Exception as error:  # setuptools has no common class of what compilers do wrong
+        sys.exit(f"the kernel is not compiled: {error}")
