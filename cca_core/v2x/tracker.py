@@ -230,7 +230,7 @@ class Tracker:
 
 def _name(id: str, names: Mapping[str, str] | None) -> str:
     """Return the id of a vehicle: of a further body under one temporary identity that name with a number."""
-    if names is None:
-        return id
+    if names is None or id in names:
+        return id if names is None else names[id]
     base, sign, number = id.partition("#")
     return names.get(base, base) + sign + number

@@ -66,7 +66,7 @@ class RemoteVehicle:
     def invalid_reason(self) -> str | None:
         """Why the record cannot be used; None if it can."""
         values = _REMOTE_VALUES(self)
-        if not ({float, np.float64}.issuperset(map(type, values)) and all(map(math.isfinite, values))):
+        if not (_FLOATS.issuperset(map(type, values)) and all(map(math.isfinite, values))):
             for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
                 if not is_finite_number(value):
                     return f"{name} must be a finite number, was {type(value).__name__} {str(value)[:20]}"
@@ -92,6 +92,7 @@ class RemoteVehicle:
 _REMOTE_NUMBERS = (
     "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across",
 )  # fmt: skip
+_FLOATS = frozenset((float, np.float64))
 _REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)
 
 
