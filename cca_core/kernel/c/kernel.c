@@ -2506,6 +2506,8 @@ void cca_occupied_intervals(int vehicles, int times, const double *motion, const
     double *front)
 {
     for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
+        double begin = motion[k * 8 + REACH_REAR];
+        double end = motion[k * 8 + REACH_FRONT];
         double v = motion[k * 8 + REACH_SPEED];
         double age = motion[k * 8 + REACH_AGE];
         double b = motion[k * 8 + REACH_BRAKING];
@@ -2519,14 +2521,14 @@ void cca_occupied_intervals(int vehicles, int times, const double *motion, const
             if (keeps) {
                 double low = copysign(1.0, v) * reach_distance_driven(fabs(v), motion[k * 8 + REACH_A_X],
                     t[i]);
-                rear[k * times + i] = motion[k * 8 + REACH_REAR] + low;
-                front[k * times + i] = motion[k * 8 + REACH_FRONT] + low;
+                rear[k * times + i] = begin + low;
+                front[k * times + i] = end + low;
             } else {
                 const cca_dd result2_ = reach_reach(v, t[i], age, b, a, measured, counted, stops);
                 double first = result2_.item0;
                 double last = result2_.item1;
-                rear[k * times + i] = motion[k * 8 + REACH_REAR] + first;
-                front[k * times + i] = motion[k * 8 + REACH_FRONT] + last;
+                rear[k * times + i] = begin + first;
+                front[k * times + i] = end + last;
             }
         }
     }
