@@ -23,10 +23,14 @@ from cca_core.kernel.band_workspace import (
     Equilibrium,
 )
 from cca_core.kernel.batches import in_chunks
-from cca_core.kernel.memory import reuse
+from cca_core.kernel.memory import lend, reuse
 
 _relax_bands, _measure_band = bind(relax_bands), bind(measure_band)
 _CHUNK = 32  # bands that are lent to the kernel at once
+_MAX_KEPT = 2**18  # boxes of a workspace that a thread keeps
+_MAX_BOXES = 2**28  # of a workspace, whose indices are C's int
+_MAX_CERTIFIED = 2**16  # side assignments; there are no more
+_MAX_INT = 2**31 - 1
 _STIFFNESS = tuple(field.name for field in fields(BandStiffness))
 _SETTINGS = tuple(field.name for field in fields(BandSettings) if field.name != "max_certified_sides")
 _ROWS = "free", "route_curvature", "lower", "upper", "curvature", "right_margin", "left_margin"
@@ -83,10 +87,13 @@ class Workspace:
         sizes = len(problem.nodes), problem.nodes.shape[1], problem.boxes.shape[1]
         # powers of 2, so that a band that grows by a node does not need new memory
         bands, n, m = (1 << max(size - 1, 0).bit_length() for size in sizes)
-        certified = problem.settings.max_certified_sides
-        self.batch = reuse(BandBatch, max_n=n, max_m=m, max_bands=bands)
-        self.work = reuse(BandWork, max_n=n, max_m=m, max_certified=certified)
-        self.equilibrium = reuse(Equilibrium, max_n=n)
+        make = reuse if bands * m * n <= _MAX_KEPT else lend
+        if bands * m * n > _MAX_BOXES:
+            raise InputError(f"obstacles times nodes must be at most {_MAX_BOXES}, was {m} times {n}")
+        certified = min(problem.settings.max_certified_sides, _MAX_CERTIFIED)
+        self.batch = make(BandBatch, max_n=n, max_m=m, max_bands=bands)
+        self.work = make(BandWork, max_n=n, max_m=m, max_certified=certified)
+        self.equilibrium = make(Equilibrium, max_n=n)
 
     def take(self, problem: BandProblem, rule: int, sides: Mask | None, former: Mask | None) -> None:
         """Copy a problem."""
@@ -112,8 +119,9 @@ class Workspace:
         for name in _STIFFNESS:
             setattr(w, name, getattr(problem.stiffness, name))
         for name in _SETTINGS:
-            setattr(w, name, getattr(problem.settings, name))
-        w.n_certified = problem.settings.max_certified_sides
+            value = getattr(problem.settings, name)
+            setattr(w, name, value if isinstance(value, float) else min(value, _MAX_INT))
+        w.n_certified = w.max_certified
 
 
 def relax(problem: BandProblem, rule: int, sides: Mask | None, former: Mask | None, threads: int) -> Relaxed:
@@ -124,9 +132,12 @@ def relax(problem: BandProblem, rule: int, sides: Mask | None, former: Mask | No
         _relax_part(problem, rule, sides, former, found, slice(0, 1))
         return found
 
+    per_band = problem.boxes[0, :, 0].size
+    size = max(min(_CHUNK, _MAX_KEPT // max(per_band, 1)), 1)
+
     def relax_chunks(_: int, first: int, end: int) -> None:
-        for begin in range(first, end, _CHUNK):
-            part = slice(begin, min(begin + _CHUNK, end))
+        for begin in range(first, end, size):
+            part = slice(begin, min(begin + size, end))
             given, last = (None if of is None else of[:, part] for of in (sides, former))
             _relax_part(problem.select(part), rule, given, last, found, part)
 

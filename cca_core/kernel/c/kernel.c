@@ -269,7 +269,7 @@ static void band_gaps_find_near(BandWork *w)
     w->n_pairs = 0;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         double moves = w->max_step[o] + change;
-        double travel = w->max_step[o] + step;
+        double travel = real_max(w->max_step[o] + step, CIRCLES_TINY);
         int next_node = 0;
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
             if (i < next_node) {
