@@ -2297,7 +2297,7 @@ static int curve_sample_after(const CurveSamples *samples, int i, double excess)
 }
 
 /* Distance of a position from the nearest of a few samples [m]. */
-static double curve_distance_at_most(const CurveSamples *samples, double x, double y)
+static double curve_coarse_distance(const CurveSamples *samples, double x, double y)
 {
     double distance = HUGE_VAL;
     int i = 0;
@@ -2365,7 +2365,7 @@ static cca_dd curve_nearest_within(const Curve *curve, const CurveSamples *sampl
 /* Foot point s, d of a position that is nearest on the whole path. */
 cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double x, double y)
 {
-    return curve_nearest_within(curve, samples, x, y, curve_distance_at_most(samples, x, y));
+    return curve_nearest_within(curve, samples, x, y, curve_coarse_distance(samples, x, y));
 }
 
 /* Foot points of n positions from initial guesses. */
@@ -2389,7 +2389,7 @@ void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, 
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         double few = curve_sample_distance(samples, x[i], y[i], last);
         if (i == 0 || few > CURVE_FAR) {
-            few = curve_distance_at_most(samples, x[i], y[i]);
+            few = curve_coarse_distance(samples, x[i], y[i]);
         }
         const cca_dd result1_ = curve_nearest_within(curve, samples, x[i], y[i], few);
         s[i] = result1_.item0;

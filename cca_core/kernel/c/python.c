@@ -1611,7 +1611,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "777dc9f5f634a6bb9fec50f50bce7092035df2dd3118eaa2c266bac3852aba98") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "683f6a0cbd5af77866081292b885d17aa3c6ccd57b8c6bb4f94ee865cb4def53") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
