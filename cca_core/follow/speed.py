@@ -237,7 +237,8 @@ def profile_acceleration(
         Acceleration [m/s^2], between -b_max and a_max. It leads to the speed of the profile about one second
         ahead, or to the speed of the profile here if that needs less.
     """
-    stations, squared = (np.ascontiguousarray(column, dtype=np.float64) for column in profile)
+    stations = np.ascontiguousarray(profile[0], dtype=np.float64)
+    squared = np.ascontiguousarray(profile[1], dtype=np.float64)
     return _profile_acceleration(
         len(stations), stations, squared, s, v_x, settings.a_max, settings.b_comfort, settings.b_max
     )

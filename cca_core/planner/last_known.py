@@ -71,6 +71,8 @@ class LastKnown:
         self, t: float, now: dict[str, _Known], dropped: Sequence[tuple[str, str]], *, lost: bool
     ) -> dict[str, _Known]:
         """Return the known vehicles that are not reported, but may be there."""
+        if self._known.keys() <= now.keys():
+            return {}
         if lost:  # nothing is forgotten while nothing is known
             return {name: known for name, known in self._known.items() if name not in now}
         labels = {label for label, _ in dropped}
