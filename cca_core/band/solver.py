@@ -114,10 +114,11 @@ class Workspace:
         if former is not None:
             asked["former"][: m * bands] = former.reshape(-1)
         w, vehicle = self.work.workspace, problem.vehicle
-        w.length, w.width, w.box_offset = vehicle.length, vehicle.width, vehicle.box_offset
-        w.clearance, w.max_displacement = problem.clearance, MAX_DISPLACEMENT
+        w.length, w.width = float(vehicle.length), float(vehicle.width)
+        w.box_offset, w.clearance = float(vehicle.box_offset), problem.clearance
+        w.max_displacement = MAX_DISPLACEMENT
         for name in _STIFFNESS:
-            setattr(w, name, getattr(problem.stiffness, name))
+            setattr(w, name, float(getattr(problem.stiffness, name)))
         for name in _SETTINGS:
             value = getattr(problem.settings, name)
             setattr(w, name, value if isinstance(value, float) else min(value, _MAX_INT))

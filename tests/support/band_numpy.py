@@ -136,8 +136,12 @@ class NumpyBand:
         turn = along * self.tangents.conj()
         reach = 0.5 * car.width * turn.real + 0.125 * np.abs(kappa) * h**2
         right, left = np.full(self.n, math.inf), np.full(self.n, math.inf)
-        for k in range(math.floor(car.rear / h), math.ceil(car.front / h) + 1):
-            x, at = min(max(k * h, car.rear), car.front), np.clip(np.arange(self.n) + k, 0, self.n - 1)
+        sections = [(car.front, 0), (car.box_offset, 0), (car.rear, 0)]
+        if np.ptp(self.right_edge) or np.ptp(self.left_edge):
+            reached = range(math.floor(car.rear / h), math.ceil(car.front / h) + 1)
+            sections = [(min(max(k * h, car.rear), car.front), k) for k in reached]
+        for x, k in sections:
+            at = np.clip(np.arange(self.n) + k, 0, self.n - 1)
             middle = u + x * turn.imag - 0.5 * self.route_curvature * x * x
             right = np.minimum(right, middle - reach - self.right_edge[at])
             left = np.minimum(left, self.left_edge[at] - middle - reach)

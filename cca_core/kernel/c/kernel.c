@@ -936,7 +936,7 @@ static void stiffness_substitute(const Equilibrium *e, const double *force, doub
 #define EQUILIBRIUM_FLAT_SLOPE 0.001
 #define EQUILIBRIUM_STIFF_ROW 100000.0
 #define EQUILIBRIUM_CORRECTIONS 3
-#define EQUILIBRIUM_MAX_CORRECTION 0.0001
+#define EQUILIBRIUM_MAX_CORRECTION 1e-05
 #define EQUILIBRIUM_END_STEP 0.05
 
 /* Return the bound that a value violates: -1 the lower one, 1 the upper one, 0 none. */
@@ -1254,12 +1254,12 @@ static bool equilibrium_respond_to_start(Equilibrium *e, double before, double s
         change = 0.0;
         for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
             to[i] += e->target[i];
-            change = real_max(change, fabs(e->target[i]));
+            change += fabs(e->target[i]);
         }
     }
     to[0] = start_0;
     to[1] = start_1;
-    return change <= EQUILIBRIUM_MAX_CORRECTION;
+    return change <= EQUILIBRIUM_MAX_CORRECTION * n;
 }
 #define BAND_FRAME_MIN_EVENNESS 0.8
 #define BAND_FRAME_MIN_SPACING 1e-06
