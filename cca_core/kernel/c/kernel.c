@@ -2911,6 +2911,8 @@ double cca_profile_acceleration(int n, const double *at, const double *squared, 
 #define STEERING_SIDESLIP_FRACTION 0.3
 #define STEERING_MAX_STEP 0.005
 #define STEERING_MAX_STEPS 1000
+#define STEERING_MAX_CYCLE 5.0
+#define STEERING_MAX_MOTION 100.0
 #define STEERING_MAX_FRACTION 0.97
 #define STEERING_MAX_GRIP 0.8
 #define STEERING_MAX_JUMP 20.0
@@ -2977,10 +2979,15 @@ static int steering_ring_index(const IdealCar *car, int i)
 double cca_advance(IdealCar *car, double s, double kappa, double v_x, double dt)
 {
     double v = real_max(v_x, 0.0);
-    if (!car->started || fabs(s - car->s) > STEERING_MAX_JUMP || v < STEERING_ROLLING_SPEED) {
-        steering_start_steady(car, kappa, v);
-    } else {
+    bool follows = car->started && fabs(s - car->s) <= STEERING_MAX_JUMP && (0.0 <= dt && dt
+        <= STEERING_MAX_CYCLE);
+    if (follows && v >= STEERING_ROLLING_SPEED) {
         steering_integrate(car, kappa, v, dt);
+    } else {
+        steering_start_steady(car, kappa, v);
+    }
+    if (!(fabs(car->r) + fabs(car->v_y) < STEERING_MAX_MOTION)) {
+        steering_start_steady(car, kappa, v);
     }
     car->started = true;
     car->s = s;
@@ -3043,8 +3050,11 @@ static double steering_limited(const Steering *law, const IdealCar *car, double 
     double low = real_max(real_min(-steady, motion - slip), -law->delta_max);
     double high = real_min(real_max(steady, motion + slip), law->delta_max);
     double delta = real_min(real_max(target, low), high);
+    if (!(-law->delta_max <= delta && delta <= law->delta_max)) {
+        delta = law->delta;
+    }
     if (law->started) {
-        double step = law->delta_rate_max * dt;
+        double step = law->delta_rate_max * real_max(0.0, dt);
         delta = real_min(real_max(delta, law->delta - step), law->delta + step);
     }
     return delta;
@@ -3096,7 +3106,8 @@ double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_gues
     double rate = v * sine + v_y * cos(e_psi) + l_s * (r - passed_r);
     double target = feedforward - k_p * error - k_d * rate - law->integral;
     double delta = steering_limited(law, car, target, v_x, v_y, r, dt);
-    if (delta == target && fabs(d) < STEERING_SMALL_OFFSET && v > 1.0) {
+    bool small = fabs(d) < STEERING_SMALL_OFFSET && (0.0 <= dt && dt <= STEERING_MAX_CYCLE);
+    if (delta == target && small && v > 1.0) {
         law->integral = real_min(real_max(law->integral + k_p * d * dt / STEERING_INTEGRAL_TIME,
             -STEERING_INTEGRAL_LIMIT), STEERING_INTEGRAL_LIMIT);
     }
