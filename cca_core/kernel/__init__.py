@@ -33,6 +33,7 @@ that is here; `backend()` returns the choice and `backend_reason()` its reason. 
 
 import hashlib
 import importlib
+import math
 import os
 from collections.abc import Callable
 from functools import partial
@@ -124,8 +125,15 @@ def _call(kernel: Callable[..., Any], converters: tuple[Callable[[Any], Any], ..
 
 def _convert(hint: Any) -> Callable[[Any], Any]:
     """Return what makes an argument one of the kernel's Python."""
-    if hint in (float, bool):
-        return hint  # type: ignore[no-any-return]
+    if hint is float:
+        return _real
+    if hint is bool:
+        return bool
     if hint is int:
         return int.__index__
     return memoryview if get_args(hint) and get_origin(hint) is not tuple else lambda given: given
+
+
+def _real(given: Any) -> float:
+    """Return a number as float, as C takes it: unlike `float`, without text."""
+    return given if type(given) is float else math.copysign(given, given)
