@@ -90,7 +90,7 @@ class Workspace:
         make = reuse if bands * m * n <= _MAX_KEPT else lend
         if bands * m * n > _MAX_BOXES:
             raise InputError(f"obstacles times nodes must be at most {_MAX_BOXES}, was {m} times {n}")
-        certified = min(problem.settings.max_certified_sides, _MAX_CERTIFIED)
+        certified = int(min(problem.settings.max_certified_sides, _MAX_CERTIFIED))
         self.batch = make(BandBatch, max_n=n, max_m=m, max_bands=bands)
         self.work = make(BandWork, max_n=n, max_m=m, max_certified=certified)
         self.equilibrium = make(Equilibrium, max_n=n)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cca_core.band import Band, BandStiffness, equilibrium
-from cca_core.errors import Status
+from cca_core.errors import InputError, Status
 from cca_core.geometry import Boxes, boxes
 from tests.support.band_scenes import CAR, bend, on, relax, scene, straight
 
@@ -249,3 +249,9 @@ def test_tension_widens_the_deformed_span() -> None:
         for k_s in (1e-2, 0.0)
     ]
     assert widths[0] > widths[1]
+
+
+@pytest.mark.parametrize("start", [np.nan, np.inf, 1e17, "0", None])
+def test_path_from_no_station_raises(start: object) -> None:
+    with pytest.raises(InputError, match="start must be"):
+        relax(scene(straight(160.0, 1.0), [])).path(start)
