@@ -23,7 +23,7 @@ from cca_core.kernel.band_workspace import (
     Equilibrium,
 )
 from cca_core.kernel.batches import in_chunks
-from cca_core.kernel.memory import lend, reuse
+from cca_core.kernel.memory import lend, put, reuse
 
 _relax_bands, _measure_band = bind(relax_bands), bind(measure_band)
 _CHUNK = 32  # bands that are lent to the kernel at once
@@ -32,7 +32,8 @@ _MAX_BOXES = 2**28  # of a workspace, whose indices are C's int
 _MAX_CERTIFIED = 2**16  # side assignments; there are no more
 _MAX_INT = 2**31 - 1
 _STIFFNESS = tuple(field.name for field in fields(BandStiffness))
-_SETTINGS = tuple(field.name for field in fields(BandSettings) if field.name != "max_certified_sides")
+_FRACTIONS = tuple(field.name for field in fields(BandSettings) if isinstance(field.default, float))
+_COUNTS = tuple({field.name for field in fields(BandSettings)} - {*_FRACTIONS, "max_certified_sides"})
 _ROWS = "free", "route_curvature", "lower", "upper", "curvature", "right_margin", "left_margin"
 _GRIDS = "passing_right", "passing_left"
 
@@ -114,14 +115,14 @@ class Workspace:
         if former is not None:
             asked["former"][: m * bands] = former.reshape(-1)
         w, vehicle = self.work.workspace, problem.vehicle
-        w.length, w.width = float(vehicle.length), float(vehicle.width)
-        w.box_offset, w.clearance = float(vehicle.box_offset), problem.clearance
-        w.max_displacement = MAX_DISPLACEMENT
-        for name in _STIFFNESS:
-            setattr(w, name, float(getattr(problem.stiffness, name)))
-        for name in _SETTINGS:
-            value = getattr(problem.settings, name)
-            setattr(w, name, value if isinstance(value, float) else min(value, _MAX_INT))
+        put(
+            w, length=vehicle.length, width=vehicle.width, box_offset=vehicle.box_offset,
+            clearance=problem.clearance, max_displacement=MAX_DISPLACEMENT,
+            **{name: getattr(problem.stiffness, name) for name in _STIFFNESS},
+            **{name: getattr(problem.settings, name) for name in _FRACTIONS},
+        )  # fmt: skip
+        for name in _COUNTS:
+            setattr(w, name, int(min(getattr(problem.settings, name), _MAX_INT)))
         w.n_certified = w.max_certified
 
 

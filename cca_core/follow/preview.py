@@ -7,7 +7,7 @@ from cca_core.errors import InputError
 from cca_core.follow.feedforward import InverseSteering
 from cca_core.follow.schedule import PreviewGains, shipped_gains
 from cca_core.kernel import bind
-from cca_core.kernel.memory import lend
+from cca_core.kernel.memory import lend, put
 from cca_core.kernel.steering import Steering, steer
 from cca_core.path.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
@@ -66,9 +66,12 @@ class PreviewController:
         self._inverse = InverseSteering(vehicle)
         self._law = lend(Steering, count=len(self.gains.speeds))
         law = self._law.workspace
-        law.delta_max, law.delta_rate_max = vehicle.delta_max, vehicle.delta_rate_max
-        law.steering_lag, law.understeer = vehicle.steering_lag, vehicle.understeer_gradient
-        law.delay, law.a_y_max, law.ahead = self.delay, self.a_y_max, error == "ahead"
+        put(
+            law, delta_max=vehicle.delta_max, delta_rate_max=vehicle.delta_rate_max,
+            steering_lag=vehicle.steering_lag, understeer=vehicle.understeer_gradient,
+            delay=self.delay, a_y_max=self.a_y_max,
+        )  # fmt: skip
+        law.ahead = error == "ahead"
         for name in ("speeds", "k_p", "k_d", "l_s"):
             self._law.arrays[name][:] = getattr(self.gains, name)
         self._path: Path | None = None

@@ -54,6 +54,12 @@ def lend(owner: type[T], form: str | None = None, **sizes: int) -> Lent[T]:
     return Lent(workspace, arrays, owner, sizes)
 
 
+def put(workspace: object, **numbers: float) -> None:
+    """Set reals of a workspace; as float, as C keeps them, although a caller may have given others."""
+    for name, value in numbers.items():
+        setattr(workspace, name, float(value))
+
+
 def _lend_again(
     owner: type[T], sizes: Mapping[str, int], numbers: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
 ) -> Lent[T]:

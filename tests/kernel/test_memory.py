@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cca_core.kernel.memory import MAX_REUSED, Lent, lend, reuse
+from cca_core.kernel.memory import MAX_REUSED, Lent, lend, put, reuse
 from tests.support.trial_kernel.trial import Trial
 
 
@@ -39,6 +39,16 @@ def test_copied_workspace_has_same_contents(lent: Lent[Trial], again: Any) -> No
     assert (other.workspace.n, other.workspace.gain, other.workspace.grid[1, 2]) == (4, 2.5, 7.0)
     other.arrays["grid"][1, 2] = 8.0
     assert lent.arrays["grid"][1, 2] == 7.0
+
+
+def test_reals_of_any_type_are_kept_as_float(lent: Lent[Trial]) -> None:
+    class Marked(float):
+        pass
+
+    for given in (np.float32(0.1), np.int64(3), np.array(0.5), Marked(0.25), True):
+        put(lent.workspace, gain=given)
+        assert type(lent.workspace.gain) is float
+        assert lent.workspace.gain == float(given)
 
 
 def test_sizes_and_arrays_cannot_be_replaced(trial_compiled: Any) -> None:
