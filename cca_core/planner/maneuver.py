@@ -10,7 +10,7 @@ import numpy as np
 
 from cca_core._checks import Array, Mask
 from cca_core.band import Band, Side, relax_band
-from cca_core.band.problem import MAX_DISPLACEMENT, offset_curve
+from cca_core.band.problem import MAX_DISPLACEMENT, offset_curvature
 from cca_core.band.solver import measure
 from cca_core.decide import Candidate, Rejection, RejectionKind
 from cca_core.errors import Status
@@ -177,7 +177,7 @@ def _band_problem(
     if driven is not None:
         m, replan = _committed(stretch, settings), settings.replan
         h, three = stretch.stations[1] - stretch.stations[0], [driven[k + i : k + i + m] for i in (-1, 0, 1)]
-        curvature = np.abs(offset_curve(road.path.curvature(s[:m]), np.stack(three), h)[1])
+        curvature = np.abs(offset_curvature(road.path.curvature(s[:m]), np.stack(three), h))
         grip = settings.last_resort.grip_fraction * ego.vehicle.mu * GRAVITY / squared_speed[:m]
         allowed = np.minimum((1.0 + replan.curvature_tolerance) * curvature, grip)
         curvature_limit[:m] = np.maximum(curvature_limit[:m], allowed)
