@@ -183,6 +183,8 @@ def vehicles_on_level(
     vehicles: Sequence[FrenetVehicle], road: Road, settings: DecisionSettings
 ) -> tuple[list[FrenetVehicle], tuple[tuple[str, str], ...], tuple[str, ...]]:
     """Return the vehicles at the height of the route, others with the reason, and faults of heights."""
+    if all([n.remote.z is None for n in vehicles]):
+        return list(vehicles), (), ()
     kept: list[FrenetVehicle] = []
     others: list[tuple[str, str]] = []
     faults: list[str] = []
@@ -242,4 +244,6 @@ def usable_range(
 
 def is_list(remotes: object) -> bool:
     """Return whether an argument can be a list of vehicles."""
+    if type(remotes) in (list, tuple):
+        return True
     return isinstance(remotes, Iterable | RemoteVehicle) and not isinstance(remotes, str | bytes | Mapping)

@@ -270,7 +270,8 @@ class Planner:
         )  # fmt: skip
         if self._last_known.is_listening(self._clock.t):
             self._awareness_range = 0.0
-        self._input_faults = (*self._input_faults, *incomplete, *faults)
+        if incomplete or faults:
+            self._input_faults = (*self._input_faults, *incomplete, *faults)
         return to_frenet(recalled, self.road.path, {}, self._lateral_range, branches)[0] if recalled else []
 
     def _end_maneuver(self, ego: FrenetEgo) -> None:
