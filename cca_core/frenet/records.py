@@ -81,20 +81,20 @@ class FrenetVehicle:
         vehicle : FrenetVehicle
             The vehicle in Frenet coordinates.
         """
-        v_s = remote.v_x * math.cos(angle) / max(1.0 - d * kappa, 0.1)
+        cos, sin = math.cos(angle), math.sin(angle)
         added_length = added_width = 0.0
+        v_s = remote.v_x * cos / max(1.0 - d * kappa, 0.1)
         if extent is not None:
             along, across = _half_extents(0.5 * remote.length, 0.5 * remote.width, angle)
             s, added_length = _cover(s, along, extent[0], extent[1])
             d, added_width = _cover(d, across, extent[2], extent[3])
-        along, across = _half_extents(
-            0.5 * remote.length + 2.0 * remote.sigma_along,
-            0.5 * remote.width + 2.0 * remote.sigma_across,
-            angle,
-        )
+        along = 0.5 * remote.length + 2.0 * remote.sigma_along
+        across = 0.5 * remote.width + 2.0 * remote.sigma_across
+        cos, sin = abs(cos), abs(sin)
         return cls(
-            remote=remote, s=s, d=d, v_s=v_s, half_length=along + added_length,
-            half_width=across + added_width, angle=angle, added_length=added_length, added_width=added_width,
+            remote=remote, s=s, d=d, v_s=v_s, half_length=along * cos + across * sin + added_length,
+            half_width=along * sin + across * cos + added_width, angle=angle, added_length=added_length,
+            added_width=added_width,
         )  # fmt: skip
 
     @property

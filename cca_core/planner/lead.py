@@ -72,14 +72,15 @@ def oncoming_assumed_in_lane(
     # message.
     known, assumed = dict(was_on_route), set()
     was_on_route.clear()
+    beyond = 0.5 * ego.width + settings.blocking_gap
     for n in vehicles:
-        reach = 0.5 * ego.width + settings.blocking_gap + n.body_half_width
+        name, is_stale, reach = n.id, n.is_stale, beyond + n.body_half_width
         later = n.d + settings.lane_entry_horizon * n.remote.v_x * math.sin(n.angle)
         on_route = min(n.d, later) < reach and max(n.d, later) > -reach
-        was_on_route[n.id] = known.get(n.id, on_route) if n.is_stale else on_route
+        was_on_route[name] = on_route = known.get(name, on_route) if is_stale else on_route
         # a small error of the yaw rate moves a stale vehicle over; braking would endanger following vehicles
-        if n.is_stale and not was_on_route[n.id] and n.v_s < -settings.creep_speed:
-            assumed.add(n.id)
+        if is_stale and not on_route and n.v_s < -settings.creep_speed:
+            assumed.add(name)
     return assumed
 
 

@@ -17,11 +17,11 @@ from cca_core.decide import (
 )
 from cca_core.decide.action import explained
 from cca_core.errors import Status
-from cca_core.follow import PreviewController, SpeedSettings, profile_acceleration, squared_speed_limit
+from cca_core.follow import PreviewController, SpeedSettings, squared_speed_limit
 from cca_core.frenet import INCOMPLETE, FrenetEgo, FrenetVehicle, to_frenet
 from cca_core.frenet.branches import Branches
 from cca_core.kernel import bind
-from cca_core.kernel.speed import interpolated
+from cca_core.kernel.speed import interpolated, profile_acceleration
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.abort import delay_return, return_deceleration, vehicle_alongside
 from cca_core.planner.actuation import limit_acceleration, requested_acceleration
@@ -49,7 +49,7 @@ from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
 
-_interpolated = bind(interpolated)
+_interpolated, _profile_acceleration = bind(interpolated), bind(profile_acceleration)
 _LOG = logging.getLogger(__name__)
 
 
@@ -375,7 +375,10 @@ class Planner:
         dt: float,
     ) -> float:
         """Acceleration for the action, within the limits of the return, friction and jerk."""
-        cruise = profile_acceleration(ego.s_cg, ego.v_x, self._speed_profile, self.speed)
+        (stations, squared), speed = self._speed_profile, self.speed
+        cruise = _profile_acceleration(
+            len(stations), stations, squared, ego.s_cg, ego.v_x, speed.a_max, speed.b_comfort, speed.b_max
+        )
         if self._returning:
             abort = self.evasion.abort
             cruise = min(cruise, -return_deceleration(reference, ego.s_cg, ego.v_x, abort))
