@@ -9,7 +9,7 @@ from cca_core.errors import InputError
 from cca_core.kernel import bind
 from cca_core.kernel.band_workspace import Equilibrium
 from cca_core.kernel.equilibrium_batch import find_equilibria
-from cca_core.kernel.memory import reuse
+from cca_core.kernel.memory import give_back, reuse
 
 _find_equilibria = bind(find_equilibria)
 
@@ -101,6 +101,7 @@ def equilibrium(
         space.workspace, bands, n, curvature_bounds is not None, rows, low, high,
         low_difference, high_difference, u, solves, converged,
     )  # fmt: skip
+    give_back(space)
     batch_shape = shape[:-1]
     return (
         u.reshape(shape), solves.astype(np.intp).reshape(batch_shape),

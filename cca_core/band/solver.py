@@ -23,7 +23,7 @@ from cca_core.kernel.band_workspace import (
     Equilibrium,
 )
 from cca_core.kernel.batches import in_chunks
-from cca_core.kernel.memory import lend, put, reuse
+from cca_core.kernel.memory import give_back, lend, put, reuse
 
 _relax_bands, _measure_band = bind(relax_bands), bind(measure_band)
 _CHUNK = 32  # bands that are lent to the kernel at once
@@ -88,13 +88,19 @@ class Workspace:
         sizes = len(problem.nodes), problem.nodes.shape[1], problem.boxes.shape[1]
         # powers of 2, so that a band that grows by a node does not need new memory
         bands, n, m = (1 << max(size - 1, 0).bit_length() for size in sizes)
-        make = reuse if bands * m * n <= _MAX_KEPT else lend
+        self.is_kept = bands * m * n <= _MAX_KEPT
+        make = reuse if self.is_kept else lend
         if bands * m * n > _MAX_BOXES:
             raise InputError(f"obstacles times nodes must be at most {_MAX_BOXES}, was {m} times {n}")
         certified = int(min(problem.settings.max_certified_sides, _MAX_CERTIFIED))
         self.batch = make(BandBatch, max_n=n, max_m=m, max_bands=bands)
         self.work = make(BandWork, max_n=n, max_m=m, max_certified=certified)
         self.equilibrium = make(Equilibrium, max_n=n)
+
+    def give_back(self) -> None:
+        """Leave the memory to the next band of this thread."""
+        if self.is_kept:
+            give_back(self.batch, self.work, self.equilibrium)
 
     def take(self, problem: BandProblem, rule: int, sides: Mask | None, former: Mask | None) -> None:
         """Copy a problem."""
@@ -163,6 +169,7 @@ def _relax_part(
     if max(status) >= UNEVEN_SPACING:
         _refuse(problem, status)
     found.passes_left[:, part] = space.batch.arrays["passes_left"][: m * bands].reshape(m, bands)
+    space.give_back()
 
 
 def _refuse(problem: BandProblem, status: list[int]) -> None:
@@ -197,7 +204,9 @@ def measure(problem: BandProblem, u: Array | None = None, passes_left: Mask | No
     obstacles, near, bounds = (found[name][: w.n_pairs] for name in ("pair_obstacle", "pair_node", "bound"))
     gaps[obstacles, near] = bounds
     tangents = np.stack((found["tangent_x"][:n], found["tangent_y"][:n]), axis=1)
-    return Measured(
+    measured = Measured(
         **rows, **grids, found=result, gaps=gaps, tangents=tangents, spacing=w.spacing, min_gap=w.min_gap,
         min_edge_clearance=w.min_edge_clearance, curvature_ratio=w.curvature_ratio,
     )  # fmt: skip
+    space.give_back()
+    return measured

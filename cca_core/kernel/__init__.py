@@ -21,7 +21,8 @@ merge conflict in `c/`, run it again. `tests/support/kernel_forms.py` compares t
 - A class of fields is a workspace: ``lent = cca_core.kernel.memory.lend(Curve, segments=12)``. The kernel
   takes ``lent.workspace``, whose numbers are attributes. Its arrays are ``lent.arrays["breaks"]``, written
   and read. One caller has one workspace: a second thread that uses it meanwhile gets an error, except if both
-  calls only read it. ``reuse(Curve, segments=12)`` returns the same one in every call of a thread.
+  calls only read it. ``reuse(Curve, segments=12)`` returns the one that the
+  thread has given back with ``give_back``.
 - Nothing is allocated in a call. Calls that fill arrays or workspaces release the GIL.
 
 **Batches** are kernels that loop from a first to a last index over rows of arrays; `batches.in_chunks` calls

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cca_core.kernel.memory import MAX_REUSED, Lent, lend, put, reuse
+from cca_core.kernel.memory import MAX_REUSED, Lent, give_back, lend, put, reuse
 from tests.support.trial_kernel.trial import Trial
 
 
@@ -67,7 +67,10 @@ def test_missing_and_foreign_sizes_raise() -> None:
 
 def test_workspace_is_reused_within_a_thread(trial_compiled: Any) -> None:
     first = reuse(Trial, n=3, m=1)
+    assert reuse(Trial, n=3, m=1) is not first  # a call within a call has its own
+    give_back(first)
     assert reuse(Trial, n=3, m=1) is first
+    give_back(first)
     assert reuse(Trial, n=4, m=1) is not first
     found = []
     thread = threading.Thread(target=lambda: found.append(reuse(Trial, n=3, m=1)))
@@ -78,6 +81,7 @@ def test_workspace_is_reused_within_a_thread(trial_compiled: Any) -> None:
 
 def test_workspaces_of_a_thread_are_limited(trial_compiled: Any) -> None:
     first = reuse(Trial, n=1, m=1)
+    give_back(first)
     for n in range(2, MAX_REUSED + 3):
-        reuse(Trial, n=n, m=1)
+        give_back(reuse(Trial, n=n, m=1))
     assert reuse(Trial, n=1, m=1) is not first
