@@ -194,6 +194,7 @@ def clear_ends(e: Equilibrium) -> None:
         e.u[i] = 0.0
         e.target[i] = 0.0
         e.step[i] = 0.0
+        e.residual[i] = 0.0
         e.active[i] = 0
     e.sharp[0] = 0
     e.sharp[e.n - 1] = 0

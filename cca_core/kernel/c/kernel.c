@@ -1168,6 +1168,7 @@ static void equilibrium_clear_ends(Equilibrium *e)
         e->u[i] = 0.0;
         e->target[i] = 0.0;
         e->step[i] = 0.0;
+        e->residual[i] = 0.0;
         e->active[i] = 0;
     }
     e->sharp[0] = 0;
@@ -1573,6 +1574,7 @@ static void band_tightening_release_curvature(BandWork *w, Equilibrium *e)
         w->upper_difference[i] = HUGE_VAL;
         e->lower_difference[i] = -HUGE_VAL;
         e->upper_difference[i] = HUGE_VAL;
+        e->sharp[i] = 0;
     }
 }
 
