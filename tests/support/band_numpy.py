@@ -19,7 +19,7 @@ from tests.support.band_numpy_equilibrium import NumpyEquilibrium
 
 Array = np.ndarray[Any, Any]
 
-ALIGNED, END_SLOPE = 0.02, 0.5
+ALIGNED, PARALLEL, END_SLOPE = 0.02, 1e-9, 0.5
 CURVE_ERROR, LOOSE, DECISIVE = 2e-3, 4e-3, 1e-2
 ROUNDING, MAX_DISPLACEMENT = 1e-9, 30.0
 SETTINGS, STIFFNESS = BandSettings(), BandStiffness()
@@ -99,7 +99,6 @@ class NumpyBand:
         lower, upper = self.right_edge + half, self.left_edge - half
         relative = (self.center - self.route) * self.tangents.conj() - car.box_offset
         a, t, x, y = self.ahead, self.tangents, relative.real, relative.imag
-        # in real numbers: the sign of a rounding error decides at which end a parallel box is bounded
         turn = a.real * t.real + a.imag * t.imag + 1j * (a.imag * t.real - a.real * t.imag)
         length, width = self.half_length + clearance, self.half_width + clearance
         c, s = np.abs(turn.real), np.abs(turn.imag)
@@ -113,6 +112,7 @@ class NumpyBand:
             before, behind = -reach - x, reach - x
             top = half_y - np.maximum(ridge - behind, 0.0) * rise - np.maximum(before - ridge, 0.0) * fall
             bottom = half_y - np.maximum(ridge + before, 0.0) * rise - np.maximum(-behind - ridge, 0.0) * fall
+            top, bottom = (np.where(s > PARALLEL, roof, half_y) for roof in (top, bottom))
         wide = np.pad(overlap, ((0, 0), (1, 1)), mode="edge")
         near = np.maximum(np.maximum(wide[:, :-2], wide[:, 2:]), overlap)
         outside = np.minimum(overlap, 0.0) / np.minimum(overlap - near, -1e-9)

@@ -616,6 +616,7 @@ static double band_certificate_violation_of(const BandWork *w)
 
 /* band_corridor.py: Bounds of a band: road edges, and obstacles on the side on which they are passed. */
 #define BAND_CORRIDOR_ALIGNED 0.02
+#define BAND_CORRIDOR_PARALLEL 1e-09
 #define BAND_CORRIDOR_END_SLOPE 0.5
 #define BAND_CORRIDOR_MIN_DROP 1e-09
 
@@ -715,7 +716,7 @@ static void band_corridor_measure_range(BandWork *w, int o, int i, bool aligned)
     double half_y = along * sine + across * cosine;
     double upper = half_y;
     double lower = half_y;
-    if (!aligned) {
+    if (!aligned && sine > BAND_CORRIDOR_PARALLEL) {
         bool counter = turn_cos * turn_sin >= 0.0;
         double ridge = counter ? along * cosine - across * sine : across * sine - along * cosine;
         double along_edge = sine / real_max(cosine, BAND_CORRIDOR_ALIGNED);

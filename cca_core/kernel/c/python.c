@@ -1611,7 +1611,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "e823302b79a10bb452025325b5381973256723514487d9c575a2d35414241e8d") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "b28279e6b59cd2a0ec59899aba0024019b9a34871ac6ab7f87997fe9e3f8c7bf") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
