@@ -1,6 +1,7 @@
 """The paper's hardware-in-the-loop setup on real interfaces: CAN, radio, processes (extra ``rig``)."""
 
 from cca_core.rig.bus import LOG_ENDINGS, BusLink, BusRecorder, read_bus_log, replay_bus
+from cca_core.rig.clocks import ClockMap, RigClock
 from cca_core.rig.kit import (
     AccelerationCommand,
     Actuation,
@@ -21,6 +22,7 @@ from cca_core.rig.protection import (
 from cca_core.rig.receivers import CommandReceiver, StateReceiver, StateSettings
 from cca_core.rig.safe_stop import SAFE_STOP_POINTS, SafeStop, SafeStopSettings, plan_safe_stop
 from cca_core.rig.settings import RigSettings, SteeringMap, read_rig_settings
+from cca_core.rig.udp import UdpLink
 from cca_core.rig.wrap import WRAPPERS, wrap_message
 
 __all__ = [
@@ -35,6 +37,7 @@ __all__ = [
     "BusLink",
     "BusRecorder",
     "CheckStatus",
+    "ClockMap",
     "Codec",
     "CommandReceiver",
     "DriveByWireKit",
@@ -45,6 +48,7 @@ __all__ = [
     "LinkState",
     "ProtectedReceiver",
     "ProtectionSettings",
+    "RigClock",
     "RigSettings",
     "SafeStop",
     "SafeStopSettings",
@@ -52,6 +56,7 @@ __all__ = [
     "StateSettings",
     "SteeringCommand",
     "SteeringMap",
+    "UdpLink",
     "crc8",
     "plan_safe_stop",
     "protect",

@@ -176,7 +176,9 @@ class Codec:
             "SteeringWheelAngle": self._steering.to_steering_wheel(steering.delta),
             "SteeringWheelRate": self._steering.to_steering_wheel(rate) if math.isfinite(rate) else math.inf,
         }  # fmt: skip
-        brake = {"Enable": acceleration.enable, "Acceleration": acceleration.a_x}
+        brake = {
+            "Enable": acceleration.enable, "Acceleration": acceleration.a_x, "Cycle": cycle % 65536
+        }  # fmt: skip
         return [
             self._frame("STEERING_COMMAND", counter, turn),
             self._frame("ACCELERATION_COMMAND", counter, brake),
