@@ -6,7 +6,7 @@ from collections.abc import Callable
 from cca_core._checks import check_real
 from cca_core.v2x import TrackerHealth
 
-_PERIOD = 3600.0  # from whose start times of messages count: minutes begin at multiples of 60 [s]
+_PERIOD = 3600.0  # message times count from its start: minutes begin at multiples of 60 [s]
 
 
 class RigClock:
@@ -36,11 +36,24 @@ class RigClock:
         self.rate = check_real("rate", rate, gt=0.0)
         self._monotonic, self._utc, self._sleep = monotonic, utc, sleep
 
-    def __call__(self) -> float:
+    def now(self) -> float:
+        """Return the control time.
+
+        Returns
+        -------
+        t : float
+            Monotonic time [s].
+        """
         return self.rate * self._monotonic()
 
     def utc(self) -> float:
-        """UTC of the operating system, at the rate of the rig [s]; it can step."""
+        """Return UTC of the operating system, which can step.
+
+        Returns
+        -------
+        utc : float
+            UTC at the rate of the rig [s].
+        """
         return self.rate * self._utc()
 
     def sleep(self, seconds: float) -> None:

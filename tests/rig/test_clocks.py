@@ -64,9 +64,9 @@ def test_sent_time_is_that_of_senders(offset: float) -> None:
 def test_slow_motion_slows_all_times() -> None:
     now, slept = [10.0], []
     clock = RigClock(0.25, monotonic=lambda: now[0], utc=lambda: 1000.0 + now[0], sleep=slept.append)
-    before = clock(), clock.utc()
+    before = clock.now(), clock.utc()
     now[0] += 4.0
-    assert (clock() - before[0], clock.utc() - before[1]) == (1.0, 1.0)
+    assert (clock.now() - before[0], clock.utc() - before[1]) == (1.0, 1.0)
     clock.sleep(0.02)
     assert slept == [0.08]
 
