@@ -6,7 +6,7 @@ from collections.abc import Callable
 from cca_core._checks import check_real
 from cca_core.v2x import TrackerHealth
 
-_PERIOD = 3600.0  # message times count from its start: minutes begin at multiples of 60 [s]
+_PERIOD = 3600.0  # its start is that of message times, so that minutes begin at multiples of 60 [s]
 
 
 class RigClock:
@@ -91,9 +91,9 @@ class ClockMap:
 
     Notes
     -----
-    The receiver gets its times from `utc`, which never steps. If the operating system's clock was wrong at the
-    start, the tracker finds the offset from the messages (`TrackerHealth.clock_correction`). Sent messages
-    carry `senders`, the time on which the senders agree.
+    The receiver gets its times from `utc`, which never steps. If the operating system's clock was wrong at
+    the start, the tracker finds the offset from the messages (`TrackerHealth.clock_correction`). Sent
+    messages carry `senders`, the time on which the senders agree.
     """
 
     def __init__(self, t: float, utc: float) -> None:

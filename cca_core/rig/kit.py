@@ -150,6 +150,11 @@ class DriveByWireKit:
         self._was_disabled = self._was_not_clear = False  # seen since the state was entered
         self._last: tuple[float, float] | None = None  # time and road-wheel angle of the last actuation
 
+    @property
+    def has_plan(self) -> bool:
+        """Whether a safe stop is stored."""
+        return self._plan is not None
+
     def steer(self, t: float, command: SteeringCommand) -> None:
         """Take a steering command.
 

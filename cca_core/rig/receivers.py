@@ -158,6 +158,8 @@ class StateReceiver:
         history = self._history
         if history and kit.state is not KitState.DISABLED and kit.cycle == history[-1][0]:
             return True
+        if history and history[-1][0] == 0:  # the vehicle starts from this state
+            history.clear()
         history.append((kit.cycle, state.x, state.y, state.v_x))
         cycle, x, y, _ = history[0]
         if len(history) <= self.settings.frozen_cycles:
@@ -181,20 +183,34 @@ class CommandReceiver:
         Messages.
     protection : ProtectionSettings, optional
         Limits of the end-to-end check.
+    max_cycle_age : int
+        Number of cycles [-] beyond which the state that a command answers is too old.
 
     Attributes
     ----------
     cycle : int
         Number of the state that the last valid steering command answers [-].
     counts : Counter
-        Number of valid commands by message, and of refused frames by kind.
+        Number of valid commands by message, and of refused frames by kind; ``"late"`` are those that answer a
+        state that is too old.
+
+    Raises
+    ------
+    InputError
+        If `max_cycle_age` is negative.
     """
 
     def __init__(
-        self, kit: DriveByWireKit, codec: Codec, protection: ProtectionSettings | None = None
+        self,
+        kit: DriveByWireKit,
+        codec: Codec,
+        protection: ProtectionSettings | None = None,
+        *,
+        max_cycle_age: int = 5,
     ) -> None:
         self.cycle = 0
         self.counts: Counter[str] = Counter()
+        self._max_cycle_age = check_real("max_cycle_age", max_cycle_age, ge=0)
         self._kit, self._codec = kit, codec
         self._names = {codec.ids[name]: name for name in COMMAND_MESSAGES}
         self._links = {name: ProtectedReceiver(codec.ids[name], protection) for name in COMMAND_MESSAGES}
@@ -210,7 +226,7 @@ class CommandReceiver:
         """Number of frames with a repeated or jumped counter."""
         return sum(link.counts[status] for link in self._links.values() for status in _BAD)
 
-    def take(self, frames: Iterable[Frame], t: float) -> None:
+    def take(self, frames: Iterable[Frame], t: float, cycle: int = 0) -> None:
         """Take the frames of one cycle.
 
         Parameters
@@ -219,6 +235,8 @@ class CommandReceiver:
             All frames that have arrived; other identifiers are ignored.
         t : float
             Now on the kit's clock [s].
+        cycle : int
+            Number of the last state that was sent [-].
         """
         arrived: set[str] = set()
         for frame in frames:
@@ -230,11 +248,14 @@ class CommandReceiver:
             if not status.is_usable or self._links[name].state is not LinkState.VALID:
                 self.counts[status.name.lower()] += 1
                 continue
-            self.counts[name] += 1
             if name == "SAFE_STOP":
                 self._collect(frame)
+            elif (cycle - int(self._codec.decode(frame)["Cycle"])) % 65536 > self._max_cycle_age:
+                self.counts["late"] += 1
+                continue
             else:
                 self._act(frame, t)
+            self.counts[name] += 1
         for name in COMMAND_MESSAGES[:2]:  # a safe stop does not come in every cycle
             if name not in arrived:
                 self._links[name].check(None)

@@ -23,7 +23,7 @@ from cca_core.sim.recorder import LogBuilder
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.perception import Perception
 from cca_core.sim.world.radio import Radio
-from cca_core.sim.world.tailgating import Tailgating
+from cca_core.sim.world.tailgating import LeadMotion, Tailgating
 from cca_core.sim.world.traffic import CYCLE_TIME, Traffic
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
@@ -116,12 +116,14 @@ def simulate(
             cycle_us = 1e6 * (time.perf_counter() - tick)
             a_x, gap_held = command.a_x, False
             if tailgating is not None and scenario.fixed_gap is not None:
-                lead = traffic.by_id[scenario.fixed_gap.lead_id]
+                agent = traffic.by_id[scenario.fixed_gap.lead_id]
+                lead = LeadMotion(agent.s - 0.5 * agent.user.length, agent.v, agent.a)
                 a_x = tailgating.acceleration(remotes, command, s, state.v_x, lead)
                 gap_held = not tailgating.released
-            collided_with = _collided_with(scenario, state, rows)
+            collided_with = find_collision(scenario, state, rows)
             log.write(
-                t, car, (s, d), command, traffic, remotes, visible, messages if scenario.v2v else (),
+                t, state, car.a_y, (s, d), command, traffic, remotes, visible,
+                messages if scenario.v2v else (),
                 collided_with=collided_with, gap_held=gap_held, cycle_us=cycle_us,
             )  # fmt: skip
             if progress is not None:
@@ -132,7 +134,7 @@ def simulate(
                 break
             car.step(command.delta, a_x, CYCLE_TIME)
             traffic.step(t, state)
-    return log.finish(radio, wall_s=time.perf_counter() - begin, missed_deadlines=pace.missed)
+    return log.finish(radio.counts, wall_s=time.perf_counter() - begin, missed_deadlines=pace.missed)
 
 
 def make_controller(scenario: Scenario) -> EgoController:
@@ -180,7 +182,7 @@ def make_driver(scenario: Scenario) -> Driver:
     )  # fmt: skip
 
 
-def _collided_with(scenario: Scenario, state: VehicleState, rows: Sequence[Sequence[float]]) -> str:
+def find_collision(scenario: Scenario, state: VehicleState, rows: Sequence[Sequence[float]]) -> str:
     """Return the id of a road user whose box overlaps the ego's; empty if none does."""
     vehicle = scenario.vehicle
     x, y = vehicle.center_at(state.x, state.y, state.psi)

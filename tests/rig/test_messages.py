@@ -194,16 +194,17 @@ def test_random_bytes_never_raise_and_never_make_a_state(codec: Codec) -> None:
     assert sum(commands.counts[name] for name in COMMAND_MESSAGES) == 0
 
 
-def command_frames(codec: Codec, k: int, *, enable: bool = True) -> list[Frame]:
+def command_frames(codec: Codec, k: int, *, enable: bool = True, cycle: int | None = None) -> list[Frame]:
     steering = SteeringCommand(delta=0.01, delta_rate=0.6, enable=enable)
-    return codec.command_frames(steering, AccelerationCommand(a_x=-1.0, enable=enable), k, k)
+    answered = k if cycle is None else cycle
+    return codec.command_frames(steering, AccelerationCommand(a_x=-1.0, enable=enable), k, answered)
 
 
 def test_commands_enable_kit_through_receiver(codec: Codec) -> None:
     kit = DriveByWireKit()
     receiver = CommandReceiver(kit, codec)
     for k in range(12):
-        receiver.take(command_frames(codec, k, enable=k > 6), 0.02 * k)
+        receiver.take(command_frames(codec, k, enable=k > 6), 0.02 * k, k)
         kit.step(0.02 * k, STATE)
     assert kit.state is KitState.ENABLED
     assert receiver.cycle == 11
@@ -214,15 +215,15 @@ def test_faulty_command_is_not_acted_on(codec: Codec, fault: str) -> None:
     kit = DriveByWireKit()
     receiver = CommandReceiver(kit, codec)
     for k in range(12):
-        receiver.take(command_frames(codec, k, enable=k > 6), 0.02 * k)
+        receiver.take(command_frames(codec, k, enable=k > 6), 0.02 * k, k)
         kit.step(0.02 * k, STATE)
     valid = receiver.counts["STEERING_COMMAND"]
     for k in range(12, 30):
         counter = 11 if fault == "repeat" else 5 * k if fault == "jump" else k
-        frames = command_frames(codec, counter)
+        frames = command_frames(codec, counter, cycle=k)
         if fault == "crc":
             frames = [Frame(f.id, f.data[:-1] + bytes([f.data[-1] ^ 4])) for f in frames]
-        receiver.take(frames, 0.02 * k)
+        receiver.take(frames, 0.02 * k, k)
         kit.step(0.02 * k, STATE)
     assert receiver.counts["STEERING_COMMAND"] == valid
     assert kit.state is KitState.SAFE_STOP
@@ -242,8 +243,21 @@ def test_safe_stop_is_loaded_when_complete(codec: Codec) -> None:
     # the first two frames of a link only make it valid, and one plan is incomplete
     assert loaded == [11, 24, 36, 49]
     for k in range(12):
-        receiver.take(command_frames(codec, k, enable=k > 6), 0.02 * k)
+        receiver.take(command_frames(codec, k, enable=k > 6), 0.02 * k, k)
         kit.step(0.02 * k, replace(STATE, v_x=0.0))
     actuation = kit.step(1.0, replace(STATE, v_x=0.0, delta=0.0))
     assert kit.state is KitState.SAFE_STOP
     assert actuation.a_x == pytest.approx(-6.5)
+
+
+@pytest.mark.parametrize(("age", "state"), [(5, KitState.ENABLED), (6, KitState.SAFE_STOP)])
+def test_command_that_answers_old_state_is_late(codec: Codec, age: int, state: KitState) -> None:
+    """Delayed frames have good counters; the state that they answer shows their age."""
+    kit = DriveByWireKit()
+    receiver = CommandReceiver(kit, codec)
+    for k in range(40):
+        delay = age if k > 12 else 0
+        receiver.take(command_frames(codec, k, enable=k > 6, cycle=max(k - delay, 0)), 0.02 * k, k)
+        kit.step(0.02 * k, STATE)
+    assert kit.state is state
+    assert receiver.counts["late"] == (2 * 27 if state is KitState.SAFE_STOP else 0)
