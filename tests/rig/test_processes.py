@@ -56,11 +56,11 @@ class Rig:
 
     def until(self, holds: Callable[["Rig"], bool], cycles: int = 3000) -> None:
         """Watch the bus until something holds; `cycles` states at most."""
-        last = self.receiver.counts["complete"]
-        idle = 0
+        last, idle = self.receiver.counts["complete"], 0
         while self.receiver.counts["complete"] - last < cycles:
+            unreadable = self.bus.counts["unreadable"]
             frame = self.bus.receive(1.0)
-            idle = idle + 1 if frame is None else 0
+            idle = idle + 1 if frame is None and self.bus.counts["unreadable"] == unreadable else 0
             assert idle < 60, "the bus is silent"
             assert self.plant.poll() is None, "the plant has ended"
             if frame is not None and self.receiver.take(frame, 0.0) and holds(self):
