@@ -12,9 +12,11 @@ if TYPE_CHECKING:
 
 # corner, width and height of each box, in hundredths of the figure, and its text
 _BOXES = {
-    "plant": (2, 40, 27, 42, "Plant computer\nplant, traffic,\ndrive-by-wire kit"),
-    "vehicle": (71, 40, 27, 42, "Vehicle computer\ntracker, planner, steering\nsafe stop"),
-    "monitor": (36, 2, 28, 18, "Monitor\nreads bus and radio"),
+    "plant": (2, 62, 26, 30, "Plant computer\nplant, traffic, sensor,\ndrive-by-wire kit"),
+    "modem": (2, 24, 26, 22, "Modem of all\nother vehicles"),
+    "vehicle": (72, 62, 26, 30, "Vehicle computer\ntracker, planner,\nsteering, safe stop"),
+    "unit": (72, 24, 26, 22, "On-board unit\nof the ego"),
+    "monitor": (36, 2, 28, 13, "Monitor (reads only)"),
 }  # fmt: skip
 
 
@@ -36,7 +38,7 @@ def plot_links(links: Sequence[dict[str, dict[str, Any]]]) -> "Figure":
     MissingExtraError
         If matplotlib is not installed.
     """
-    figure = new_figure(3.6)
+    figure = new_figure(4.2)
     axis = figure.add_subplot()
     axis.set(xlim=(0, 100), ylim=(0, 100))
     axis.axis("off")
@@ -46,12 +48,18 @@ def plot_links(links: Sequence[dict[str, dict[str, Any]]]) -> "Figure":
             x + 0.5 * width, y + 0.5 * height, text, ha="center", va="center", fontsize=TEXT.note,
             color=COLORS.ink,
         )  # fmt: skip
-    _arrow(axis, (29, 76), (71, 76), f"CAN: state, 50 Hz\n{_latency(links, 'state')}")
-    _arrow(axis, (71, 62), (29, 62), f"CAN: command, 50 Hz; safe stop, 10 Hz\n{_answer(links)}")
-    _arrow(axis, (29, 48), (71, 48), f"UDP: BSM of the others, 10 Hz each\n{_latency(links, 'radio')}")
-    _arrow(axis, (42, 40), (45, 20), "")
-    _arrow(axis, (58, 40), (55, 20), "")
-    axis.text(84.5, 32, f"planner\n{_latency(links, 'planner')}", ha="center", fontsize=TEXT.legend)
+    _arrow(axis, (28.4, 85), (71.6, 85), f"CAN: state, 50 Hz\n{_latency(links, 'state')}")
+    _arrow(axis, (71.6, 66), (28.4, 66), f"CAN: command, 50 Hz; safe stop, 10 Hz\n{_answer(links)}")
+    _arrow(axis, (28.4, 38), (71.6, 38), f"UDP: messages of the others, 10 Hz\n{_latency(links, 'radio')}")
+    _arrow(axis, (71.6, 28), (28.4, 28), "UDP: messages of the ego, 10 Hz")
+    for x in (15, 85):
+        _arrow(axis, (x, 61.5), (x, 46.5), "")
+        _arrow(axis, (x, 46.5), (x, 61.5), "")
+    axis.plot([50, 50], [27, 22], color=COLORS.faint, linewidth=1.0, linestyle=":")
+    _arrow(axis, (50, 24), (50, 15.5), "")
+    axis.text(
+        85, 93.5, f"planner: {_latency(links, 'planner')}", ha="center", va="bottom", fontsize=TEXT.tiny
+    )
     return figure
 
 

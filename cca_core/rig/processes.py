@@ -4,6 +4,7 @@ import pickle
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -85,10 +86,16 @@ def find_scenario(name: str) -> Scenario:
     InputError
         If there is none of this name.
     """
-    known = {scenario_id(each): each for each in paper_scenarios()}
+    known = _paper_scenarios()
     if name not in known:
         raise InputError(f"scenario must be one of {', '.join(known)}, was {name!r}")
     return known[name]
+
+
+@cache
+def _paper_scenarios() -> dict[str, Scenario]:
+    """All of the paper's scenarios by name; a second is needed to make them."""
+    return {scenario_id(each): each for each in paper_scenarios()}
 
 
 def run_plant(
