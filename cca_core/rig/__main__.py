@@ -14,9 +14,11 @@ from pathlib import Path
 from cca_core._optional import require_extra
 from cca_core.errors import CcaError
 from cca_core.real_time import RealTimeSettings
-from cca_core.rig.bus import BusLink, read_bus_log, replay_bus
+from cca_core.rig.bus import BusLink
+from cca_core.rig.bus_log import read_bus_log, replay_bus
 from cca_core.rig.clocks import RigClock
-from cca_core.rig.processes import find_scenario, run_plant, run_vehicle, scenario_id, write_record
+from cca_core.rig.processes import find_scenario, run_plant, run_vehicle, scenario_id
+from cca_core.rig.records import write_record
 from cca_core.rig.run import RigOptions, run_scenarios, write_summary
 from cca_core.sim import paper_scenarios
 

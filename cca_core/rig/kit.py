@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from cca_core._checks import check_real
-from cca_core.rig.safe_stop import SafeStop
+from cca_core.rig.safe_stop import SafeStop, StoredStop
 from cca_core.vehicle import VehicleState
 
 
@@ -144,8 +144,7 @@ class DriveByWireKit:
         self.has_timed_out = False
         self._steering: tuple[float, SteeringCommand] | None = None
         self._acceleration: tuple[float, AccelerationCommand] | None = None
-        self._plan: SafeStop | None = None
-        self._plan_start = self._distance = 0.0
+        self._stop = StoredStop()
         self._is_plan_new = False  # received since the state was entered
         self._was_disabled = self._was_not_clear = False  # seen since the state was entered
         self._last: tuple[float, float] | None = None  # time and road-wheel angle of the last actuation
@@ -153,7 +152,7 @@ class DriveByWireKit:
     @property
     def has_plan(self) -> bool:
         """Whether a safe stop is stored."""
-        return self._plan is not None
+        return self._stop.plan is not None
 
     def steer(self, t: float, command: SteeringCommand) -> None:
         """Take a steering command.
@@ -184,15 +183,18 @@ class DriveByWireKit:
             self._acceleration = t, command
             self._note_disabled(command.enable)
 
-    def load(self, plan: SafeStop) -> None:
+    def load(self, t: float, plan: SafeStop) -> None:
         """Store a safe stop that begins at the present position.
 
         Parameters
         ----------
+        t : float
+            Time of reception on the kit's clock [s].
         plan : SafeStop
             Executed when commands are missing.
         """
-        self._plan, self._plan_start, self._is_plan_new = plan, self._distance, True
+        self._stop.load(plan, t)
+        self._is_plan_new = True
 
     def step(self, t: float, measured: VehicleState, *, driver_override: bool = False) -> Actuation:
         """Advance by one cycle.
@@ -212,18 +214,17 @@ class DriveByWireKit:
             Steering and acceleration until the next cycle.
         """
         dt = 0.0 if self._last is None else min(max(t - self._last[0], 0.0), 1.0)
-        self._distance += max(measured.v_x, 0.0) * dt
+        self._stop.move(max(measured.v_x, 0.0), t)
         self._enter(self._next_state(t, driver_override))
         if self.state in (KitState.DISABLED, KitState.OVERRIDE):
             actuation = Actuation(delta=measured.delta, a_x=measured.a_x, by_driver=True)
         elif self.state is KitState.ENABLED and self._steering and self._acceleration:
             steering, a_x = self._steering[1], self._acceleration[1].a_x
             actuation = self._limited(steering.delta, a_x, dt, steering.delta_rate)
-        elif self._plan is not None:
-            actuation = self._limited(*self._plan.at(self._distance - self._plan_start), dt)
         else:
             held = measured.delta if self._last is None else self._last[1]
-            actuation = self._limited(held, -self.settings.blind_deceleration, dt)
+            blind = held, -self.settings.blind_deceleration
+            actuation = self._limited(*(self._stop.execute() or blind), dt)
         self._last = t, actuation.delta
         return actuation
 

@@ -10,8 +10,7 @@ from cca_core.decide import Action, Decision
 from cca_core.errors import InputError, Status
 from cca_core.planner.command import Command
 from cca_core.real_time import DurationHistogram
-from cca_core.rig.plant import PlantRow
-from cca_core.rig.vehicle import VehicleRow
+from cca_core.rig.records import PlantRow, VehicleRow
 from cca_core.sim.log import Log
 from cca_core.sim.recorder import LogBuilder
 from cca_core.sim.scenarios.road_user import RoadUser

@@ -1,16 +1,17 @@
 """Plant computer: the ego's plant, traffic, drive-by-wire kit and the modem of all other vehicles."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from cca_core.follow import steady_turn
 from cca_core.rig.detections import encode_detections
+from cca_core.rig.frames import Frame, KitStatus
 from cca_core.rig.kit import DriveByWireKit, KitSettings, KitState
-from cca_core.rig.messages import Codec, Frame, KitStatus
+from cca_core.rig.messages import Codec
 from cca_core.rig.receivers import CommandReceiver
+from cca_core.rig.records import PlantRow
 from cca_core.rig.wrap import wrap_message
 from cca_core.sim.loop import find_collision
 from cca_core.sim.plants.build import make_plant
@@ -18,7 +19,6 @@ from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.radio import Radio
 from cca_core.sim.world.sensor import Sensor
 from cca_core.sim.world.traffic import CYCLE_TIME, Traffic
-from cca_core.vehicle import VehicleState
 
 _MAX_STEPS = 25  # of the plant in one cycle, after a pause of the process
 _STALE_STEPS = 5  # cycles since the last call beyond which no command that has queued up is fresh
@@ -42,51 +42,6 @@ class Datagrams(Protocol):
 
     def drain(self, limit: int = ...) -> list[bytes]:
         """Return what has arrived."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PlantRow:
-    """One cycle of the plant.
-
-    Parameters
-    ----------
-    cycle : int
-        Number of the state [-], from 1 on.
-    state : VehicleState
-        Motion of the ego.
-    a_y : float
-        Its lateral acceleration [m/s^2].
-    users : tuple
-        x, y [m], psi [rad], speed [m/s], acceleration [m/s^2] and yaw rate [rad/s] of each road user.
-    frenet : tuple
-        Frenet coordinates s, d of each [m].
-    shifting, visible : tuple of bool
-        Whether each moves laterally, and whether the ego's sensor sees it.
-    actuation : tuple of float
-        Road-wheel angle [rad] and acceleration [m/s^2] that the kit applies from here on.
-    kit : KitState
-        State of the kit.
-    sent, sent_radio : float
-        UTC at which the state was sent [s], and number of messages to the ego so far [-].
-    answered : int
-        Number of the state that the last valid command answers [-].
-    collided_with : str
-        Id of the road user whose box overlaps the ego's; empty if none does.
-    """
-
-    cycle: int
-    state: VehicleState
-    a_y: float
-    users: tuple[tuple[float, ...], ...]
-    frenet: tuple[tuple[float, float], ...]
-    shifting: tuple[bool, ...]
-    visible: tuple[bool, ...]
-    actuation: tuple[float, float]
-    kit: KitState
-    sent: float
-    sent_radio: int
-    answered: int
-    collided_with: str
 
 
 class PlantNode:

@@ -1,12 +1,8 @@
-"""Processes of plant and vehicle: their loops, and the records that they leave."""
+"""Processes of plant and vehicle: their loops on real interfaces."""
 
-import pickle
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path as FilePath
-from typing import Any
 
 from cca_core.errors import InputError
 from cca_core.real_time import RealTimeLoop, RealTimeSettings, real_time_process
@@ -14,42 +10,18 @@ from cca_core.rig.bus import BusLink
 from cca_core.rig.clocks import ClockMap, RigClock
 from cca_core.rig.kit import KitSettings
 from cca_core.rig.messages import Codec
-from cca_core.rig.plant import PlantNode, PlantRow
+from cca_core.rig.plant import PlantNode
+from cca_core.rig.records import ProcessRecord
 from cca_core.rig.settings import RigSettings
 from cca_core.rig.telemetry import encode_telemetry
 from cca_core.rig.udp import UdpLink
-from cca_core.rig.vehicle import VehicleNode, VehicleRow, VehicleSettings
+from cca_core.rig.vehicle import VehicleNode, VehicleSettings
 from cca_core.sim.scenarios.paper import paper_scenarios
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.traffic import CYCLE_TIME
 
 PAUSE = 0.1
 """Time since the last pass of a loop from which on frames that have queued up are not fresh [s]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ProcessRecord:
-    """What a process leaves when it ends.
-
-    Parameters
-    ----------
-    rows : list
-        Rows of a `PlantNode` or of a `VehicleNode`.
-    loop : dict
-        Summary of its `RealTimeLoop`.
-    refused : dict
-        What the operating system did not grant.
-    messages : dict
-        Numbers of messages, as in `Log.messages`.
-    counts : dict
-        Counters by the name of their owner.
-    """
-
-    rows: list[PlantRow] | list[VehicleRow]
-    loop: dict[str, Any]
-    refused: dict[str, str]
-    messages: dict[str, int] = field(default_factory=dict)
-    counts: dict[str, dict[str, int]] = field(default_factory=dict)
 
 
 def scenario_id(scenario: Scenario) -> str:
@@ -249,44 +221,3 @@ def run_vehicle(
         messages={"ego_sent": node.counts["ego_sent"]},
         counts={"bus": dict(bus.counts), "state": dict(node.receiver.counts), "vehicle": dict(counts)},
     )  # fmt: skip
-
-
-def write_record(record: ProcessRecord, file: str | FilePath) -> None:
-    """Write the record of a process.
-
-    Parameters
-    ----------
-    record : ProcessRecord
-        The record.
-    file : str or pathlib.Path
-        File; it appears when it is complete.
-    """
-    unfinished = FilePath(file).with_suffix(".part")
-    unfinished.write_bytes(pickle.dumps(record))
-    unfinished.rename(file)
-
-
-def read_record(file: str | FilePath) -> ProcessRecord | None:
-    """Read the record of a process of this machine.
-
-    Parameters
-    ----------
-    file : str or pathlib.Path
-        File that `write_record` has written; read no file of another origin.
-
-    Returns
-    -------
-    record : ProcessRecord or None
-        None if the process left none.
-
-    Raises
-    ------
-    InputError
-        If the file holds something else.
-    """
-    if not FilePath(file).exists():
-        return None
-    record = pickle.loads(FilePath(file).read_bytes())
-    if not isinstance(record, ProcessRecord):
-        raise InputError(f"file {str(file)!r} must hold a ProcessRecord, had {type(record).__name__}")
-    return record

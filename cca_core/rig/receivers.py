@@ -6,8 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from cca_core._checks import check_real
+from cca_core.rig.frames import Frame, KitStatus
 from cca_core.rig.kit import DriveByWireKit, KitState, SteeringCommand
-from cca_core.rig.messages import COMMAND_MESSAGES, STATE_MESSAGES, Codec, Frame, KitStatus
+from cca_core.rig.messages import COMMAND_MESSAGES, STATE_MESSAGES, Codec
 from cca_core.rig.protection import CheckStatus, LinkState, ProtectedReceiver, ProtectionSettings
 from cca_core.rig.safe_stop import SAFE_STOP_POINTS
 from cca_core.vehicle import VehicleState
@@ -249,7 +250,7 @@ class CommandReceiver:
                 self.counts[status.name.lower()] += 1
                 continue
             if name == "SAFE_STOP":
-                self._collect(frame)
+                self._collect(frame, t)
             elif (cycle - int(self._codec.decode(frame)["Cycle"])) % 65536 > self._max_cycle_age:
                 self.counts["late"] += 1
                 continue
@@ -268,7 +269,7 @@ class CommandReceiver:
         else:
             self._kit.accelerate(t, command)
 
-    def _collect(self, frame: Frame) -> None:
+    def _collect(self, frame: Frame, t: float) -> None:
         """Collect the frames of a plan; load it when it is complete."""
         signals = self._codec.decode(frame)
         if signals["Index"] == 0:
@@ -279,5 +280,5 @@ class CommandReceiver:
         else:
             self._plan = []
         if len(self._plan) == SAFE_STOP_POINTS // 2:
-            self._kit.load(self._codec.safe_stop(self._plan))
+            self._kit.load(t, self._codec.safe_stop(self._plan))
             self._plan = []

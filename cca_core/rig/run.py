@@ -12,9 +12,10 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from cca_core.errors import CcaError
-from cca_core.rig.bus import BusRecorder
+from cca_core.rig.bus_log import BusRecorder
 from cca_core.rig.merge import measure_links, merge_log
-from cca_core.rig.processes import ProcessRecord, find_scenario, read_record, scenario_id
+from cca_core.rig.processes import find_scenario, scenario_id
+from cca_core.rig.records import ProcessRecord, read_record
 from cca_core.rig.settings import RigSettings, read_rig_settings
 from cca_core.sim.log import Log
 from cca_core.sim.scenarios.scenario import Scenario

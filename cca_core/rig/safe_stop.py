@@ -1,5 +1,6 @@
 """Safe stop: steering and braking over distance that bring the ego to rest on its reference path."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,6 +72,36 @@ class SafeStop:
         w = position - i
         delta = (1.0 - w) * self.delta[i] + w * self.delta[i + 1]
         return delta, -((1.0 - w) * self.deceleration[i] + w * self.deceleration[i + 1])
+
+
+class StoredStop:
+    """The last safe stop of a computer, and the distance since it was planned."""
+
+    def __init__(self) -> None:
+        self.plan: SafeStop | None = None
+        self._distance, self._v, self._t = 0.0, 0.0, -math.inf
+
+    def load(self, plan: SafeStop, t: float) -> None:
+        """Store a safe stop that begins at the present position."""
+        self.plan, self._distance, self._t = plan, 0.0, t
+
+    def move(self, v_x: float, t: float) -> None:
+        """Advance by the distance since the last call, at a measured speed [m/s]."""
+        self._distance += 0.5 * (self._v + v_x) * self._elapsed(t)
+        self._v, self._t = v_x, t
+
+    def execute(self, t: float | None = None) -> tuple[float, float] | None:
+        """Return road-wheel angle [rad] and acceleration [m/s^2] at this distance; None without a plan."""
+        if self.plan is None:
+            return None
+        if t is not None:  # no speed is measured: the vehicle has braked as planned
+            _, a_x = self.plan.at(self._distance)
+            self.move(max(self._v + a_x * self._elapsed(t), 0.0), t)
+        return self.plan.at(self._distance)
+
+    def _elapsed(self, t: float) -> float:
+        """Time since the last call [s]; a pause of the process counts as 1 s."""
+        return min(max(t - self._t, 0.0), 1.0) if self._t > -math.inf else 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,23 +9,23 @@ import numpy as np
 
 from cca_core.band import Band
 from cca_core.geometry import wrap_angle
-from cca_core.path import LocalFrame
-from cca_core.planner.command import Command
 from cca_core.rig.clocks import ClockMap
 from cca_core.rig.detections import decode_detections
+from cca_core.rig.ego_sender import EgoSender
+from cca_core.rig.frames import Frame
 from cca_core.rig.kit import AccelerationCommand, KitState, SteeringCommand
-from cca_core.rig.messages import Codec, Frame
+from cca_core.rig.messages import Codec
 from cca_core.rig.plant import Bus, Datagrams
 from cca_core.rig.receivers import StateReceiver, StateSettings
-from cca_core.rig.safe_stop import SafeStop, SafeStopSettings, plan_safe_stop
+from cca_core.rig.records import VehicleRow
+from cca_core.rig.safe_stop import SafeStop, SafeStopSettings, StoredStop, plan_safe_stop
 from cca_core.rig.takeover import Takeover
 from cca_core.rig.wrap import wrap_message
 from cca_core.sim.loop import make_controller
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.perception import Perception
-from cca_core.sim.world.radio import bsm_of
 from cca_core.sim.world.tailgating import LeadMotion, Tailgating
-from cca_core.v2x import Sender, SenderSettings, TrackerHealth
+from cca_core.v2x import TrackerHealth
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
 
@@ -52,41 +52,6 @@ class VehicleSettings:
     detection_timeout: float = 0.1
     ego_id: str = "ffffffff"
     clears: bool = True
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class VehicleRow:
-    """One command of the vehicle computer.
-
-    Parameters
-    ----------
-    cycle : int
-        Number of the state that it answers [-].
-    command : Command
-        The command with its reason.
-    remotes : tuple of RemoteVehicle
-        Vehicles known in this cycle.
-    messages : tuple of bytes
-        Messages received since the last cycle.
-    a_x : float
-        Acceleration that was sent [m/s^2]: the command's, or that of a fixed time gap.
-    gap_held : bool
-        Whether a fixed time gap was kept instead of the command's acceleration.
-    cycle_us : float
-        Time of the planner [us].
-    received, sent : float
-        UTC at which the state was complete, and at which the command was sent [s].
-    """
-
-    cycle: int
-    command: Command
-    remotes: tuple[RemoteVehicle, ...]
-    messages: tuple[bytes, ...]
-    a_x: float
-    gap_held: bool
-    cycle_us: float
-    received: float
-    sent: float
 
 
 class VehicleNode:
@@ -156,15 +121,13 @@ class VehicleNode:
         gap = scenario.fixed_gap
         self._tailgating = None if gap is None else Tailgating(scenario, gap)
         self._takeover = Takeover(clears=self.settings.clears)
-        self._sender = self._new_sender()
-        self._sent_utc = -np.inf
+        self._unit = EgoSender(scenario, self.settings.ego_id)
         self._detections: tuple[float, list[RemoteVehicle]] = -np.inf, []
         self._heading, self._s, self._lead_s = 0.0, scenario.start, scenario.start
         self._counter = self._plan_counter = self._plan_number = 0
-        self._plan: SafeStop | None = None
+        self._stop = StoredStop()
         self._plan_state = KitState.DISABLED  # of the kit when the last plan was sent
-        self._t_sent, self._distance, self._v = -np.inf, 0.0, 0.0
-        self._t_moved = -np.inf  # to which the distance since the plan is known
+        self._t_sent = -np.inf
         self.last: VehicleRow | None = None
         self.band: Band | None = None
         self.health: TrackerHealth | None = None
@@ -202,8 +165,8 @@ class VehicleNode:
         received, now = utc(), self._clocks.utc(t)
         messages = tuple(self._radio.drain())
         self._take_detections(t)
-        self._move(state.v_x, t)
-        is_ready = self._plan is not None and self._plan_state is status.state
+        self._stop.move(state.v_x, t)
+        is_ready = self._stop.plan is not None and self._plan_state is status.state
         enable, clear = self._takeover.next(status.state, is_ready=is_ready)
         delta, a_x, reference = state.delta, 0.0, self._scenario.road.path
         if status.cycle > 0 and status.state in (KitState.ENABLED, KitState.SAFE_STOP):
@@ -214,11 +177,14 @@ class VehicleNode:
             self._record_sent(utc())
         self.counts["answered"] += 1
         due = self.counts["answered"] % self.settings.safe_stop_cycles == 0
-        if due or self._plan is None or self._plan_state is not status.state:
+        if due or self._stop.plan is None or self._plan_state is not status.state:
             plan = plan_safe_stop(self._scenario.vehicle, reference, state, self._safe_stop)
             self._send_plan(plan, t)
             self._plan_state = status.state
-        self._send_message(t, state, status.cycle)
+        message = self._unit.poll(self._clocks.senders(t), state) if status.cycle > 0 else None
+        if message is not None:
+            self._radio.send(wrap_message(message, self._wrapper))
+            self.counts["ego_sent"] += 1
 
     def watch(self, t: float) -> None:
         """Send the stored safe stop if the state is lost.
@@ -230,14 +196,14 @@ class VehicleNode:
         """
         status = self.receiver.status
         due = t - self._t_sent >= self.settings.period - 1e-9
-        if status is None or self._plan is None or not self.receiver.is_lost(t) or not due:
+        if status is None or not self.receiver.is_lost(t) or not due:
             return
-        delta, a_x = self._plan.at(self._distance)
-        self._move(max(self._v + a_x * min(t - self._t_moved, 1.0), 0.0), t)
-        delta, a_x = self._plan.at(self._distance)
+        command = self._stop.execute(t)
+        if command is None:
+            return
         self.counts["blind"] += 1
         enable, cycle = status.state is KitState.ENABLED, status.cycle + self._blind_cycles(t)
-        self._send(delta, a_x, enable, False, cycle, t)
+        self._send(*command, enable, False, cycle, t)
 
     def _blind_cycles(self, t: float) -> int:
         """Return the number of states that should have arrived since the last."""
@@ -307,12 +273,6 @@ class VehicleNode:
             else:
                 self._detections = t, found[1]
 
-    def _move(self, v: float, t: float) -> None:
-        """Advance the distance since the last plan."""
-        if self._t_moved > -np.inf:
-            self._distance += 0.5 * (self._v + v) * min(max(t - self._t_moved, 0.0), 1.0)
-        self._v, self._t_moved = v, t
-
     def _send(self, delta: float, a_x: float, enable: bool, clear: bool, cycle: int, t: float) -> None:
         self._counter += 1
         steering = SteeringCommand(
@@ -325,30 +285,10 @@ class VehicleNode:
     def _send_plan(self, plan: SafeStop, t: float) -> None:
         self._bus.send(self._codec.safe_stop_frames(plan, self._plan_number, self._plan_counter))
         self._plan_number, self._plan_counter = self._plan_number + 1, self._plan_counter + 13
-        self._plan, self._distance, self._t_moved = plan, 0.0, t
+        self._stop.load(plan, t)
         self.counts["plans"] += 1
 
     def _record_sent(self, utc: float) -> None:
         row = self.last
         if row is not None and (not self.rows or self.rows[-1].cycle != row.cycle):
             self.rows.append(replace(row, sent=utc))
-
-    def _new_sender(self) -> Sender:
-        frame = LocalFrame(*self._scenario.origin)
-        return Sender(self.settings.ego_id, frame, SenderSettings(), np.random.default_rng(0))
-
-    def _send_message(self, t: float, state: VehicleState, cycle: int) -> None:
-        """Send the ego's own message if one is due."""
-        utc = self._clocks.senders(t)
-        if utc < self._sent_utc:  # the senders' time was found to be earlier
-            self._sender = self._new_sender()
-        self._sent_utc = utc
-        if not self._scenario.v2v or cycle == 0:
-            return
-        car = self._scenario.vehicle
-        center = car.center_at(state.x, state.y, state.psi)
-        motion = (*center, state.psi, max(state.v_x, 0.0), state.a_x, state.r)
-        data = self._sender.poll(utc, bsm_of("ego", motion, car, frozenset()))
-        if data is not None:
-            self._radio.send(wrap_message(data, self._wrapper))
-            self.counts["ego_sent"] += 1

@@ -53,7 +53,7 @@ def stopping_kit(t: float = 0.2, plan: SafeStop | None = PLAN) -> DriveByWireKit
     """A kit that has just begun a safe stop at a time."""
     kit = enabled_kit()
     if plan is not None:
-        kit.load(plan)
+        kit.load(0.0, plan)
     kit.step(t, MOTION)
     assert kit.state is KitState.SAFE_STOP
     return kit
@@ -135,7 +135,7 @@ def test_clear_needs_plan_made_since_safe_stop(replanned: bool, state: KitState)
     command(kit, 0.22)
     kit.step(0.22, MOTION)
     if replanned:
-        kit.load(PLAN)
+        kit.load(0.22, PLAN)
     command(kit, 0.24, clear=True)
     kit.step(0.24, MOTION)
     assert kit.state is state
@@ -143,7 +143,7 @@ def test_clear_needs_plan_made_since_safe_stop(replanned: bool, state: KitState)
 
 def test_clear_without_edge_is_ignored() -> None:
     kit = stopping_kit()
-    kit.load(PLAN)
+    kit.load(0.22, PLAN)
     for k in range(10):
         command(kit, 0.22 + k * CYCLE, clear=True)
         kit.step(0.22 + k * CYCLE, MOTION)
@@ -264,7 +264,7 @@ def drive_with_faults(seed: int, cycles: int = 150) -> set[KitState]:
                     else:
                         kit.accelerate(t, AccelerationCommand(a_x=rng.uniform(-7.0, 2.0), enable=wish))
         if rng.random() < 0.2:
-            kit.load(PLAN)
+            kit.load(t, PLAN)
         override, before = fault == "override", kit.state
         actuation = kit.step(t, MOTION, driver_override=override)
         after = kit.state

@@ -37,6 +37,7 @@ from cca_core.rig import (
     wrap_message,
     write_record,
 )
+from cca_core.rig.__main__ import main
 from cca_core.sim import Log, paper_scenarios, replay, simulate
 from cca_core.v2x import Bsm, encode_bsm
 from tests.support.rig_world import RigWorld
@@ -108,6 +109,12 @@ def test_names_of_scenarios_are_unique() -> None:
     assert len(set(names)) == len(names)
     with pytest.raises(InputError, match="maneuver/2/v2v"):
         find_scenario("moon landing")
+
+
+@pytest.mark.parametrize("command", ["run", "plant", "vehicle", "monitor"])
+def test_unknown_scenario_ends_with_message(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([command, "moon landing"]) == 2
+    assert "scenario must be one of" in capsys.readouterr().err
 
 
 def test_record_returns(tmp_path: Path) -> None:
