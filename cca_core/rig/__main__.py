@@ -106,6 +106,7 @@ def _plant(given: argparse.Namespace) -> int:
     record = run_plant(
         find_scenario(given.scenario), options.settings, RigClock(given.rate), plant=given.plant,
         seed=given.seed, real_time=_real_time(given), is_stopped=_stop_flag(),
+        records=given.record is not None,
     )  # fmt: skip
     if given.record is not None:
         write_record(record, given.record)
@@ -115,7 +116,7 @@ def _plant(given: argparse.Namespace) -> int:
 def _vehicle(given: argparse.Namespace) -> int:
     record = run_vehicle(
         find_scenario(given.scenario), _options(given).settings, RigClock(given.rate),
-        real_time=_real_time(given), is_stopped=_stop_flag(),
+        real_time=_real_time(given), is_stopped=_stop_flag(), records=given.record is not None,
     )  # fmt: skip
     if given.record is not None:
         write_record(record, given.record)

@@ -67,6 +67,8 @@ class PlantNode:
         Wrapper around sent messages, one of `WRAPPERS`.
     kit : KitSettings, optional
         Limits of the drive-by-wire kit.
+    records : bool
+        Whether every row is kept; else the last two, so that memory does not grow.
 
     Attributes
     ----------
@@ -101,6 +103,7 @@ class PlantNode:
         seed: int | None = None,
         wrapper: str = "unsecured",
         kit: KitSettings | None = None,
+        records: bool = True,
     ) -> None:
         path, vehicle = scenario.road.path, scenario.vehicle
         self.kit = DriveByWireKit(kit)
@@ -108,7 +111,7 @@ class PlantNode:
         self.rows: list[PlantRow] = []
         self.messages = {"sent": 0, "delivered": 0, "ego_sent": 0, "ego_delivered": 0}
         self._scenario, self._bus, self._radio, self._sensor = scenario, bus, radio, sensor
-        self._codec, self._wrapper = codec, wrapper
+        self._codec, self._wrapper, self._records = codec, wrapper, records
         self._seed = scenario.seed if seed is None else seed
         self._car = make_plant(plant, vehicle, steady_turn(path, scenario.start, scenario.v_x, vehicle))
         self._traffic, self._detector = Traffic(scenario), Sensor(scenario)
@@ -192,6 +195,9 @@ class PlantNode:
             sent_radio=self.messages["delivered"], answered=self.receiver.cycle,
             collided_with=find_collision(self._scenario, state, users),
         ))  # fmt: skip
+
+        if not self._records:
+            del self.rows[:-2]
 
     def _send_state(self) -> None:
         status = KitStatus(

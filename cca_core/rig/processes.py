@@ -80,6 +80,7 @@ def run_plant(
     real_time: RealTimeSettings | None = None,
     start_within: float = 30.0,
     is_stopped: Callable[[], bool] = lambda: False,
+    records: bool = True,
 ) -> ProcessRecord:
     """Run the plant computer to the end of a scenario.
 
@@ -101,6 +102,8 @@ def run_plant(
         Time within which the vehicle has to enable the kit [s].
     is_stopped : callable
         Whether to end now.
+    records : bool
+        Whether every row is kept.
 
     Returns
     -------
@@ -118,7 +121,7 @@ def run_plant(
     sensor = UdpLink(None, [settings.sensor_address])
     node = PlantNode(
         scenario, bus, radio, sensor, Codec(settings.steering), plant=plant, seed=seed,
-        wrapper=settings.radio_wrapper,
+        wrapper=settings.radio_wrapper, records=records,
         kit=KitSettings(delta_max=car.delta_max, delta_rate_max=car.delta_rate_max),
     )  # fmt: skip
     clocks = ClockMap(clock.now(), clock.utc())
@@ -150,6 +153,7 @@ def run_vehicle(
     real_time: RealTimeSettings | None = None,
     vehicle: VehicleSettings | None = None,
     is_stopped: Callable[[], bool] = lambda: False,
+    records: bool = True,
 ) -> ProcessRecord:
     """Run the vehicle computer until it is stopped.
 
@@ -167,6 +171,8 @@ def run_vehicle(
         Cycle of the vehicle computer.
     is_stopped : callable
         Whether to end now.
+    records : bool
+        Whether every row is kept.
 
     Returns
     -------
@@ -184,7 +190,7 @@ def run_vehicle(
     clocks = ClockMap(clock.now(), clock.utc())
     node = VehicleNode(
         scenario, bus, radio, sensor, Codec(settings.steering), clocks, wrapper=settings.radio_wrapper,
-        settings=vehicle,
+        settings=vehicle, records=records,
     )  # fmt: skip
     counts: Counter[str] = Counter()
     with real_time_process(real_time) as refused:

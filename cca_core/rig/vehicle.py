@@ -79,6 +79,8 @@ class VehicleNode:
         When a state is not to be trusted.
     safe_stop : SafeStopSettings, optional
         How a safe stop is planned.
+    records : bool
+        Whether every row is kept; else the last two, so that memory does not grow.
 
     Attributes
     ----------
@@ -110,13 +112,14 @@ class VehicleNode:
         settings: VehicleSettings | None = None,
         state_settings: StateSettings | None = None,
         safe_stop: SafeStopSettings | None = None,
+        records: bool = True,
     ) -> None:
         self.settings, self._safe_stop = settings or VehicleSettings(), safe_stop or SafeStopSettings()
         self.receiver = StateReceiver(codec, state_settings)
         self.rows: list[VehicleRow] = []
         self.counts: Counter[str] = Counter()
         self._scenario, self._bus, self._radio, self._sensor = scenario, bus, radio, sensor
-        self._codec, self._clocks, self._wrapper = codec, clocks, wrapper
+        self._codec, self._clocks, self._wrapper, self._records = codec, clocks, wrapper, records
         self._controller, self._perception = make_controller(scenario), Perception(scenario)
         gap = scenario.fixed_gap
         self._tailgating = None if gap is None else Tailgating(scenario, gap)
@@ -292,3 +295,5 @@ class VehicleNode:
         row = self.last
         if row is not None and (not self.rows or self.rows[-1].cycle != row.cycle):
             self.rows.append(replace(row, sent=utc))
+            if not self._records:
+                del self.rows[:-2]
