@@ -15,7 +15,7 @@ from cca_core._optional import require_extra
 from cca_core.errors import CcaError
 from cca_core.real_time import RealTimeSettings
 from cca_core.rig.bus import BusLink
-from cca_core.rig.bus_log import read_bus_log, replay_bus
+from cca_core.rig.bus_log import LOG_ENDINGS, read_bus_log, replay_bus
 from cca_core.rig.clocks import RigClock
 from cca_core.rig.processes import find_scenario, run_plant, run_vehicle, scenario_id
 from cca_core.rig.records import write_record
@@ -47,6 +47,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("scenario", nargs="*", help="names such as maneuver/2/v2v; default: all of the paper")
     run.add_argument("--out", type=Path, default=Path("out/rig"), help="folder for the results")
     run.add_argument("--jobs", type=int, default=4, help="number of rigs at the same time")
+    run.add_argument("--log", choices=LOG_ENDINGS, default=".blf", help="ending of the bus logs")
     for role in ("plant", "vehicle"):
         node = commands.add_parser(role, parents=[shared], help=f"run the {role} computer")
         node.add_argument("scenario")
@@ -74,9 +75,9 @@ def _stop_flag() -> Callable[[], bool]:
 
 
 def _run(given: argparse.Namespace) -> int:
-    report = require_extra("cca_core.report", "rig")
     require_extra("matplotlib", "rig")
     tqdm = require_extra("tqdm", "rig").tqdm
+    from cca_core.report import summarize_outcome, write_report
     from cca_core.rig.figure import plot_links
 
     names = given.scenario or [scenario_id(each) for each in paper_scenarios()]
@@ -85,15 +86,16 @@ def _run(given: argparse.Namespace) -> int:
     given.out.mkdir(parents=True, exist_ok=True)
     with tqdm(total=len(names), unit="scenario", desc="driving", disable=None) as bar:
         runs = run_scenarios(
-            names, given.out, _options(given), jobs=given.jobs, progress=lambda _: bar.update()
-        )
+            names, given.out, _options(given), jobs=given.jobs, log_ending=given.log,
+            progress=lambda _: bar.update(),
+        )  # fmt: skip
     write_summary(runs, given.out / "summary.json")
     plot_links([run.links for run in runs]).savefig(given.out / "links.png", dpi=110)
-    report.write_report([run.log for run in runs], given.out / "report.html", figures=given.out)
+    write_report([run.log for run in runs], given.out / "report.html", figures=given.out)
     for run in runs:
         links, log = run.links, run.log
         sys.stdout.write(
-            f"{scenario_id(log.scenario):28} {report.summarize_outcome(log):44} "
+            f"{scenario_id(log.scenario):28} {summarize_outcome(log):44} "
             f"{links['commands']['late']:4d} of {links['commands']['cycles']} commands late, "
             f"answer {links['command']['median_us'] / 1000.0:.1f} ms\n"
         )

@@ -213,6 +213,7 @@ def run_scenarios(
     options: RigOptions | None = None,
     *,
     jobs: int = 4,
+    log_ending: str = ".blf",
     progress: Callable[[str], object] | None = None,
 ) -> list[RigRun]:
     """Drive scenarios through several rigs at the same time.
@@ -227,6 +228,8 @@ def run_scenarios(
         How the processes run; each rig gets a number of its own.
     jobs : int
         Number of rigs [-].
+    log_ending : str
+        Ending of the bus logs, one of `LOG_ENDINGS`.
     progress : callable, optional
         Called with the name of each scenario that is done.
 
@@ -252,7 +255,9 @@ def run_scenarios(
                 settings_file=options.settings_file, number=number, rate=options.rate, plant=options.plant,
                 seed=options.seed, priority=options.priority,
             )  # fmt: skip
-            run = run_scenario(find_scenario(name), own, bus_log=folder / f"{name.replace('/', '_')}.blf")
+            run = run_scenario(
+                find_scenario(name), own, bus_log=folder / (name.replace("/", "_") + log_ending)
+            )
         finally:
             free.put(number)
         if progress is not None:

@@ -250,14 +250,20 @@ def test_safe_stop_is_loaded_when_complete(codec: Codec) -> None:
     assert actuation.a_x == pytest.approx(-6.5)
 
 
-@pytest.mark.parametrize(("age", "state"), [(5, KitState.ENABLED), (6, KitState.SAFE_STOP)])
+@pytest.mark.parametrize(
+    ("age", "state"),
+    [
+        (5, KitState.ENABLED), (6, KitState.SAFE_STOP), (-5, KitState.ENABLED), (-6, KitState.SAFE_STOP),
+        (300, KitState.SAFE_STOP),
+    ],
+)  # fmt: skip
 def test_command_that_answers_old_state_is_late(codec: Codec, age: int, state: KitState) -> None:
     """Delayed frames have good counters; the state that they answer shows their age."""
     kit = DriveByWireKit()
     receiver = CommandReceiver(kit, codec)
     for k in range(40):
         delay = age if k > 12 else 0
-        receiver.take(command_frames(codec, k, enable=k > 6, cycle=max(k - delay, 0)), 0.02 * k, k)
+        receiver.take(command_frames(codec, k, enable=k > 6, cycle=k - delay), 0.02 * k, k)
         kit.step(0.02 * k, STATE)
     assert kit.state is state
     assert receiver.counts["late"] == (2 * 27 if state is KitState.SAFE_STOP else 0)

@@ -8,7 +8,6 @@ import multiprocessing
 import os
 import threading
 import time
-from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import Any
 
@@ -44,12 +43,16 @@ def memory_mb() -> float:
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
-def run(role: str, minutes: float, priority: int, stop: Event, results: Any) -> None:
-    """One process: plant, vehicle or the bare loop."""
+def run(role: str, minutes: float, priority: int, stop: Any, results: Any) -> None:
+    """One process: plant, vehicle or the bare loop; `stop` is a shared flag without a lock."""
     memory: list[float] = []
 
+    def is_stopped() -> bool:
+        return bool(stop.value)
+
     def watch() -> None:
-        while not stop.wait(10.0):
+        while not is_stopped():
+            time.sleep(10.0)
             memory.append(memory_mb())
 
     threading.Thread(target=watch, daemon=True).start()
@@ -57,13 +60,13 @@ def run(role: str, minutes: float, priority: int, stop: Event, results: Any) -> 
     if role == "bare":
         with real_time_process(settings) as refused:
             loop = RealTimeLoop(0.02)
-            while not stop.is_set():
+            while not is_stopped():
                 loop.wait()
         results.put((role, loop.summary(), {}, refused, memory))
         return
     drive = run_plant if role == "plant" else run_vehicle
     record = drive(
-        scenario(minutes), options.settings, RigClock(), real_time=settings, is_stopped=stop.is_set,
+        scenario(minutes), options.settings, RigClock(), real_time=settings, is_stopped=is_stopped,
         records=False,
     )  # fmt: skip
     results.put((role, record.loop, record.counts, record.refused, memory))
@@ -77,7 +80,7 @@ def main() -> None:
     parser.add_argument("--log", type=Path, default=Path("endurance.blf"))
     given = parser.parse_args()
     context = multiprocessing.get_context("spawn")
-    stop, results = context.Event(), context.Queue()
+    stop, results = context.Value("b", 0, lock=False), context.Queue()
     recorder = BusRecorder(RigOptions(number=90).settings.bus, given.log)
     arguments = given.minutes, given.priority, stop, results
     processes = {
@@ -88,7 +91,7 @@ def main() -> None:
     begin = time.monotonic()
     while time.monotonic() - begin < 60.0 * given.minutes + 90.0 and processes["plant"].is_alive():
         time.sleep(1.0)
-    stop.set()
+    stop.value = 1
     for _ in processes:
         role, loop, counts, refused, memory = results.get(timeout=60.0)
         print(f"{role}: {loop}\n  refused {refused}, counts {counts}")
