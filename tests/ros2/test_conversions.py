@@ -49,7 +49,7 @@ def test_heading_of_quaternion(conversions: ModuleType, psi: float) -> None:
     assert conversions.heading(quaternion(psi)) == pytest.approx(psi)
 
 
-def test_odometry_of_rear_axle_becomes_motion_of_center_of_gravity(conversions: ModuleType) -> None:
+def test_odometry_of_rear_axle_is_moved_to_center_of_gravity(conversions: ModuleType) -> None:
     state = conversions.to_state(
         odometry(10.0, 5.0, math.pi / 2, 8.0, 0.2), CAR, base_to_cg=CAR.l_r, a_x=-1.0
     )
