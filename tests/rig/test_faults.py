@@ -45,6 +45,10 @@ def stop_and_check(world: RigWorld, cycles: int = 500) -> None:
     """Run until the ego is at rest, and check that its body is inside the lanes."""
     world.run(lambda w: w.state.v_x == 0.0, cycles)
     assert world.state.v_x == 0.0
+    assert_in_lanes(world)
+
+
+def assert_in_lanes(world: RigWorld) -> None:
     road, car = world.scenario.road, world.scenario.vehicle
     corners = car.body_at(world.state.x, world.state.y, world.state.psi).corners().reshape(-1, 2)
     d = road.path.project(corners)[1]
@@ -196,6 +200,29 @@ def test_restarted_process_takes_over_by_clear(world: RigWorld, cycles: int) -> 
     assert abs(world.plant.rows[-1].actuation[0] - before) <= 0.6 * 0.02 + 1e-9
     world.run()
     assert world.plant.rows[-1].collided_with == ""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", ["commands", "states"])
+@pytest.mark.parametrize("case", ["1-fast", "1-smooth", "2", "3"])
+def test_safe_stop_from_anywhere_in_run_ends_in_lanes(case: str, fault: str) -> None:
+    """Commands or states are lost every 0.8 s of the run, and every 0.2 s off the lane.
+
+    An overtaken road user of these scenarios does not react: it may hit the ego, which stops ahead of it.
+    """
+    running, stops = RigWorld(SCENARIOS["maneuver", case, "v2v"]), 0
+    running.run(started)
+    while len(running.plant.rows) + 450 < running.scenario.duration / 0.02:
+        stopping = copy.deepcopy(running)
+        stopping.dead = fault == "commands"
+        if fault == "states":
+            stopping.plant_bus.tamper = tampered("lost", random.Random(0))
+        stopping.run(lambda w: w.state.v_x == 0.0, 450)
+        assert stopping.state.v_x == 0.0 or stopping.plant.rows[-1].collided_with.startswith("R")
+        assert_in_lanes(stopping)
+        stops += 1
+        running.run(cycles=10 if abs(running.d) > 0.3 else 40)
+    assert stops > 20
 
 
 def test_driver_override_ends_control_until_enabled_again() -> None:

@@ -10,6 +10,7 @@ import socket
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -184,23 +185,31 @@ def test_restarted_vehicle_process_takes_over(start: Callable[[Scenario], Rig]) 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("target", ["bus", "radio"])
+@pytest.mark.parametrize("target", ["bus", "frames", "commands", "radio"])
 def test_flood_of_garbage_never_ends_in_collision(start: Callable[[Scenario], Rig], target: str) -> None:
-    """Some 10 000 datagrams a second on the port of the bus, or of the radio."""
+    """Some 10 000 datagrams a second: bytes, foreign frames, or spoiled commands on the bus; bytes on air."""
     rig = start(EEBL)
     rig.until(lambda r: r.receiver.status is not None and r.receiver.status.cycle > 20)
     stop = threading.Event()
-    host, port = ("239.74.163.2", rig.settings.bus["port"])
-    if target == "radio":
-        host, _, text = rig.settings.radio_to_vehicle.rpartition(":")
-        port = int(text)
+    address = (
+        rig.settings.radio_to_vehicle if target == "radio" else f"239.74.163.2:{rig.settings.bus['port']}"
+    )
+    host, _, port = address.rpartition(":")
+    pack = import_module("can.interfaces.udp_multicast.utils").pack_message
+    message = import_module("can").Message
+
+    def content() -> bytes:
+        if target in ("bus", "radio"):
+            return os.urandom(40)
+        number = 0x100 + os.urandom(1)[0] % 2 if target == "commands" else 0x300 + os.urandom(1)[0]
+        return bytes(pack(message(arbitration_id=number, data=os.urandom(8), is_extended_id=False)))
 
     def flood() -> None:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
             while not stop.wait(0.01):
                 for _ in range(100):
-                    sender.sendto(os.urandom(40), (host, port))
+                    sender.sendto(content(), (host, int(port)))
 
     thread = threading.Thread(target=flood)
     thread.start()
