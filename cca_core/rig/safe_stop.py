@@ -169,6 +169,11 @@ def plan_safe_stop(
     safe_stop : SafeStop
         Its first point is at the ego.
 
+    Raises
+    ------
+    InputError
+        If `s_guess` is not finite.
+
     Notes
     -----
     The model is `SingleTrackPlant`, steered by a `PreviewController`. It coasts for the reaction time and
@@ -176,7 +181,10 @@ def plan_safe_stop(
     """
     settings = settings or SafeStopSettings()
     car, controller = SingleTrackPlant(vehicle, replace(state, a_x=0.0)), PreviewController(vehicle)
-    guess = float(reference.project((state.x, state.y))[0]) if s_guess is None else s_guess
+    if s_guess is None:
+        guess = float(reference.project((state.x, state.y))[0])
+    else:
+        guess = check_real("s_guess", s_guess)
     distance, t, a_y = 0.0, 0.0, state.v_x * state.r
     points = []
     while t < settings.max_time and (t < settings.reaction_time or car.state.v_x > 0.1):
