@@ -75,7 +75,7 @@ def _lend_again(
 def reuse(owner: type[T], **sizes: int) -> Lent[T]:
     """Return a workspace that this thread has given back, with what is in it, or a new one.
 
-    Nobody else gets it until `give_back`: a signal handler may run within a call and make the same call.
+    No other call gets it until `give_back`: a signal handler may run within a call and make the same call.
     """
     lent: Lent[T] | None = _kept().pop((owner, *sizes.items()), None)
     return lend(owner, None, **sizes) if lent is None else lent

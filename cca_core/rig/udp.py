@@ -69,7 +69,7 @@ class UdpLink:
             try:
                 self._socket.sendto(data, target)
                 self.counts["sent"] += 1
-            except OSError:  # nobody listens, the network is down, the buffer is full
+            except OSError:  # no receiver, no network, or a full buffer
                 self.counts["not_sent"] += 1
 
     def drain(self, limit: int = 500) -> list[bytes]:
@@ -89,7 +89,7 @@ class UdpLink:
         while len(found) < limit:
             try:
                 found.append(self._socket.recv(_MAX_BYTES))
-            except OSError:  # none left; or the answer that nobody listened to a sent one
+            except OSError:  # none left; or the answer that a sent one had no receiver
                 break
         self.counts["received"] += len(found)
         return found
