@@ -1,4 +1,4 @@
-"""Compile the kernel's C to an extension module beside its Python. Needs setuptools and a compiler."""
+"""Compile the kernel's C to a module in the folder of its Python. Needs setuptools and a compiler."""
 
 import os
 import sys

@@ -168,13 +168,13 @@ class Module:
         self.program.header += ["", *comment, *lines, f"}} {node.name};"]
 
     def check_sizes(self, node: ast.AST, name: str, kind: Kind, known: Mapping[str, Kind]) -> None:
-        """Refuse an array whose sizes are not whole numbers beside it."""
+        """Refuse an array whose sizes are not whole numbers next to it."""
         for size in kind.shape if isinstance(kind, Array) else ():
             parts = list(ast.walk(ast.parse(size or "None", mode="eval").body))
             names = [part.id for part in parts if isinstance(part, ast.Name)]
             is_sum = all(isinstance(part, SIZE_PARTS) for part in parts)
             if size in ("", "None") or not is_sum or any(known.get(each) is not Scalar.INT for each in names):
-                self.source.fail(node, f"the sizes of {name} must be sums of Ints beside it, was {size!r}")
+                self.source.fail(node, f"the sizes of {name} must be sums of Ints next to it, was {size!r}")
 
     def function(self, node: ast.FunctionDef) -> None:
         """Translate a function."""
