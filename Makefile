@@ -10,10 +10,11 @@ KERNEL := $(wildcard cca_core/kernel/c/*) cca_core/codegen/build.py
 export MPLBACKEND ?= Agg
 
 .DELETE_ON_ERROR:
-.PHONY: help demo test kernel lint docs bench table1 validate trials package clean
+.PHONY: help demo rig test kernel lint docs bench table1 validate trials package clean
 
 help:
 	@echo "make demo      drive the paper's scenarios; report, figures and summary.json in out/"
+	@echo "make rig       the same scenarios through processes, CAN and radio; report and bus logs in out/rig/"
 	@echo "make test      all that CI runs: lint, types, docs, tests, examples, notebooks"
 	@echo "make kernel    translate the kernel to C and compile it beside its Python"
 	@echo "make lint      ruff, mypy and the import contract alone"
@@ -30,6 +31,11 @@ demo: .venv/demo.stamp
 	@echo "make demo: drives for about a minute, then writes out/report.html (9 MB)"
 	@$(call editable,[plot,plant])
 	$(BIN)/python examples/paper_scenarios.py --out out
+
+rig: .venv/rig.stamp
+	@echo "make rig: drives in real time, for about three minutes, then writes out/rig/report.html"
+	@$(call editable,[rig])
+	$(ONE_THREAD) $(BIN)/python -m cca_core.rig run --out out/rig
 
 # the documentation runs the notebooks
 test: .venv/kernel.stamp
@@ -92,6 +98,12 @@ editable = $(BIN)/python -P -c 'import pathlib, sys, cca_core; \
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,plant]"
 	@touch $@
 
+.venv/rig.stamp: pyproject.toml
+	@echo "installing into .venv: about a minute"
+	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[rig]"
+	@touch $@
+
 # --group needs pip 25.1
 .venv/dev.stamp: pyproject.toml
 	@echo "installing into .venv, with all extras and the developer tools: 1 to 3 minutes, 1.5 GB"
@@ -102,7 +114,7 @@ editable = $(BIN)/python -P -c 'import pathlib, sys, cca_core; \
 
 # the installation compiles the kernel too; this does when it changes
 .venv/kernel.stamp: .venv/dev.stamp $(KERNEL)
-	@$(BIN)/python cca_core/codegen/build.py || echo "no compiler: the kernel runs in Python, slower"
+	@$(BIN)/python cca_core/codegen/build.py || echo "it runs in Python, slower"
 	@touch $@
 
 .venv/bench.stamp: .venv/dev.stamp

@@ -52,6 +52,13 @@ def check_reals(name: str, values: object, *, ge: float = -math.inf) -> tuple[fl
     return tuple(check_real(name, value, ge=ge) for value in values)
 
 
+def check_bool(name: str, value: object) -> bool:
+    """Return `value` if it is True or False; any other value, such as a text, is truthy by accident."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name} must be True or False, was {shown(value)}")
+    return bool(value)
+
+
 def read_real(name: str, value: object, *, ge: float = -math.inf, le: float = math.inf) -> float:
     """Return `value` as `check_real` does; it may be written as text, as in a file."""
     if isinstance(value, str):

@@ -1,10 +1,20 @@
 """Errors and the checks at the library's boundary."""
 
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
+from cca_core import Road, VehicleParams, fit_path
 from cca_core._checks import check_array, check_points, check_real
+from cca_core.baselines import Problem
 from cca_core.errors import CcaError, InfeasibleError, InputError, MissingExtraError, Status
+from cca_core.path import read_waypoints
+from cca_core.report import animate
+from cca_core.sim import RoadUser, eebl, overtaking, simulate
+from cca_core.v2x import PlausibilitySettings
 
 
 @pytest.mark.parametrize(
@@ -28,6 +38,38 @@ def test_statuses_are_distinct_sentences() -> None:
     values = [status.value for status in Status]
     assert len(values) == len(set(values)) == 5
     assert all(isinstance(value, str) and len(value.split()) >= 4 for value in values)
+
+
+ROAD = Road(fit_path([[0.0, 0.0], [400.0, 0.0], [900.0, 0.0]]))
+SCENARIO = eebl()
+FLAGS: dict[str, Callable[[Any], object]] = {
+    "closed": lambda flag: fit_path([[0.0, 0.0], [50.0, 0.0], [50.0, 50.0]], closed=flag),
+    "skip_invalid": lambda flag: read_waypoints("missing.csv", skip_invalid=flag),
+    "connected": lambda flag: RoadUser(id="a", s=0.0, d=0.0, v_x=1.0, connected=flag),
+    "shared_modem": lambda flag: replace(SCENARIO, shared_modem=flag),
+    "real_time": lambda flag: simulate(SCENARIO, real_time=flag),
+    "v2v": lambda flag: overtaking("2", ROAD.path, v2v=flag),
+    "frozen": lambda flag: PlausibilitySettings(frozen=flag),
+    "standalone": lambda flag: animate([], standalone=flag),
+    "solvable": lambda flag: Problem(
+        name="a",
+        road=ROAD,
+        vehicle=VehicleParams.bmw_320i(),
+        start=0.0,
+        goal=100.0,
+        v_x=10.0,
+        others=(),
+        solvable=flag,
+    ),
+}
+
+
+@pytest.mark.parametrize("value", ["no", "True", 1, 0, None, 1.0, []], ids=str)
+@pytest.mark.parametrize("name", FLAGS)
+def test_flag_that_is_no_bool_raises(name: str, value: Any) -> None:
+    """A text such as "no" is truthy; it does not count as True."""
+    with pytest.raises(InputError, match=f"^{name} must be True or False, was "):
+        FLAGS[name](value)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, None, "fast", [1.0, 2.0], 1j, {}])

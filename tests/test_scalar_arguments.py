@@ -43,7 +43,7 @@ VALUES = [
 
 def is_number(hint: object) -> bool:
     """Return whether a parameter takes a number, alone or in an array."""
-    if typing.get_origin(hint) in (dict, tuple):
+    if typing.get_origin(hint) in (dict, tuple, Callable):
         return False
     parts = typing.get_args(hint)
     return hint in (float, int) or float in parts or int in parts or "_NestedSequence" in str(hint)

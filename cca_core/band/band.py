@@ -6,7 +6,7 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 
-from cca_core._checks import Array, Mask
+from cca_core._checks import Array, Mask, check_real
 from cca_core.band.corridor import Side
 from cca_core.band.energy import kkt_residual
 from cca_core.band.outcome import Outcome, outcome_of
@@ -162,11 +162,18 @@ class Band:
         -------
         path : Path
             Reference path.
+
+        Raises
+        ------
+        InputError
+            If `start` is not finite, or so large that it has no digits left for the band.
         """
-        band = self._single()
+        band, start = self._single(), check_real("start", start)
         segments = len(band) - 1
         breaks, coefficients = np.empty(segments + 1), np.empty((segments, 8))
-        _join_cubics(segments, band.nodes, band.moment_over_6, float(start), breaks, coefficients)
+        _join_cubics(segments, band.nodes, band.moment_over_6, start, breaks, coefficients)
+        if not breaks[0] < breaks[1]:
+            raise InputError(f"start must be less in magnitude, was {start:g}")
         return Path._trusted(breaks, coefficients.reshape(segments, 2, 4))
 
     def require(self) -> Self:

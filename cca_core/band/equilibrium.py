@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array, Index, Mask
+from cca_core.errors import InputError
 from cca_core.kernel import bind
 from cca_core.kernel.band_workspace import Equilibrium
 from cca_core.kernel.equilibrium_batch import find_equilibria
-from cca_core.kernel.memory import reuse
+from cca_core.kernel.memory import give_back, reuse
 
 _find_equilibria = bind(find_equilibria)
 
@@ -60,12 +61,17 @@ def equilibrium(
     converged : ndarray of bool, shape (...)
         Whether the active set has converged; if not, `u` is the best so far.
 
+    Raises
+    ------
+    InputError
+        If there are fewer than 5 nodes, or the bounds have different shapes.
+
     Notes
     -----
     Minimizes ``1/2 u K u + 1/2 contact (sum max(lower - u, 0)^2 + max(u - upper, 0)^2)``, and the same for
     curvature, by a semi-smooth Newton iteration. The energy is convex and piecewise quadratic: a step that
     reproduces its active set is the minimum. If 10 full steps do not converge, a line search damps the next
-    ones, and the energy falls with every step. A batch is one block-diagonal system.
+    ones, and the energy falls with every step. A batch is a loop in the kernel.
 
     Examples
     --------
@@ -77,8 +83,9 @@ def equilibrium(
     >>> u.round(2).tolist(), int(solves), bool(converged)
     ([0.0, 0.0, 0.33, 0.67, 1.0, 0.67, 0.33, 0.0, 0.0], 1, True)
     """
-    shape = lower.shape
-    n = shape[-1]
+    shape, n = lower.shape, lower.shape[-1]
+    if n < 5 or upper.shape != shape:
+        raise InputError(f"lower and upper must have one shape (..., n) with at least 5 nodes, had {shape}")
     low, high = (np.ascontiguousarray(bound, dtype=np.float64).reshape(-1, n) for bound in (lower, upper))
     bands = len(low)
     rows = np.empty((bands, 5))
@@ -94,6 +101,7 @@ def equilibrium(
         space.workspace, bands, n, curvature_bounds is not None, rows, low, high,
         low_difference, high_difference, u, solves, converged,
     )  # fmt: skip
+    give_back(space)
     batch_shape = shape[:-1]
     return (
         u.reshape(shape), solves.astype(np.intp).reshape(batch_shape),

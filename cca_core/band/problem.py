@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, Complex, Index, check_any, check_real
+from cca_core._checks import Array, Index, check_any, check_real
 from cca_core.band.corridor import check_edges, stack_boxes
 from cca_core.band.settings import BandSettings
 from cca_core.band.stiffness import BandStiffness
@@ -45,13 +45,13 @@ class BandProblem:
         )
 
 
-def offset_curve(kappa: Array, u: Array, h: float | Array) -> tuple[Complex, Array]:
-    """Return relative unit tangents [-] and curvature [1/m] of the curve at a lateral offset from a route."""
+def offset_curvature(kappa: Array, u: Array, h: float) -> Array:
+    """Return the curvature [1/m] of the curve at lateral offsets, given at three nodes h apart."""
     slope, change = 0.5 * (u[2] - u[0]) / h, (u[2] - 2.0 * u[1] + u[0]) / (h * h)
     along = 1.0 - kappa * u[1]
-    speed = np.hypot(along, slope)
-    curvature: Array = (along * (change + kappa * along) + 2.0 * kappa * slope**2) / speed**3
-    return (along + 1j * slope) / speed, curvature
+    turn = along * (change + kappa * along) + 2.0 * kappa * slope**2
+    curvature: Array = turn / np.hypot(along, slope) ** 3
+    return curvature
 
 
 def make_problem(

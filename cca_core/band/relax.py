@@ -89,7 +89,7 @@ def relax_band(
     Eqs (4)-(10) of the paper with three changes. Forces act along the path normal. Obstacles push one-sidedly
     until the clearance is reached, by a semi-smooth Newton iteration on the active set with one banded solve
     per step. The band resists bending. Contacts yield a little and rotated boxes protrude: the bounds are
-    moved by the shortfall of the swept boxes, and the band is solved again.
+    moved by the shortfall of the swept boxes, and the band is solved again, from where it is.
 
     Examples
     --------

@@ -23,12 +23,17 @@ from cca_core.kernel.band_workspace import (
     Equilibrium,
 )
 from cca_core.kernel.batches import in_chunks
-from cca_core.kernel.memory import reuse
+from cca_core.kernel.memory import give_back, lend, put, reuse
 
 _relax_bands, _measure_band = bind(relax_bands), bind(measure_band)
 _CHUNK = 32  # bands that are lent to the kernel at once
+_MAX_KEPT = 2**18  # boxes of a workspace that a thread keeps
+_MAX_BOXES = 2**28  # of a workspace, whose indices are C's int
+_MAX_CERTIFIED = 2**16  # side assignments; there are no more
+_MAX_INT = 2**31 - 1
 _STIFFNESS = tuple(field.name for field in fields(BandStiffness))
-_SETTINGS = tuple(field.name for field in fields(BandSettings) if field.name != "max_certified_sides")
+_FRACTIONS = tuple(field.name for field in fields(BandSettings) if isinstance(field.default, float))
+_COUNTS = tuple({field.name for field in fields(BandSettings)} - {*_FRACTIONS, "max_certified_sides"})
 _ROWS = "free", "route_curvature", "lower", "upper", "curvature", "right_margin", "left_margin"
 _GRIDS = "passing_right", "passing_left"
 
@@ -83,10 +88,19 @@ class Workspace:
         sizes = len(problem.nodes), problem.nodes.shape[1], problem.boxes.shape[1]
         # powers of 2, so that a band that grows by a node does not need new memory
         bands, n, m = (1 << max(size - 1, 0).bit_length() for size in sizes)
-        certified = problem.settings.max_certified_sides
-        self.batch = reuse(BandBatch, max_n=n, max_m=m, max_bands=bands)
-        self.work = reuse(BandWork, max_n=n, max_m=m, max_certified=certified)
-        self.equilibrium = reuse(Equilibrium, max_n=n)
+        self.is_kept = bands * m * n <= _MAX_KEPT
+        make = reuse if self.is_kept else lend
+        if bands * m * n > _MAX_BOXES:
+            raise InputError(f"obstacles times nodes must be at most {_MAX_BOXES}, was {m} times {n}")
+        certified = int(min(problem.settings.max_certified_sides, _MAX_CERTIFIED))
+        self.batch = make(BandBatch, max_n=n, max_m=m, max_bands=bands)
+        self.work = make(BandWork, max_n=n, max_m=m, max_certified=certified)
+        self.equilibrium = make(Equilibrium, max_n=n)
+
+    def give_back(self) -> None:
+        """Leave the memory to the next band of this thread."""
+        if self.is_kept:
+            give_back(self.batch, self.work, self.equilibrium)
 
     def take(self, problem: BandProblem, rule: int, sides: Mask | None, former: Mask | None) -> None:
         """Copy a problem."""
@@ -107,13 +121,15 @@ class Workspace:
         if former is not None:
             asked["former"][: m * bands] = former.reshape(-1)
         w, vehicle = self.work.workspace, problem.vehicle
-        w.length, w.width, w.box_offset = vehicle.length, vehicle.width, vehicle.box_offset
-        w.clearance, w.max_displacement = problem.clearance, MAX_DISPLACEMENT
-        for name in _STIFFNESS:
-            setattr(w, name, getattr(problem.stiffness, name))
-        for name in _SETTINGS:
-            setattr(w, name, getattr(problem.settings, name))
-        w.n_certified = problem.settings.max_certified_sides
+        put(
+            w, length=vehicle.length, width=vehicle.width, box_offset=vehicle.box_offset,
+            clearance=problem.clearance, max_displacement=MAX_DISPLACEMENT,
+            **{name: getattr(problem.stiffness, name) for name in _STIFFNESS},
+            **{name: getattr(problem.settings, name) for name in _FRACTIONS},
+        )  # fmt: skip
+        for name in _COUNTS:
+            setattr(w, name, int(min(getattr(problem.settings, name), _MAX_INT)))
+        w.n_certified = w.max_certified
 
 
 def relax(problem: BandProblem, rule: int, sides: Mask | None, former: Mask | None, threads: int) -> Relaxed:
@@ -124,9 +140,12 @@ def relax(problem: BandProblem, rule: int, sides: Mask | None, former: Mask | No
         _relax_part(problem, rule, sides, former, found, slice(0, 1))
         return found
 
+    per_band = problem.boxes[0, :, 0].size
+    size = max(min(_CHUNK, _MAX_KEPT // max(per_band, 1)), 1)
+
     def relax_chunks(_: int, first: int, end: int) -> None:
-        for begin in range(first, end, _CHUNK):
-            part = slice(begin, min(begin + _CHUNK, end))
+        for begin in range(first, end, size):
+            part = slice(begin, min(begin + size, end))
             given, last = (None if of is None else of[:, part] for of in (sides, former))
             _relax_part(problem.select(part), rule, given, last, found, part)
 
@@ -150,6 +169,7 @@ def _relax_part(
     if max(status) >= UNEVEN_SPACING:
         _refuse(problem, status)
     found.passes_left[:, part] = space.batch.arrays["passes_left"][: m * bands].reshape(m, bands)
+    space.give_back()
 
 
 def _refuse(problem: BandProblem, status: list[int]) -> None:
@@ -184,7 +204,9 @@ def measure(problem: BandProblem, u: Array | None = None, passes_left: Mask | No
     obstacles, near, bounds = (found[name][: w.n_pairs] for name in ("pair_obstacle", "pair_node", "bound"))
     gaps[obstacles, near] = bounds
     tangents = np.stack((found["tangent_x"][:n], found["tangent_y"][:n]), axis=1)
-    return Measured(
+    measured = Measured(
         **rows, **grids, found=result, gaps=gaps, tangents=tangents, spacing=w.spacing, min_gap=w.min_gap,
         min_edge_clearance=w.min_edge_clearance, curvature_ratio=w.curvature_ratio,
     )  # fmt: skip
+    space.give_back()
+    return measured

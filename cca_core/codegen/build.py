@@ -1,4 +1,4 @@
-"""Compile the kernel's C to an extension module beside its Python. Needs setuptools and a compiler."""
+"""Compile the kernel's C to a module in the folder of its Python. Needs setuptools and a compiler."""
 
 import os
 import sys
@@ -34,4 +34,7 @@ def compile_kernel(folder: Path = KERNEL, target: Path = KERNEL) -> Path:
 
 
 if __name__ == "__main__":
-    sys.stdout.write(f"compiled {compile_kernel()}\n")
+    try:
+        sys.stdout.write(f"compiled {compile_kernel()}\n")
+    except Exception as error:  # setuptools has no common class of what compilers do wrong
+        sys.exit(f"the kernel is not compiled: {error}")

@@ -35,16 +35,19 @@ class Function(Expressions):
 
     def lines(self) -> list[str]:
         """Translate the function to lines of C."""
-        body, comment = self.node.body, ast.get_docstring(self.node)
-        lines = [""]
-        if comment:
-            if "*/" in comment or "/*" in comment:
-                self.source.fail(self.node, "a docstring must not hold the marks of a comment of C")
-            lines, body = ["", *f"/* {comment} */".split("\n")], body[1:]
+        comment = self.source.comment(self.node, ast.get_docstring(self.node))
+        body = self.node.body[1:] if comment else self.node.body
         text = self.block(body)
         if self.signature.returns is not None and not ends(body):
             self.source.fail(self.node, "a function that returns something must end with a return")
-        return [*lines, self.head(), "{", *text, "}"]
+        return ["", *comment, self.head(), "{", *text, "}"]
+
+    def declaration(self) -> list[str]:
+        """Return the lines of the header: docstring, sizes of arrays, declaration."""
+        arrays = [(name, kind) for name, kind in self.signature.arguments.items() if isinstance(kind, Array)]
+        sizes = ", ".join(f"{name}{kind.sizes}" for name, kind in arrays)
+        text = "\n   ".join(filter(None, (ast.get_docstring(self.node), sizes)))
+        return ["", *self.source.comment(self.node, text or None), f"{self.head()};"]
 
     def head(self) -> str:
         """Declare the function."""

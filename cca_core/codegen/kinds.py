@@ -21,6 +21,14 @@ class Source:
         """Refuse a node."""
         raise TranslationError(f"{self.path.name}:{getattr(node, 'lineno', 0)}: {why}")
 
+    def comment(self, node: ast.AST, text: str | None) -> list[str]:
+        """Return the lines of a docstring as a comment of C."""
+        if text is None:
+            return []
+        if "*/" in text or "/*" in text:
+            self.fail(node, "a docstring must not hold the marks of a comment of C")
+        return f"/* {text.strip()} */".split("\n")
+
 
 class Scalar(Enum):
     """Number or flag; the value is the type in C."""
@@ -39,6 +47,11 @@ class Array:
 
     element: Scalar
     shape: tuple[str, ...]
+
+    @property
+    def sizes(self) -> str:
+        """Sizes as in a declaration of C."""
+        return "".join(f"[{size}]" for size in self.shape)
 
     def __str__(self) -> str:
         return f"{'Grid' if len(self.shape) == 2 else 'row'} of {self.element}"

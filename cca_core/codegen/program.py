@@ -68,9 +68,7 @@ class Module:
         for i, node in enumerate(tree.body):
             match node:
                 case ast.Expr(value=ast.Constant(value=str(text))) if i == 0:
-                    if "*/" in text or "/*" in text:
-                        self.source.fail(node, "a docstring must not hold the marks of a comment of C")
-                    self.program.lines += ["", f"/* {self.name}.py: {text.strip()} */"]
+                    self.program.lines += ["", *self.source.comment(node, f"{self.name}.py: {text}")]
                 case ast.Import(names=[ast.alias(name="math", asname=None)]):
                     pass
                 case ast.ImportFrom(module=str(module), names=names, level=0):
@@ -162,17 +160,21 @@ class Module:
             self.check_sizes(node, name, kind, fields)
         self.define(node, node.name, structure)
         self.program.structures[node.name] = structure
-        lines = [f"    {declare(kind, name)};" for name, kind in fields.items()]
-        self.program.header += ["", f"typedef struct {node.name} {{", *lines, f"}} {node.name};"]
+        lines = [f"typedef struct {node.name} {{"]
+        for name, kind in fields.items():
+            sizes = f" /* {kind.sizes} */" if isinstance(kind, Array) else ""
+            lines.append(f"    {declare(kind, name)};{sizes}")
+        comment = self.source.comment(node, ast.get_docstring(node))
+        self.program.header += ["", *comment, *lines, f"}} {node.name};"]
 
     def check_sizes(self, node: ast.AST, name: str, kind: Kind, known: Mapping[str, Kind]) -> None:
-        """Refuse an array whose sizes are not whole numbers beside it."""
+        """Refuse an array whose sizes are not whole numbers next to it."""
         for size in kind.shape if isinstance(kind, Array) else ():
             parts = list(ast.walk(ast.parse(size or "None", mode="eval").body))
             names = [part.id for part in parts if isinstance(part, ast.Name)]
             is_sum = all(isinstance(part, SIZE_PARTS) for part in parts)
             if size in ("", "None") or not is_sum or any(known.get(each) is not Scalar.INT for each in names):
-                self.source.fail(node, f"the sizes of {name} must be sums of Ints beside it, was {size!r}")
+                self.source.fail(node, f"the sizes of {name} must be sums of Ints next to it, was {size!r}")
 
     def function(self, node: ast.FunctionDef) -> None:
         """Translate a function."""
@@ -199,7 +201,7 @@ class Module:
         self.define(node, node.name, signature)  # only now: a function must not call itself
         if is_public:
             self.program.kernels[node.name] = signature
-            self.program.header += ["", f"{function.head()};"]
+            self.program.header += function.declaration()
         else:
             lines[lines.index(function.head())] = f"static {function.head()}"
         self.program.lines += lines

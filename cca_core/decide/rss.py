@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from cca_core._checks import Array, check_any, check_real
 from cca_core.errors import InputError
 from cca_core.kernel import bind, rss
-from cca_core.kernel.memory import lend
+from cca_core.kernel.memory import lend, put
 
 _same_direction, _opposite = bind(rss.same_direction_distances), bind(rss.opposite_distances)
 _lateral = bind(rss.lateral_distances)
@@ -202,6 +202,5 @@ def _distances(
 def _reaction(settings: RssSettings) -> rss.RssReaction:
     """Return the settings as the kernel takes them, which it only reads."""
     workspace = lend(rss.RssReaction).workspace
-    for field in fields(settings):
-        setattr(workspace, field.name, getattr(settings, field.name))
+    put(workspace, **{field.name: getattr(settings, field.name) for field in fields(settings)})
     return workspace

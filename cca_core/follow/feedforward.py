@@ -1,7 +1,7 @@
 """Feedforward of curvature: the single-track model inverted along a path."""
 
 from cca_core.kernel import bind
-from cca_core.kernel.memory import lend
+from cca_core.kernel.memory import lend, put
 from cca_core.kernel.steering import IdealCar, advance, find_passed, front_slip
 from cca_core.vehicle import VehicleParams
 
@@ -31,9 +31,10 @@ class InverseSteering:
 
     def __init__(self, vehicle: VehicleParams) -> None:
         self._lent = lend(IdealCar)
-        car = self.car
-        car.l_f, car.l_r, car.m, car.inertia = vehicle.l_f, vehicle.l_r, vehicle.m, vehicle.I_z
-        car.c_f, car.c_r, car.mu = vehicle.C_f, vehicle.C_r, vehicle.mu
+        put(
+            self.car, l_f=vehicle.l_f, l_r=vehicle.l_r, m=vehicle.m, inertia=vehicle.I_z,
+            c_f=vehicle.C_f, c_r=vehicle.C_r, mu=vehicle.mu,
+        )  # fmt: skip
 
     @property
     def car(self) -> IdealCar:

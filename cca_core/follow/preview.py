@@ -7,12 +7,13 @@ from cca_core.errors import InputError
 from cca_core.follow.feedforward import InverseSteering
 from cca_core.follow.schedule import PreviewGains, shipped_gains
 from cca_core.kernel import bind
-from cca_core.kernel.memory import lend
+from cca_core.kernel.memory import lend, put
 from cca_core.kernel.steering import Steering, steer
 from cca_core.path.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
 
 _steer = bind(steer)
+_MAX_JUMP = 50.0  # within a cycle, beyond which the vehicle is searched on the whole path [m]
 
 
 class PreviewController:
@@ -65,12 +66,16 @@ class PreviewController:
         self._inverse = InverseSteering(vehicle)
         self._law = lend(Steering, count=len(self.gains.speeds))
         law = self._law.workspace
-        law.delta_max, law.delta_rate_max = vehicle.delta_max, vehicle.delta_rate_max
-        law.steering_lag, law.understeer = vehicle.steering_lag, vehicle.understeer_gradient
-        law.delay, law.a_y_max, law.ahead = self.delay, self.a_y_max, error == "ahead"
+        put(
+            law, delta_max=vehicle.delta_max, delta_rate_max=vehicle.delta_rate_max,
+            steering_lag=vehicle.steering_lag, understeer=vehicle.understeer_gradient,
+            delay=self.delay, a_y_max=self.a_y_max,
+        )  # fmt: skip
+        law.ahead = error == "ahead"
         for name in ("speeds", "k_p", "k_d", "l_s"):
             self._law.arrays[name][:] = getattr(self.gains, name)
         self._path: Path | None = None
+        self._position = 0j
 
     def __repr__(self) -> str:
         return f"PreviewController(gains at {len(self.gains.speeds)} speeds, delay={self.delay:g} s)"
@@ -99,11 +104,12 @@ class PreviewController:
             Road-wheel angle [rad], left positive, within the limits of angle, rate and lateral acceleration.
         """
         law = self._law.workspace
-        if path is self._path:
-            s_guess = law.s + max(state.v_x, 0.0) * dt
-        elif s_guess is None:
+        position, travel = complex(state.x, state.y), max(state.v_x, 0.0) * dt
+        if path is self._path and 0.0 <= travel < _MAX_JUMP and abs(position - self._position) < _MAX_JUMP:
+            s_guess = law.s + travel
+        elif path is self._path or s_guess is None:
             s_guess = float(path.project((state.x, state.y))[0])
-        self._path = path
+        self._path, self._position = path, position
         return _steer(
             law, self._inverse.car, path.curve, s_guess, state.x, state.y, state.psi, state.v_x, state.v_y,
             state.r, dt,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array, check_real, formula
+from cca_core.errors import InputError
 from cca_core.kernel import bind
 from cca_core.kernel import speed as kernel
 from cca_core.path.path import Path
@@ -236,8 +237,18 @@ def profile_acceleration(
     a_x : float
         Acceleration [m/s^2], between -b_max and a_max. It leads to the speed of the profile about one second
         ahead, or to the speed of the profile here if that needs less.
+
+    Raises
+    ------
+    InputError
+        If the profile is empty, or its rows differ in length.
     """
-    stations, squared = (np.ascontiguousarray(column, dtype=np.float64) for column in profile)
+    stations = np.ascontiguousarray(profile[0], dtype=np.float64)
+    squared = np.ascontiguousarray(profile[1], dtype=np.float64)
+    if stations.ndim != 1 or stations.shape != squared.shape or not stations.size:
+        raise InputError(
+            f"profile must be two rows of one length, not empty, had {stations.shape} and {squared.shape}"
+        )
     return _profile_acceleration(
         len(stations), stations, squared, s, v_x, settings.a_max, settings.b_comfort, settings.b_max
     )

@@ -8,6 +8,7 @@ from operator import attrgetter
 import numpy as np
 
 from cca_core.frenet.branches import Branches
+from cca_core.frenet.extent import extent_in_bend
 from cca_core.frenet.records import FrenetVehicle
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import Path
@@ -22,10 +23,12 @@ CROSSING_SINE = 0.35
 INCOMPLETE = "the list is incomplete"
 """Beginning of the reason with which the rest of a list is dropped that cannot be read."""
 
+NO_VEHICLE = "not a RemoteVehicle"
+"""Reason with which a record of another type is dropped."""
+
 _FIELDS = tuple(field.name for field in fields(RemoteVehicle))
 _VALUES = attrgetter(*_FIELDS)
 _PLAIN_TYPES = frozenset((float, str, frozenset, np.float64, type(None)))
-_SCALAR_LIMIT = 25  # vehicles up to which foot points are found faster one by one than in a batch
 
 
 def to_frenet(
@@ -65,20 +68,21 @@ def to_frenet(
     if branches is None:
         feet = _foot_points(valid, path, last_s)
         last_s.clear()
-        last_s.update(zip(valid, (foot[0] for foot in feet), strict=True))
+        last_s.update(zip(valid, [foot[0] for foot in feet], strict=True))
         pairs = zip(valid.values(), feet, strict=True)
     else:
         pairs = _feet_on_branches(valid, path, *branches)
     vehicles = []
     for remote, (s, d, heading, kappa) in pairs:
         angle = remote.psi - heading
-        if not lateral_range[0] <= d <= lateral_range[1]:
+        extent = extent_in_bend(remote, path, (s, d, heading, kappa), lateral_range)
+        if extent is None and not lateral_range[0] <= d <= lateral_range[1]:
             sine = abs(math.sin(angle))
             reach = (0.5 * remote.length + 2.0 * remote.sigma_along) * sine
             reach += 0.5 * remote.width + 2.0 * remote.sigma_across
             if sine < CROSSING_SINE and not lateral_range[0] - reach <= d <= lateral_range[1] + reach:
                 continue
-        vehicles.append(FrenetVehicle.from_remote(remote, s, d, angle, kappa))
+        vehicles.append(FrenetVehicle.from_remote(remote, s, d, angle, kappa, extent))
     return vehicles, dropped
 
 
@@ -91,7 +95,7 @@ def valid_vehicles(
     """
     valid: dict[str, RemoteVehicle] = {}
     dropped: list[tuple[str, str]] = []
-    for record in _each(remotes, dropped):
+    for record in remotes if type(remotes) in (list, tuple) else _each(remotes, dropped):
         try:
             remote = _plain(record)
         except Exception as error:  # a class or number type of the caller's
@@ -120,13 +124,13 @@ def _each(remotes: object, dropped: list[tuple[str, str]]) -> Iterator[object]:
 def _plain(record: object) -> RemoteVehicle | str:
     """Return a record of plain numbers, or why there is none."""
     if not isinstance(record, RemoteVehicle):
-        return "not a RemoteVehicle"
+        return NO_VEHICLE
     reason = record.invalid_reason
     if reason is not None:
         return str(reason)  # a class of the caller's may return anything
     if type(record) is RemoteVehicle and _PLAIN_TYPES.issuperset(map(type, _VALUES(record))):
-        height: tuple[object, object] = record.z, record.sigma_z
-        if isinstance(height[0], float | None) and isinstance(height[1], float):
+        z_reported: object = record.z
+        if (z_reported is None or isinstance(z_reported, float)) and isinstance(record.sigma_z, float):
             return record
     # what classes of the caller's compute is read once
     values = dict(zip(_FIELDS, _VALUES(record), strict=True))
@@ -187,15 +191,9 @@ def _foot_points(
     for name in [name for name in remotes if "#" in name]:  # of one id: which is which may have changed
         last_s.pop(name, None)
         last_s.pop(name.rpartition("#")[0], None)
-    new = [(remote.x, remote.y) for name, remote in remotes.items() if name not in last_s]
-    first_guess = iter(path.project(new)[0].tolist() if new else ())
-    guesses = [last_s[name] if name in last_s else next(first_guess) for name in remotes]
-    if len(guesses) <= _SCALAR_LIMIT:
-        pairs = zip(remotes.values(), guesses, strict=True)
-        return [path.foot_point(remote.x, remote.y, guess) for remote, guess in pairs]
-    s, d = path.project([(remote.x, remote.y) for remote in remotes.values()], guesses)
-    _, first, second = path.derivatives(s)
-    heading = np.arctan2(first[:, 1], first[:, 0])
-    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    kappa = cross / np.hypot(first[:, 0], first[:, 1]) ** 3
-    return list(zip(s.tolist(), d.tolist(), heading.tolist(), kappa.tolist(), strict=True))
+    guesses = last_s
+    new = [name for name in remotes if name not in last_s]
+    if new:
+        found = path.project([(remotes[name].x, remotes[name].y) for name in new])[0].tolist()
+        guesses = last_s | dict(zip(new, found, strict=True))
+    return [path.foot_point(remote.x, remote.y, guesses[name]) for name, remote in remotes.items()]

@@ -8,6 +8,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.follow import SpeedSettings, arrival_times
+from cca_core.frenet.extent import Extent
 from cca_core.geometry import Boxes
 from cca_core.kernel import bind
 from cca_core.kernel.reach import occupied_intervals
@@ -20,20 +21,23 @@ _STALE_BRAKING = 8.0  # assumed deceleration of a stale vehicle, as in its uncer
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrenetVehicle:
-    """A remote vehicle in Frenet coordinates, at the center of its body.
+    """A remote vehicle in Frenet coordinates, at the center of what its body covers.
 
     Parameters
     ----------
     remote : RemoteVehicle
         The vehicle as reported.
     s, d : float
-        Station and lateral offset of the center of its body [m], d left positive.
+        Station and lateral offset of the center of what its body covers [m], d left positive: of the center
+        of its body, unless its ends reach across a bend.
     v_s : float
         Speed along the route [m/s], negative against it.
     half_length, half_width : float
         Half extent along and across the route [m], with two standard deviations of the position.
     angle : float
         Heading relative to the route [rad], counter-clockwise.
+    added_length, added_width : float
+        Part of both half extents that a bend adds [m], because the body is straight.
     """
 
     remote: RemoteVehicle
@@ -43,9 +47,19 @@ class FrenetVehicle:
     half_length: float
     half_width: float
     angle: float
+    added_length: float = 0.0
+    added_width: float = 0.0
 
     @classmethod
-    def from_remote(cls, remote: RemoteVehicle, s: float, d: float, angle: float, kappa: float) -> Self:
+    def from_remote(
+        cls,
+        remote: RemoteVehicle,
+        s: float,
+        d: float,
+        angle: float,
+        kappa: float,
+        extent: Extent | None = None,
+    ) -> Self:
         """Make the record from a foot point.
 
         Parameters
@@ -58,6 +72,9 @@ class FrenetVehicle:
             Heading relative to the route [rad], counter-clockwise.
         kappa : float
             Curvature of the route at the foot point [1/m].
+        extent : tuple of float, optional
+            Least and largest station, least and largest lateral offset [m] of what the body covers in a bend;
+            the record covers them as well.
 
         Returns
         -------
@@ -65,12 +82,19 @@ class FrenetVehicle:
             The vehicle in Frenet coordinates.
         """
         cos, sin = math.cos(angle), math.sin(angle)
+        added_length = added_width = 0.0
+        v_s = remote.v_x * cos / max(1.0 - d * kappa, 0.1)
+        if extent is not None:
+            along, across = _half_extents(0.5 * remote.length, 0.5 * remote.width, angle)
+            s, added_length = _cover(s, along, extent[0], extent[1])
+            d, added_width = _cover(d, across, extent[2], extent[3])
         along = 0.5 * remote.length + 2.0 * remote.sigma_along
         across = 0.5 * remote.width + 2.0 * remote.sigma_across
+        cos, sin = abs(cos), abs(sin)
         return cls(
-            remote=remote, s=s, d=d, v_s=remote.v_x * cos / max(1.0 - d * kappa, 0.1),
-            half_length=along * abs(cos) + across * abs(sin), half_width=along * abs(sin) + across * abs(cos),
-            angle=angle,
+            remote=remote, s=s, d=d, v_s=v_s, half_length=along * cos + across * sin + added_length,
+            half_width=along * sin + across * cos + added_width, angle=angle, added_length=added_length,
+            added_width=added_width,
         )  # fmt: skip
 
     @property
@@ -130,11 +154,10 @@ class FrenetVehicle:
         vehicle : FrenetVehicle
             The same vehicle with the extent of its body.
         """
-        cos, sin = abs(math.cos(self.angle)), abs(math.sin(self.angle))
-        length, width = 0.5 * self.remote.length, 0.5 * self.remote.width
+        along, across = _half_extents(0.5 * self.remote.length, 0.5 * self.remote.width, self.angle)
         return replace(
             self, remote=replace(self.remote, age=0.0, sigma_along=0.0, sigma_across=0.0),
-            half_length=length * cos + width * sin, half_width=length * sin + width * cos,
+            half_length=along + self.added_length, half_width=across + self.added_width,
         )  # fmt: skip
 
     def occupied_interval(self, t: Array, *, braking: float, acceleration: float) -> tuple[Array, Array]:
@@ -233,3 +256,15 @@ class FrenetEgo:
             Times from now [s].
         """
         return arrival_times(self.v_x, self.v_target, s - self.s_cg, self.speed)
+
+
+def _half_extents(length: float, width: float, angle: float) -> tuple[float, float]:
+    """Half extents along and across the route of a body with a half length and a half width [m]."""
+    cos, sin = abs(math.cos(angle)), abs(math.sin(angle))
+    return length * cos + width * sin, length * sin + width * cos
+
+
+def _cover(center: float, half: float, low: float, high: float) -> tuple[float, float]:
+    """Center of the interval that covers another one too, and what is added to its half length."""
+    low, high = min(low, center - half), max(high, center + half)
+    return 0.5 * (low + high), max(0.5 * (high - low) - half, 0.0)

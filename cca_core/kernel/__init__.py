@@ -21,7 +21,8 @@ merge conflict in `c/`, run it again. `tests/support/kernel_forms.py` compares t
 - A class of fields is a workspace: ``lent = cca_core.kernel.memory.lend(Curve, segments=12)``. The kernel
   takes ``lent.workspace``, whose numbers are attributes. Its arrays are ``lent.arrays["breaks"]``, written
   and read. One caller has one workspace: a second thread that uses it meanwhile gets an error, except if both
-  calls only read it. ``reuse(Curve, segments=12)`` returns the same one in every call of a thread.
+  calls only read it. ``reuse(Curve, segments=12)`` returns the one that the
+  thread has given back with ``give_back``.
 - Nothing is allocated in a call. Calls that fill arrays or workspaces release the GIL.
 
 **Batches** are kernels that loop from a first to a last index over rows of arrays; `batches.in_chunks` calls
@@ -33,6 +34,7 @@ that is here; `backend()` returns the choice and `backend_reason()` its reason. 
 
 import hashlib
 import importlib
+import math
 import os
 from collections.abc import Callable
 from functools import partial
@@ -124,8 +126,15 @@ def _call(kernel: Callable[..., Any], converters: tuple[Callable[[Any], Any], ..
 
 def _convert(hint: Any) -> Callable[[Any], Any]:
     """Return what makes an argument one of the kernel's Python."""
-    if hint in (float, bool):
-        return hint  # type: ignore[no-any-return]
+    if hint is float:
+        return _real
+    if hint is bool:
+        return bool
     if hint is int:
         return int.__index__
     return memoryview if get_args(hint) and get_origin(hint) is not tuple else lambda given: given
+
+
+def _real(given: Any) -> float:
+    """Return a number as float, as C takes it: unlike `float`, without text."""
+    return given if type(given) is float else math.copysign(given, given)

@@ -7,6 +7,7 @@ from cca_core.kernel.box_gaps import norm
 from cca_core.kernel.types import Flag, Int
 
 ALIGNED = 0.02  # sine of the angle below which a box counts as parallel
+PARALLEL = 1e-9  # below it the sense of rotation is that of rounding errors
 END_SLOPE = 0.5  # at which bounds fall beyond the ends of an obstacle, steeper than any band [-]
 MIN_DROP = 1e-9  # of an overlap from node to node [m]
 
@@ -90,7 +91,7 @@ def measure_range(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
     half_y = along * sine + across * cosine
     upper = half_y
     lower = half_y
-    if not aligned:
+    if not aligned and sine > PARALLEL:
         counter = turn_cos * turn_sin >= 0.0  # rotated counter-clockwise by less than a right angle
         ridge = along * cosine - across * sine if counter else across * sine - along * cosine
         along_edge = sine / max(cosine, ALIGNED)

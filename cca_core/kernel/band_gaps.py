@@ -104,7 +104,7 @@ def find_near(w: BandWork) -> None:
     w.n_pairs = 0
     for o in range(w.m):
         moves = w.max_step[o] + change
-        travel = w.max_step[o] + step
+        travel = max(w.max_step[o] + step, TINY)
         next_node = 0
         for i in range(w.n):
             if i < next_node:

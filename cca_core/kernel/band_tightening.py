@@ -59,6 +59,7 @@ def release_curvature(w: BandWork, e: Equilibrium) -> None:
         w.upper_difference[i] = math.inf
         e.lower_difference[i] = -math.inf
         e.upper_difference[i] = math.inf
+        e.sharp[i] = 0
 
 
 def tighten_curvature(w: BandWork, e: Equilibrium) -> None:

@@ -155,7 +155,7 @@ def sample_after(samples: CurveSamples, i: Int, excess: Real) -> Int:
     return i + floor_within(excess / samples.max_gap, 1, samples.count)
 
 
-def distance_at_most(samples: CurveSamples, x: Real, y: Real) -> Real:
+def coarse_distance(samples: CurveSamples, x: Real, y: Real) -> Real:
     """Distance of a position from the nearest of a few samples [m]."""
     distance = math.inf
     i = 0
@@ -210,7 +210,7 @@ def nearest_within(curve: Curve, samples: CurveSamples, x: Real, y: Real, bound:
 
 def nearest_point(curve: Curve, samples: CurveSamples, x: Real, y: Real) -> tuple[Real, Real]:
     """Foot point s, d of a position that is nearest on the whole path."""
-    return nearest_within(curve, samples, x, y, distance_at_most(samples, x, y))
+    return nearest_within(curve, samples, x, y, coarse_distance(samples, x, y))
 
 
 def foot_points(
@@ -227,7 +227,7 @@ def nearest_points(curve: Curve, samples: CurveSamples, n: Int, x: Row, y: Row, 
     for i in range(n):
         few = sample_distance(samples, x[i], y[i], last)
         if i == 0 or few > FAR:
-            few = distance_at_most(samples, x[i], y[i])
+            few = coarse_distance(samples, x[i], y[i])
         s[i], d[i] = nearest_within(curve, samples, x[i], y[i], few)
         along = (s[i] - samples.s[0]) / (samples.s[samples.count - 1] - samples.s[0])
         last = floor_within(along * samples.count, 0, samples.count - 1)

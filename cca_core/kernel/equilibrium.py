@@ -14,7 +14,7 @@ SECANTS = 12  # of a line search
 FLAT_SLOPE = 1e-3  # of the slope at its start: an exact root is not needed
 STIFF_ROW = 1e5  # stiffness of a row over that of a contact from which on digits are lost
 CORRECTIONS = 3  # rounds of iterative refinement where digits are lost
-MAX_CORRECTION = 1e-4  # the last one of a response to the start [m]
+MAX_CORRECTION = 1e-5  # the mean of the last one of a response to the start [m]
 END_STEP = 0.05  # by which an end node is bounded less than its neighbor if the band does not touch it [m]
 
 
@@ -194,6 +194,7 @@ def clear_ends(e: Equilibrium) -> None:
         e.u[i] = 0.0
         e.target[i] = 0.0
         e.step[i] = 0.0
+        e.residual[i] = 0.0
         e.active[i] = 0
     e.sharp[0] = 0
     e.sharp[e.n - 1] = 0
@@ -263,7 +264,7 @@ def respond_to_start(e: Equilibrium, before: Real, start_0: Real, start_1: Real,
         change = 0.0
         for i in range(2, n - 2):
             to[i] += e.target[i]
-            change = max(change, abs(e.target[i]))
+            change += abs(e.target[i])  # a sum, as it keeps what is no number
     to[0] = start_0
     to[1] = start_1
-    return change <= MAX_CORRECTION
+    return change <= MAX_CORRECTION * n

@@ -54,6 +54,12 @@ def lend(owner: type[T], form: str | None = None, **sizes: int) -> Lent[T]:
     return Lent(workspace, arrays, owner, sizes)
 
 
+def put(workspace: object, **numbers: float) -> None:
+    """Set reals of a workspace; as float, as C keeps them, although a caller may have given others."""
+    for name, value in numbers.items():
+        setattr(workspace, name, float(value))
+
+
 def _lend_again(
     owner: type[T], sizes: Mapping[str, int], numbers: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]
 ) -> Lent[T]:
@@ -67,18 +73,29 @@ def _lend_again(
 
 
 def reuse(owner: type[T], **sizes: int) -> Lent[T]:
-    """Return a workspace of this thread, which keeps it from call to call with what is in it."""
+    """Return a workspace that this thread has given back, with what is in it, or a new one.
+
+    No other call gets it until `give_back`: a signal handler may run within a call and make the same call.
+    """
+    lent: Lent[T] | None = _kept().pop((owner, *sizes.items()), None)
+    return lend(owner, None, **sizes) if lent is None else lent
+
+
+def give_back(*spaces: Lent[Any]) -> None:
+    """Keep workspaces for the next calls of this thread."""
+    kept = _kept()
+    for lent in spaces:
+        kept[lent.owner, *lent.sizes.items()] = lent
+        while len(kept) > MAX_REUSED:
+            kept.popitem(last=False)
+
+
+def _kept() -> OrderedDict[Any, Lent[Any]]:
+    """Workspaces that this thread keeps; that of the latest call is the last."""
     kept: OrderedDict[Any, Lent[Any]] | None = getattr(_thread, "kept", None)
     if kept is None:
         kept = _thread.kept = OrderedDict()
-    key = (owner, *sizes.items())
-    lent = kept.get(key)
-    if lent is None:
-        lent = kept[key] = lend(owner, None, **sizes)
-        if len(kept) > MAX_REUSED:
-            kept.popitem(last=False)
-    kept.move_to_end(key)
-    return lent
+    return kept
 
 
 @cache

@@ -93,6 +93,8 @@ def occupied_intervals(
 ) -> None:
     """Stations that the bodies of vehicles may cover at common times."""
     for k in range(vehicles):
+        begin = motion[k, REAR]
+        end = motion[k, FRONT]
         v = motion[k, SPEED]
         age = motion[k, AGE]
         b = motion[k, BRAKING]
@@ -102,12 +104,12 @@ def occupied_intervals(
         for i in range(times):
             if keeps:
                 low = math.copysign(1.0, v) * distance_driven(abs(v), motion[k, A_X], t[i])
-                rear[k, i] = motion[k, REAR] + low
-                front[k, i] = motion[k, FRONT] + low
+                rear[k, i] = begin + low
+                front[k, i] = end + low
             else:
                 first, last = reach(v, t[i], age, b, a, measured, counted, stops)
-                rear[k, i] = motion[k, REAR] + first
-                front[k, i] = motion[k, FRONT] + last
+                rear[k, i] = begin + first
+                front[k, i] = end + last
 
 
 def danger_zones(vehicles: Int, times: Int, motion: Motions, t: Times, travel: Times, zone: Zones) -> None:

@@ -16,6 +16,8 @@ SMALL_OFFSET = 0.1  # larger offsets are transients and not integrated [m]
 SIDESLIP_FRACTION = 0.3  # of the measured sideslip in the reference [-]
 MAX_STEP = 0.005  # of the integration [s]
 MAX_STEPS = 1000
+MAX_CYCLE = 5.0  # in which steps of that size fit [s]
+MAX_MOTION = 100.0  # of the ideal car, yaw rate and lateral speed, which no car has [rad/s, m/s]
 MAX_FRACTION = 0.97  # of the grip, where the slip is finite [-]
 MAX_GRIP = 0.8  # beyond, a car on a slippery road spins [-]
 MAX_JUMP = 20.0  # beyond, the car is on another stretch of the path [m]
@@ -118,10 +120,13 @@ def ring_index(car: IdealCar, i: Int) -> Int:
 def advance(car: IdealCar, s: Real, kappa: Real, v_x: Real, dt: Real) -> Real:
     """Move the ideal car along the path; return the steering angle that it needs there."""
     v = max(v_x, 0.0)
-    if not car.started or abs(s - car.s) > MAX_JUMP or v < ROLLING_SPEED:
-        start_steady(car, kappa, v)
-    else:
+    follows = car.started and abs(s - car.s) <= MAX_JUMP and 0.0 <= dt <= MAX_CYCLE
+    if follows and v >= ROLLING_SPEED:
         integrate(car, kappa, v, dt)
+    else:
+        start_steady(car, kappa, v)
+    if not abs(car.r) + abs(car.v_y) < MAX_MOTION:  # what a wrong speed has left must not stay
+        start_steady(car, kappa, v)
     car.started = True
     car.s = s
     car.kappa = kappa
@@ -173,8 +178,10 @@ def limited(law: Steering, car: IdealCar, target: Real, v_x: Real, v_y: Real, r:
     low = max(min(-steady, motion - slip), -law.delta_max)
     high = min(max(steady, motion + slip), law.delta_max)
     delta = min(max(target, low), high)
+    if not -law.delta_max <= delta <= law.delta_max:  # what is no number leaves the wheel where it is
+        delta = law.delta
     if law.started:
-        step = law.delta_rate_max * dt
+        step = law.delta_rate_max * max(0.0, dt)  # none in a time that is no number
         delta = min(max(delta, law.delta - step), law.delta + step)
     return delta
 
@@ -213,7 +220,8 @@ def steer(
     rate = v * sine + v_y * math.cos(e_psi) + l_s * (r - passed_r)
     target = feedforward - k_p * error - k_d * rate - law.integral
     delta = limited(law, car, target, v_x, v_y, r, dt)
-    if delta == target and abs(d) < SMALL_OFFSET and v > 1.0:
+    small = abs(d) < SMALL_OFFSET and 0.0 <= dt <= MAX_CYCLE
+    if delta == target and small and v > 1.0:
         law.integral = min(max(law.integral + k_p * d * dt / INTEGRAL_TIME, -INTEGRAL_LIMIT), INTEGRAL_LIMIT)
     law.delta = delta
     law.started = True

@@ -1,4 +1,4 @@
-"""Types of the kernel's Python, and the one function beside `math` that it may call."""
+"""Types of the kernel's Python, and the one function that it may call, other than those of `math`."""
 
 import math
 from typing import Protocol

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import check_points, check_real
+from cca_core._checks import check_bool, check_points, check_real
 from cca_core.errors import InputError
 from cca_core.path.path import Path
 from cca_core.path.route_fit import RouteFit
@@ -81,15 +81,20 @@ def fit_path(
     If the path has a radius below 200 m or fails, lower values are tried too. A larger tolerance therefore
     never fails where a smaller one works, and never gives a sharper curve (by more than 2 %).
 
-    The chosen tolerance is 3.3 standard deviations of the noise, at least 0.3 m and at most 10 m. The noise
-    is the median, over all windows of six (or eight) waypoints, of the scatter about a cubic (a quintic).
+    The chosen tolerance is the largest of n normal errors, ``sqrt(2 ln n) + 0.3`` standard deviations of the
+    noise and at least 3.3 of them; it is at least 0.3 m and at most 10 m. The noise is the median, over all
+    windows of six (or eight) waypoints, of the scatter about a cubic (a quintic). Where the waypoints are
+    denser than seven standard deviations, every second one is taken, and so on while the estimate grows by
+    less than 75 %.
     One waypoint in fifty, and one more, may be an outlier: it is ignored if its neighbors are near the
-    path. If a curve has a radius below 6 m, 1.5 and 2 tolerances are tried, and then the limit of 1/6 m is
-    imposed.
+    path. One farther away than the default of `max_deviation` is a corner of the road and not ignored,
+    unless the route turns by more than 100 degrees there. If a curve has a radius below 6 m, 1.5 and 2
+    tolerances are tried, and then the limit of 1/6 m is imposed.
 
     With a curvature limit the tolerance holds for the waypoints that a curve within the limit can reach.
-    Curves are cut where that suffices. Others, such as a narrow U-turn, are replaced by arcs and lines of
-    1.25 times the least radius that deviate least.
+    Curves are cut where that suffices and steering can follow. Others, such as a narrow U-turn or a zig-zag,
+    are replaced by arcs and lines of 1.25 times the least radius: of all chains between poses along the route
+    the one that deviates and adds least.
 
     Examples
     --------
@@ -97,7 +102,7 @@ def fit_path(
     >>> path
     Path(1 segments, 30.0 m, straight, max deviation 0.00 m at s=...)
     """
-    points = check_points("xy", xy, 2)
+    points, closed = check_points("xy", xy, 2), check_bool("closed", closed)
     per_segment = check_real("points_per_segment", points_per_segment, ge=1)
     if per_segment != int(per_segment):
         raise InputError(f"points_per_segment must be a whole number, was {per_segment:g}")

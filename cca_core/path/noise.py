@@ -9,15 +9,24 @@ from cca_core.geometry import arc_length
 
 __all__ = ["estimate_noise", "find_outliers", "isolated"]
 
+_DENSE = 0.15  # noise at which waypoints are dense [chords]
+_MAX_GROWTH = 1.75  # of the estimate, from all waypoints to every second one [-]
 _SPIKE_TURN = math.radians(100.0)  # at a far waypoint that is no corner [rad]
 
 
 def estimate_noise(points: Array) -> float:
     """Estimate the standard deviation of waypoints in x and y [m]; 0 if there are too few points."""
-    if len(points) < 12:
-        return 0.0
-    # the road counts as error where it is no cubic; then a quintic leaves less of it
-    return min(_scatter(points, degree) for degree in (3, 5))
+    noise = 0.0
+    while len(points) >= 12:
+        # the road counts as error where it is no cubic; then a quintic leaves less of it
+        found = min(_scatter(points, degree) for degree in (3, 5))
+        if noise and found > _MAX_GROWTH * noise:
+            break  # that is the shape of the road
+        noise = max(noise, found)
+        if noise <= _DENSE * float(np.median(np.hypot(*np.diff(points, axis=0).T))):
+            break
+        points = points[::2]  # the way from point to point is mostly noise, and the estimate too low
+    return noise
 
 
 def _scatter(points: Array, degree: int) -> float:

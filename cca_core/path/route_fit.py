@@ -10,7 +10,7 @@ from cca_core.path.fit_report import FitReport
 from cca_core.path.noise import estimate_noise, find_outliers, isolated
 from cca_core.path.path import Path
 from cca_core.path.rounding import round_bends
-from cca_core.path.smooth_fit import SmoothFit, max_curvature
+from cca_core.path.smooth_fit import SmoothFit, max_curvature, max_curvature_rate
 
 __all__ = ["RouteFit"]
 
@@ -24,6 +24,8 @@ _TOLERANCES = (
 )  # tolerances that are tried [m]
 _GENTLE = 1.0 / 200.0  # curvature up to which paths of smaller tolerances are not compared [1/m]
 _CAR_RADIUS = 6.0  # of the sharpest curve of a path with chosen tolerance: a turning circle of 12 m [m]
+_MAX_CURVATURE_RATE = 1.0  # that steering follows with small error [1/(m s)], at the next two values
+_LATERAL_ACCELERATION, _MAX_SPEED = 2.0, 14.0  # of an ordinary car in sharp curves [m/s^2], [m/s]
 _MIN_TOLERANCE = 0.3  # that is chosen [m]
 _MAX_DEVIATION = 10.0  # of a waypoint that contradicts the curvature limit [m]
 
@@ -77,7 +79,8 @@ class RouteFit:
     def from_noise(self, limit: float) -> Path:
         """Fit within a tolerance chosen from the noise of the waypoints, with curves that a car can drive."""
         noise = estimate_noise(self._points)
-        tolerance = min(max(_MIN_TOLERANCE, 3.3 * noise), _MAX_DEVIATION)
+        expected = max(3.3, math.sqrt(2.0 * math.log(len(self._points))) + 0.3)  # largest of normal errors
+        tolerance = min(max(_MIN_TOLERANCE, expected * noise), _MAX_DEVIATION)
         limit = min(limit, 1.0 / _CAR_RADIUS)
         max_offset, spikes = self._max_ignored(tolerance, limit), self._outliers
         if not self._closed:
@@ -137,7 +140,7 @@ class RouteFit:
 
     def _limited(self, value: float, tolerance: float, limit: float, noise: float | None = None) -> Path:
         """Find the nearest path within a curvature limit that contradicts the tolerance."""
-        found: list[tuple[float, Path]] = []
+        found: list[tuple[bool, bool, float, Path]] = []
         errors: list[InfeasibleError] = []
         for fit in (self._flattened, self._rounded):
             try:
@@ -146,12 +149,14 @@ class RouteFit:
                 errors.append(error)
                 continue
             deviation = path.fit_report.max_deviation if path.fit_report else math.inf
-            found.append((deviation, path))
-            if deviation <= min(tolerance + 0.6 / limit, self._bound(tolerance, limit)):
+            is_far = deviation > self._bound(tolerance, limit)
+            is_jerky = max_curvature_rate(path, _LATERAL_ACCELERATION, _MAX_SPEED) > _MAX_CURVATURE_RATE
+            found.append((is_far, is_jerky, deviation, path))
+            if not (is_far or is_jerky or deviation > tolerance + 0.6 / limit):
                 break
         if not found:
             raise errors[0]
-        path = min(found, key=lambda pair: pair[0])[1]
+        path = min(found, key=lambda entry: entry[:3])[3]
         if not self._is_near(path, tolerance, limit):
             raise InfeasibleError(self._refusal(path, tolerance, limit), path)
         return path
@@ -166,7 +171,7 @@ class RouteFit:
             raise InfeasibleError(f"no closed path with a curvature of at most {limit:g} 1/m was found")
         path = self._smooth(tolerance).nearest(self._per_segment)
         positions = round_bends(path, 0.95 * limit, 1.25 / limit)
-        return SmoothFit(positions, 0.03 / limit, False).limited(limit, 4)
+        return SmoothFit(positions, 0.05 / limit, False).limited(limit, 4)
 
     def _bound(self, tolerance: float, limit: float) -> float:
         """Largest accepted distance of a waypoint [m]."""

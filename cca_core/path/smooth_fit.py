@@ -12,7 +12,7 @@ from cca_core.path.interpolate import over_arc_length
 from cca_core.path.path import Path
 from cca_core.path.smoothing import SmoothingSpline, largest_but
 
-__all__ = ["SmoothFit", "max_curvature"]
+__all__ = ["SmoothFit", "max_curvature", "max_curvature_rate"]
 
 _MAX_TURN = 0.1  # of a segment that has points to be divided at [rad]
 
@@ -207,3 +207,15 @@ def max_curvature(path: Path) -> float:
     fraction = np.linspace(0.0, 1.0, 8, endpoint=False)
     s = path.breaks[:-1, None] + fraction * np.diff(path.breaks)[:, None]
     return float(np.abs(path.curvature(s)).max())
+
+
+def max_curvature_rate(path: Path, a_y: float, max_speed: float) -> float:
+    """Return the largest change of curvature in time [1/(m s)] at the speed that the curves allow."""
+    s = (
+        path.breaks[:-1, None] + np.linspace(0.0, 1.0, 4, endpoint=False) * np.diff(path.breaks)[:, None]
+    ).ravel()
+    s = np.append(s, path.end)
+    kappa = path.curvature(s)
+    sharper = np.maximum(np.abs(kappa[1:]), np.abs(kappa[:-1]))
+    speed = np.minimum(np.sqrt(a_y / np.maximum(sharper, 1e-9)), max_speed)
+    return float((np.abs(np.diff(kappa)) / np.diff(s) * speed).max())

@@ -6,7 +6,7 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
-from cca_core._checks import Array, Index
+from cca_core._checks import Array, Index, check_bool
 from cca_core._files import read_bytes
 from cca_core.errors import InputError
 from cca_core.path.fixes import Fixes
@@ -128,6 +128,7 @@ def read_waypoints(file: str | FilePath, *, skip_invalid: bool = True) -> Waypoi
         If the file cannot be read, is too large, too deep or broken, has a document type declaration or fewer
         than two points, or a value is out of range.
     """
+    check_bool("skip_invalid", skip_invalid)
     data = read_bytes(file)
     file = FilePath(file)
     reader = _READERS.get(file.suffix.lower())

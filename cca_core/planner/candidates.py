@@ -10,7 +10,7 @@ from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
-from cca_core.path import Lane
+from cca_core.path import Lane, Road
 from cca_core.planner.occupancy import N_STOPS
 from cca_core.planner.paths import Surroundings, plan_path, return_paths, route_path
 from cca_core.planner.records import LateralPath, Level, Plan, Profile
@@ -63,7 +63,6 @@ def maneuver_paths(
     levels: Sequence[Level],
     last: LateralPath | None,
     max_speed: float,
-    awareness_range: float,
 ) -> tuple[list[LateralPath], list[Rejection]]:
     """Return maneuvers around the vehicles that block the route, and why others are rejected."""
     traffic, road = around.traffic, around.road
@@ -83,14 +82,13 @@ def maneuver_paths(
             )  # fmt: skip
             break
         for side in sides:
-            lane = road.lane_at(road.ego_lane.left + 0.1 if side == "left" else road.ego_lane.right - 0.1)
+            lane = lane_beside(road, side)
             lanes: tuple[Lane | None, ...] = (None,) if lane is None else (None, lane)
             for level in levels:
                 for corridor in lanes:
-                    refused = (
-                        None if corridor is None else _lane_refusal(around, corridor, side, awareness_range)
+                    found = lane_refusal(around, corridor, side) or plan_path(
+                        around, group, side, corridor, level, last
                     )
-                    found = refused or plan_path(around, group, side, corridor, level, last)
                     if isinstance(found, Rejection):
                         if corridor is lanes[-1]:
                             rejections.append(found)
@@ -100,9 +98,16 @@ def maneuver_paths(
     return paths, rejections
 
 
-def _lane_refusal(around: Surroundings, lane: Lane, side: Side, awareness_range: float) -> Rejection | None:
-    """Return why an adjacent lane cannot be known to be free; None if it can."""
-    if awareness_range == 0.0:
+def lane_beside(road: Road, side: Side) -> Lane | None:
+    """Return the adjacent lane on a side; None if there is none."""
+    return road.lane_at(road.ego_lane.left + 0.1 if side == "left" else road.ego_lane.right - 0.1)
+
+
+def lane_refusal(around: Surroundings, lane: Lane | None, side: Side) -> Rejection | None:
+    """Return why an adjacent lane cannot be known to be free; None if it can, or if there is none."""
+    if lane is None:
+        return None
+    if around.awareness_range == 0.0:
         return Rejection(kind=RejectionKind.UNAWARE, side=side, value=0.0)
     tolerance = around.settings.lane_entry_tolerance
     for n in around.traffic.vehicles:

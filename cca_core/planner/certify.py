@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from cca_core._checks import Array, Mask
+from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
-from cca_core.planner.candidates import Stop
+from cca_core.planner.candidates import Stop, lane_beside, lane_refusal
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.records import Grade, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
@@ -139,6 +140,11 @@ class Certifier:
             zone_side=1 if plan.path.kind is PathKind.LEFT else 2,
         )
         b_max = around.limits.b_max
+        side: Side = "left" if plan.path.kind is PathKind.LEFT else "right"
+        refusal = lane_refusal(around, lane_beside(around.road, side), side) if self._inside else None
+        if refusal is not None:
+            plan.grade, plan.rejection = Grade.REFUSED, refusal
+            return
         if self._inside and not self._tail_is_safe(plan, react, b_max, touch, clearance, x_safety, _ADJACENT):
             plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan, work.which)
             return

@@ -103,8 +103,8 @@ class Deliberation:
         )
         around = Surroundings(
             vehicle=vehicle, road=setup.road, settings=setup.settings, limits=setup.limits, traffic=traffic,
-            lateral=lateral, s=observation.s, v=observation.v, jerk=setup.speed.jerk, free_s=TIMES,
-            free_v=TIMES,
+            lateral=lateral, s=observation.s, v=observation.v, awareness_range=observation.awareness_range,
+            jerk=setup.speed.jerk, free_s=TIMES, free_v=TIMES,
         )  # fmt: skip
         self._scene, self._rollout = scene, Rollout(scene, around)
         homes = home_paths(around)
@@ -153,7 +153,7 @@ class Deliberation:
             ongoing = None if self._around.lateral.is_lost else last
         v_target = math.sqrt(max(float(np.interp(observation.s, *self._profile)), 0.0))
         max_speed = v_target - self._setup.settings.min_speed_advantage
-        found, why = maneuver_paths(self._around, levels, ongoing, max_speed, observation.awareness_range)
+        found, why = maneuver_paths(self._around, levels, ongoing, max_speed)
         self._rejections += why
         for path in found:
             self._add(path, None)

@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from types import NoneType
 from typing import Protocol
 
@@ -31,6 +31,7 @@ __all__ = [
     "first_station",
     "invalid_input_reason",
     "invalid_state_reason",
+    "is_list",
     "usable_range",
     "vehicles_on_level",
     "warn_of_tight_bend",
@@ -182,6 +183,8 @@ def vehicles_on_level(
     vehicles: Sequence[FrenetVehicle], road: Road, settings: DecisionSettings
 ) -> tuple[list[FrenetVehicle], tuple[tuple[str, str], ...], tuple[str, ...]]:
     """Return the vehicles at the height of the route, others with the reason, and faults of heights."""
+    if all([n.remote.z is None for n in vehicles]):
+        return list(vehicles), (), ()
     kept: list[FrenetVehicle] = []
     others: list[tuple[str, str]] = []
     faults: list[str] = []
@@ -223,11 +226,24 @@ def usable_range(
         value = math.nan
     if isinstance(awareness_range, str) or not value >= 0.0:
         faults.append(f"awareness_range must be at least 0 m, was {_shown(awareness_range)}; counted as 0 m")
-    if not isinstance(remotes, Iterable | RemoteVehicle):
-        faults.append(f"remotes must be an iterable, was {type(remotes).__name__}; awareness range 0 m")
+    if not is_list(remotes):
+        faults.append(
+            f"remotes must be an iterable of vehicles, was {type(remotes).__name__}; awareness range 0 m"
+        )
     try:
-        if radio is not None and not radio.trusted:
-            faults.append(f"other vehicles may be unknown: {radio.reason}; awareness range 0 m")
+        if radio is not None:
+            trusted: object = radio.trusted
+            if not isinstance(trusted, bool | np.bool_):
+                faults.append(f"trusted must be True or False, was {_shown(trusted)}; awareness range 0 m")
+            elif not trusted:
+                faults.append(f"other vehicles may be unknown: {radio.reason}; awareness range 0 m")
     except Exception as error:  # an object of the caller's
         faults.append(f"radio cannot be used ({type(error).__name__}); awareness range 0 m")
     return 0.0 if faults else value, tuple(faults)
+
+
+def is_list(remotes: object) -> bool:
+    """Return whether an argument can be a list of vehicles."""
+    if type(remotes) in (list, tuple):
+        return True
+    return isinstance(remotes, Iterable | RemoteVehicle) and not isinstance(remotes, str | bytes | Mapping)

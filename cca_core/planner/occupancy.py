@@ -80,11 +80,8 @@ def predict_vehicles(
     crosses, stands, adjacent, assumed = np.zeros((4, m), dtype=np.intp)
     lane = road.ego_lane
     for j, n in enumerate(vehicles):
-        kappa = float(rows["kappa"][min(max(int(n.s) - base, 0), len(rows["kappa"]) - 1)])
         nominal = n.nominal() if n.is_stale else n
-        extent = _extent(nominal, kappa)
-        half_l[j], half_w[j] = 0.5 * (extent[1] - extent[0]), 0.5 * (extent[3] - extent[2])
-        shift_s, shift_d = 0.5 * (extent[0] + extent[1]), 0.5 * (extent[2] + extent[3])
+        half_l[j], half_w[j] = nominal.half_length, nominal.half_width
         crosses[j] = is_crossing(n)
         if crosses[j]:
             _place_crossing(rows, j, n, settings)
@@ -96,18 +93,17 @@ def predict_vehicles(
             continue
         distance, speed = _travel(nominal, settings, road.speed_limit)
         sign = math.copysign(1.0, n.v_s)
-        s[j], v[j] = n.s + shift_s + sign * distance, sign * speed
-        d[j] = n.d + shift_d + _lateral_motion(n, road, settings)
-        whole = _extent(n, kappa)
+        s[j], v[j] = n.s + sign * distance, sign * speed
+        d[j] = n.d + _lateral_motion(n, road, settings)
         for side, a in ((0, settings.assumed_acceleration), (1, settings.assumed_acceleration_passed)):
             reported = _without_acceleration(n) if side else n
             lowest, highest = _reach(reported, settings, road.speed_limit, a)
             if side and sign > 0.0:  # a reported acceleration is believed for a while
                 highest = np.maximum(highest, distance)
-            reach[side, 0, j], reach[side, 1, j] = lowest + n.s + whole[0], highest + n.s + whole[1]
+            reach[side, 0, j], reach[side, 1, j] = lowest + n.rear, highest + n.front
         across = d[j] - d[j, 0]
-        right[j] = n.d + whole[2] + np.minimum(across, 0.0)
-        left[j] = n.d + whole[3] + np.maximum(across, 0.0)
+        right[j] = n.d - n.half_width + np.minimum(across, 0.0)
+        left[j] = n.d + n.half_width + np.maximum(across, 0.0)
         adjacent[j] = (n.d + n.half_width > lane.left + settings.lane_entry_tolerance) + 2 * (
             n.d - n.half_width < lane.right - settings.lane_entry_tolerance
         )
@@ -137,30 +133,6 @@ def predict_vehicles(
         d=d, half_l=half_l, half_w=half_w, low=reach[0, 0], high=reach[0, 1],
     )  # fmt: skip
     return scene, traffic
-
-
-def _extent(n: FrenetVehicle, kappa: float) -> tuple[float, float, float, float]:
-    """Body around the foot point in route coordinates: rear, front, right, left [m]; by its corners."""
-    along, across = 0.5 * n.remote.length, 0.5 * n.remote.width
-    cos, sin = math.cos(n.angle), math.sin(n.angle)
-    if abs(kappa) * along * along < 0.02:
-        half_s, half_d = along * abs(cos) + across * abs(sin), along * abs(sin) + across * abs(cos)
-        rear, front, right, left = -half_s, half_s, -half_d, half_d
-    else:
-        s_d = []
-        for a in (-along, 0.0, along):
-            for b in (-across, across):
-                dx, y = a * cos - b * sin, n.d + a * sin + b * cos
-                toward = 1.0 / kappa - y
-                turn = math.copysign(1.0, kappa)
-                phi = math.atan2(dx * turn, toward * turn)
-                s_d.append((phi / abs(kappa), 1.0 / kappa - turn * math.hypot(dx, toward) - n.d))
-        rear, front = min(p[0] for p in s_d), max(p[0] for p in s_d)
-        right, left = min(p[1] for p in s_d), max(p[1] for p in s_d)
-    sigma_s, sigma_d = n.remote.sigma_along, n.remote.sigma_across
-    more_s = 2.0 * (sigma_s * abs(cos) + sigma_d * abs(sin))
-    more_d = 2.0 * (sigma_s * abs(sin) + sigma_d * abs(cos))
-    return rear - more_s, front + more_s, right - more_d, left + more_d
 
 
 def _travel(n: FrenetVehicle, settings: EvasionSettings, limit: float) -> tuple[Array, Array]:

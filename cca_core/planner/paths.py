@@ -62,6 +62,7 @@ class Surroundings:
     lateral: LateralState
     s: float
     v: float
+    awareness_range: float  # in this cycle [m]
     jerk: float  # of normal driving [m/s^3]
     free_s: Array  # the ego's motion if no vehicle limits it, at `TIMES`
     free_v: Array

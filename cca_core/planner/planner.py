@@ -17,7 +17,6 @@ from cca_core.frenet.branches import Branches
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner import modes
 from cca_core.planner.actuate import dead_reckon, planned_acceleration
-from cca_core.planner.coast import coast
 from cca_core.planner.command import Command
 from cca_core.planner.deliberation import Deliberation, Setup
 from cca_core.planner.inputs import (
@@ -26,10 +25,12 @@ from cca_core.planner.inputs import (
     check_arguments,
     first_station,
     invalid_state_reason,
+    is_list,
     usable_range,
     vehicles_on_level,
     warn_of_tight_bend,
 )
+from cca_core.planner.last_known import recall
 from cca_core.planner.limits import limits_of
 from cca_core.planner.paths import AHEAD, BEHIND
 from cca_core.planner.reasons import explain
@@ -182,13 +183,13 @@ class Planner:
         try:
             dt, fault = self._clock.advance(t)
             known, faults = usable_range(awareness_range, radio, remotes)
-            self._input_faults = (*faults, fault) if fault else faults
+            is_blind, self._input_faults = bool(faults), (*faults, fault) if fault else faults
             reason = invalid_state_reason(self._clock.now, state, self.evasion.decision.max_state_age)
             if not reason and self._clock.is_lost:
                 reason = f"no usable time for {self._clock.lost_time:.1f} s: {fault}"
             if reason:
                 return self._safe_stop(reason, dt)
-            observation, dropped = self._see(state, remotes, known)
+            observation, dropped = self._see(state, remotes, known, is_blind=is_blind)
             if isinstance(observation, str):
                 return self._safe_stop(observation, dt)
             if self._is_due(observation):
@@ -199,7 +200,7 @@ class Planner:
             return self._safe_stop(f"internal error: {error!r}", dt)
 
     def _see(
-        self, state: VehicleState, remotes: Iterable[RemoteVehicle], known: float
+        self, state: VehicleState, remotes: Iterable[RemoteVehicle], known: float, *, is_blind: bool
     ) -> tuple[Observation | str, tuple[tuple[str, str], ...]]:
         """Return the ego and the other vehicles on the route, or why the ego is not on it."""
         path, settings = self.road.path, self.evasion.decision
@@ -211,17 +212,20 @@ class Planner:
             return f"ego heading {state.psi:.2f} rad, route {heading:.2f} rad (degrees?)", ()
         branches = None if self._branches is None else (self._branches, s)
         vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range, branches)
-        known_vehicles, coasting = coast(
-            self._state.known, vehicles, self._clock.t, settings.coast_fraction, settings.max_coast_time
-        )
-        if coasting:
-            vehicles += to_frenet(coasting, path, {}, self._lateral_range, branches)[0]
-        self._state = replace(self._state, known=known_vehicles)
-        vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, settings)
-        dropped, self._input_faults = dropped + off_level, self._input_faults + faults
         incomplete = tuple(reason for _, reason in dropped if reason.startswith(INCOMPLETE))
-        if incomplete:
-            known, self._input_faults = 0.0, self._input_faults + incomplete
+        memory, missing, assumed = recall(
+            self._state.memory, self._clock.t, vehicles, dropped, settings,
+            lost=bool(incomplete) or not is_list(remotes), blind=is_blind,
+        )  # fmt: skip
+        self._state = replace(self._state, memory=memory)
+        if missing:
+            vehicles += to_frenet(missing, path, {}, self._lateral_range, branches)[0]
+        vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, settings)
+        dropped, self._input_faults = (
+            dropped + off_level,
+            (*self._input_faults, *incomplete, *assumed, *faults),
+        )
+        known = 0.0 if memory.is_listening(self._clock.t) else known
         angle = math.remainder(state.psi - heading, 2.0 * math.pi)
         return Observation(
             t=self._clock.t, s=s, d=d, angle=angle, v=max(state.v_x, 0.0),

@@ -1,7 +1,6 @@
 """Records of the planner: what is seen, what can be driven, what it is worth, and the planner's state."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import NamedTuple
@@ -13,7 +12,7 @@ from cca_core.band import Band
 from cca_core.decide import Rejection
 from cca_core.frenet import FrenetVehicle
 from cca_core.path import Path
-from cca_core.planner.coast import Known
+from cca_core.planner.last_known import Memory
 from cca_core.vehicle import VehicleState
 
 
@@ -222,7 +221,7 @@ class PlannerState:
     delta: float = 0.0
     seen: frozenset[tuple[str, frozenset[str]]] = frozenset()
     estimate: VehicleState | None = None  # last known or dead-reckoned
-    known: Mapping[str, Known] = field(default_factory=dict)  # vehicles by id
+    memory: Memory = field(default_factory=Memory)  # of other vehicles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -40,6 +40,9 @@ class DecisionSettings:
         after its last report [-].
     max_coast_time : float
         Longest such time [s].
+    memory_time : float
+        Time for which a vehicle that is missing from the list is assumed to be there, if the radio is not to
+        be trusted or its record cannot be used [s]. While there is no list at all, none is forgotten.
 
     Raises
     ------
@@ -58,6 +61,7 @@ class DecisionSettings:
     max_state_age: float = 0.1
     coast_fraction: float = 0.4
     max_coast_time: float = 1.0
+    memory_time: float = 30.0
 
     def __post_init__(self) -> None:
         check_fields(self)

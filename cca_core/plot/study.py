@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core._checks import Array, check_bool
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.plot.labels import NAMES
@@ -49,6 +49,7 @@ def plot_study(
     """
     if not tables or not all(len(table) for table in tables):
         raise InputError("tables must not be empty")
+    check_bool("log", log)
     if bins < 1:
         raise InputError(f"bins must be at least 1, was {bins}")
     if any(ego not in EGO_TYPES for ego in egos):

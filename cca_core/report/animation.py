@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core._checks import Array, check_bool
 from cca_core.errors import InputError
 from cca_core.plot.labels import begin_sentence, ego_label, sanitize_text, scenario_name
 from cca_core.plot.style import assign_colors
@@ -73,6 +73,7 @@ def animate(logs: Sequence[Log], *, standalone: bool = True) -> str:
     [m]. The camera moves along the route, so lane changes are visible. In a scenario with other roads it is
     fixed.
     """
+    check_bool("standalone", standalone)
     if not logs:
         raise InputError("logs must hold at least one run")
     views = _views(logs)

@@ -9,11 +9,13 @@ from typing import Protocol
 
 import numpy as np
 
+from cca_core._checks import check_bool
 from cca_core.follow import steady_turn
 from cca_core.kernel import bind
 from cca_core.kernel.box_gaps import box_gap
 from cca_core.planner.command import Command
 from cca_core.planner.planner import Planner
+from cca_core.real_time import RealTimeLoop, RealTimeSettings, real_time_process
 from cca_core.sim.human_driver import Driver
 from cca_core.sim.log import Log
 from cca_core.sim.plants.build import make_plant
@@ -21,7 +23,7 @@ from cca_core.sim.recorder import LogBuilder
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.perception import Perception
 from cca_core.sim.world.radio import Radio
-from cca_core.sim.world.tailgating import Tailgating
+from cca_core.sim.world.tailgating import LeadMotion, Tailgating
 from cca_core.sim.world.traffic import CYCLE_TIME, Traffic
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
@@ -68,8 +70,8 @@ def simulate(
         Messages of further senders with the time of arrival at the ego [s], in order of time, such as a
         recorded log. An ego without V2V ignores them.
     real_time : bool
-        Whether to run against the wall clock, one cycle every 20 ms. A cycle that ends after its deadline is
-        counted in `Log.missed_deadlines`; nothing else in the log depends on it.
+        Whether to run against the wall clock, one cycle every 20 ms (`RealTimeLoop`). A cycle that ends late
+        is counted in `Log.missed_deadlines` and delays the rest; nothing else in the log depends on it.
 
     Returns
     -------
@@ -79,10 +81,11 @@ def simulate(
     Raises
     ------
     InputError
-        If the plant is unknown.
+        If the plant is unknown or `real_time` is no bool.
     MissingExtraError
         If the plant's package is not installed.
     """
+    check_bool("real_time", real_time)
     seed = scenario.seed if seed is None else seed
     controller = planner or make_controller(scenario)
     path = scenario.road.path
@@ -93,41 +96,45 @@ def simulate(
     radio, recorded = Radio(scenario, np.random.default_rng(seed)), deque(bsm_log)
     tailgating = None if scenario.fixed_gap is None else Tailgating(scenario, scenario.fixed_gap)
     log = LogBuilder(scenario, plant, seed)
-    s, visible, missed_deadlines = scenario.start, [False] * len(traffic.agents), 0
+    s, visible = scenario.start, [False] * len(traffic.agents)
+    pace = RealTimeLoop(CYCLE_TIME, clock=time.perf_counter, sleep=time.sleep)
     begin = time.perf_counter()
-    for k in range(log.max_cycles):
-        t, state, rows = k * CYCLE_TIME, car.state, traffic.rows()
-        s, d, _, _ = path.foot_point(state.x, state.y, s)
-        if perception.needs_every_cycle or k % 5 == 0:  # 10 Hz suffices where messages come first
-            visible = perception.visible(rows, state)
-        messages: list[bytes] = []
-        if scenario.v2v or radio.is_needed:
-            messages = radio.exchange(t, traffic, state, ego_sends=scenario.v2v)
-        while recorded and recorded[0][0] <= t + 1e-9:
-            messages.append(recorded.popleft()[1])
-        remotes = perception.remotes(t, rows, visible, messages, state)
-        tick = time.perf_counter()
-        command = controller.step(t, state, remotes, awareness_range=perception.awareness_range(t))
-        cycle_us = 1e6 * (time.perf_counter() - tick)
-        a_x, gap_held = command.a_x, False
-        if tailgating is not None and scenario.fixed_gap is not None:
-            lead = traffic.by_id[scenario.fixed_gap.lead_id]
-            a_x = tailgating.acceleration(remotes, command, s, state.v_x, lead)
-            gap_held = not tailgating.released
-        collided_with = _collided_with(scenario, state, rows)
-        log.write(
-            t, car, (s, d), command, traffic, remotes, visible, messages if scenario.v2v else (),
-            collided_with=collided_with, gap_held=gap_held, cycle_us=cycle_us,
-        )  # fmt: skip
-        if progress is not None:
-            progress(t)
-        if real_time:
-            missed_deadlines += not _sleep_until(begin + t + CYCLE_TIME)
-        if collided_with:
-            break
-        car.step(command.delta, a_x, CYCLE_TIME)
-        traffic.step(t, state)
-    return log.finish(radio, wall_s=time.perf_counter() - begin, missed_deadlines=missed_deadlines)
+    with real_time_process(RealTimeSettings(freeze_gc=real_time)):
+        for k in range(log.max_cycles):
+            t, state, rows = k * CYCLE_TIME, car.state, traffic.rows()
+            s, d, _, _ = path.foot_point(state.x, state.y, s)
+            if perception.needs_every_cycle or k % 5 == 0:  # 10 Hz suffices where messages come first
+                visible = perception.visible(rows, state)
+            messages: list[bytes] = []
+            if scenario.v2v or radio.is_needed:
+                messages = radio.exchange(t, traffic, state, ego_sends=scenario.v2v)
+            while recorded and recorded[0][0] <= t + 1e-9:
+                messages.append(recorded.popleft()[1])
+            remotes = perception.remotes(t, rows, visible, messages, state)
+            tick = time.perf_counter()
+            command = controller.step(t, state, remotes, awareness_range=perception.awareness_range(t))
+            cycle_us = 1e6 * (time.perf_counter() - tick)
+            a_x, gap_held = command.a_x, False
+            if tailgating is not None and scenario.fixed_gap is not None:
+                agent = traffic.by_id[scenario.fixed_gap.lead_id]
+                lead = LeadMotion(agent.s - 0.5 * agent.user.length, agent.v, agent.a)
+                a_x = tailgating.acceleration(remotes, command, s, state.v_x, lead)
+                gap_held = not tailgating.released
+            collided_with = find_collision(scenario, state, rows)
+            log.write(
+                t, state, car.a_y, (s, d), command, traffic, remotes, visible,
+                messages if scenario.v2v else (),
+                collided_with=collided_with, gap_held=gap_held, cycle_us=cycle_us,
+            )  # fmt: skip
+            if progress is not None:
+                progress(t)
+            if real_time:
+                pace.wait()
+            if collided_with:
+                break
+            car.step(command.delta, a_x, CYCLE_TIME)
+            traffic.step(t, state)
+    return log.finish(radio.counts, wall_s=time.perf_counter() - begin, missed_deadlines=pace.missed)
 
 
 def make_controller(scenario: Scenario) -> EgoController:
@@ -175,7 +182,7 @@ def make_driver(scenario: Scenario) -> Driver:
     )  # fmt: skip
 
 
-def _collided_with(scenario: Scenario, state: VehicleState, rows: Sequence[Sequence[float]]) -> str:
+def find_collision(scenario: Scenario, state: VehicleState, rows: Sequence[Sequence[float]]) -> str:
     """Return the id of a road user whose box overlaps the ego's; empty if none does."""
     vehicle = scenario.vehicle
     x, y = vehicle.center_at(state.x, state.y, state.psi)
@@ -185,11 +192,3 @@ def _collided_with(scenario: Scenario, state: VehicleState, rows: Sequence[Seque
             if not _box_gap(*ego, x_user, y_user, psi_user, user.length, user.width) > 0.0:
                 return user.id
     return ""
-
-
-def _sleep_until(deadline: float) -> bool:
-    """Wait for a time of the wall clock; return whether it lay ahead."""
-    remaining = deadline - time.perf_counter()
-    if remaining > 0.0:
-        time.sleep(remaining)
-    return remaining >= 0.0

@@ -1,16 +1,14 @@
 """Recording of a run: its decisions, its events, and the arrays of its log."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
 from cca_core.errors import Status
 from cca_core.planner.command import Command
 from cca_core.sim.log import Log
-from cca_core.sim.plants.plant import Plant
 from cca_core.sim.scenarios.scenario import Scenario
-from cca_core.sim.world.radio import Radio
-from cca_core.sim.world.traffic import CYCLE_TIME, Traffic
+from cca_core.sim.world.traffic import CYCLE_TIME, TrafficMotion
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
 
@@ -40,7 +38,7 @@ class EventRecorder:
         command: Command,
         remotes: Iterable[RemoteVehicle],
         visible: Sequence[bool],
-        traffic: Traffic,
+        traffic: TrafficMotion,
         collided_with: str,
         *,
         gap_held: bool,
@@ -101,10 +99,11 @@ class LogBuilder:
     def write(
         self,
         t: float,
-        plant: Plant,
+        state: VehicleState,
+        a_y: float,
         ego_frenet: tuple[float, float],
         command: Command,
-        traffic: Traffic,
+        traffic: TrafficMotion,
         remotes: Sequence[RemoteVehicle],
         visible: Sequence[bool],
         messages: Iterable[bytes],
@@ -114,10 +113,10 @@ class LogBuilder:
         cycle_us: float,
     ) -> None:
         """Write the next cycle."""
-        k, state = self._n, plant.state
+        k = self._n
         self._n += 1
         self._ego[k] = (
-            t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x, plant.a_y,
+            t, state.x, state.y, state.psi, state.v_x, state.v_y, state.r, state.delta, state.a_x, a_y,
             command.delta, command.a_x, *ego_frenet, self._tracking_error(state, command, ego_frenet),
         )  # fmt: skip
         if traffic.agents:
@@ -142,7 +141,7 @@ class LogBuilder:
         self._s_reference, error, _, _ = self._reference.foot_point(state.x, state.y, self._s_reference)
         return error
 
-    def finish(self, radio: Radio, *, wall_s: float, missed_deadlines: int) -> Log:
+    def finish(self, messages: Mapping[str, int], *, wall_s: float, missed_deadlines: int) -> Log:
         """Return the log of all cycles written."""
         n = self._n
         ego, users = self._ego[:n], self._users[:n]
@@ -153,7 +152,7 @@ class LogBuilder:
             user_frenet=self._user_frenet[:n], visible=self._visible[:n], tracked=self._tracked[:n],
             gap_held=self._gap_held[:n], decisions=tuple(self._events.decisions),
             reasons=tuple(self._events.reasons), events=tuple(self._events.events),
-            received=tuple(self._received), messages=dict(radio.counts),
+            received=tuple(self._received), messages=dict(messages),
             degraded=self._degraded[:n], cycle_us=self._cycle_us[:n], wall_s=wall_s,
             missed_deadlines=missed_deadlines,
         )  # fmt: skip

@@ -5,8 +5,8 @@ from collections import OrderedDict
 from collections.abc import Container
 from dataclasses import replace
 
-from cca_core.geometry import wrap_angle
 from cca_core.path.local_frame import LocalFrame
+from cca_core.v2x._association import explains, may_be_same_body, position_at
 from cca_core.v2x._clock import SenderClocks
 from cca_core.v2x._projection import projector
 from cca_core.v2x._reported_motion import (
@@ -15,12 +15,11 @@ from cca_core.v2x._reported_motion import (
     ReportedMotion,
     reported_motion,
 )
-from cca_core.v2x._tracks import Track, Tracks
+from cca_core.v2x._tracks import MAX_REVERSING, Track, Tracks
 from cca_core.v2x.bsm import Bsm
-from cca_core.v2x.motion import Fix, predicted_displacement
+from cca_core.v2x.motion import Fix
 from cca_core.v2x.plausibility import (
     POSITION_CHECKS,
-    PlausibilitySettings,
     implausible_motion,
     implausible_state,
 )
@@ -29,13 +28,10 @@ from cca_core.vehicle import MAX_COORDINATE, MAX_SPEED
 
 __all__ = ["Intake"]
 
-_MAX_REVERSING = 20.0  # speed in reverse [m/s]
 _MIN_RIVAL_MESSAGES, _MIN_RIVAL_TIME = 4, 0.25  # of a second body under one id [-, s]
 _MAX_RIVALS = 3
 _MIN_PERIOD = 0.08  # between two messages of one sender; closer ones may come from two bodies [s]
 _RIVAL_NOISE = 0.5  # between successive messages of a close second body [m]
-_MIN_SEPARATION = 1.8  # across, of two bodies next to each other [m]
-_MAX_CHANGE_GAP = 15.0  # message gap after which a new id may be that of a stale track [s]
 
 
 class Intake:
@@ -47,8 +43,8 @@ class Intake:
         self.t_full = -math.inf  # when a sender was last rejected for want of capacity
         self.ego: tuple[float, float] | None = None
         self._project, self._height = projector(frame), height
-        # values found from two positions are too noisy for these checks
-        self._lenient = replace(settings.plausibility, acceleration=False, yaw=False)
+        # values found from two positions are too noisy for these checks, and cannot contradict a position
+        self._lenient = replace(settings.plausibility, acceleration=False, yaw=False, frozen=False)
         self._positions: OrderedDict[str, PositionHistory] = OrderedDict()
 
     def process(self, bsm: Bsm, t_received: float, own_ids: Container[str]) -> str:
@@ -93,7 +89,7 @@ class Intake:
         bodies = self.tracks.bodies(id)
         if len(bodies) < 2:
             return bodies[0] if bodies else None
-        return min(bodies, key=lambda track: math.dist(position, _position_at(track.fix, t)))
+        return min(bodies, key=lambda track: math.dist(position, position_at(track.fix, t)))
 
     def _message(
         self,
@@ -113,7 +109,7 @@ class Intake:
         if psi is None:
             length = width = min(max(length, width), 5.0)  # [m], a square covers any unknown heading
             psi = 0.0
-        if not (math.isfinite(psi + a + r + measured) and -_MAX_REVERSING <= motion.v <= MAX_SPEED):
+        if not (math.isfinite(psi + a + r + measured) and -MAX_REVERSING <= motion.v <= MAX_SPEED):
             return None
         reported: object = getattr(bsm.accuracy, "semi_major", None)
         reported = reported if isinstance(reported, (int, float)) and reported > 0.0 else 0.0
@@ -154,7 +150,7 @@ class Intake:
         failed, limits = self._compare(track, message), self.settings.plausibility
         if not failed and limits.displacement and track.timed and message.timed:
             interval = message.fix.t - track.fix.t
-            if 0.0 < interval < _MIN_PERIOD and not _may_be_same_body(track, message, limits):
+            if 0.0 < interval < _MIN_PERIOD and not may_be_same_body(track, message, limits):
                 failed = "displacement"
         if not failed and self._overlaps_track(message, track):
             failed = "overlap"
@@ -182,17 +178,17 @@ class Intake:
     def _consider_rival(self, track: Track, message: Track) -> str:
         """Return "separated" if a message becomes the track of a second body, "rival" if it may soon."""
         # a sender that jumps is at one place at a time; of two senders, both are heard in turn
-        if _may_be_same_body(track, message, self.settings.plausibility):
+        if may_be_same_body(track, message, self.settings.plausibility):
             return ""
         # noise of one sender may look like a close body, but does not stay in one place
-        distance = math.dist(message.fix[1:3], _position_at(track.fix, message.fix.t))
+        distance = math.dist(message.fix[1:3], position_at(track.fix, message.fix.t))
         tolerance = (
             _RIVAL_NOISE if distance <= 2.0 * self.settings.plausibility.position_tolerance else math.inf
         )
         n = 1
         kept = [r for r in track.rivals if message.fix.t - r[0].fix.t <= 1.0]
         for rival, count in kept:
-            off = math.dist(message.fix[1:3], _position_at(rival.fix, message.fix.t))
+            off = math.dist(message.fix[1:3], position_at(rival.fix, message.fix.t))
             if message.fix.t > rival.fix.t and off <= tolerance and not self._compare(rival, message):
                 message.t_first, message.first_reported = rival.t_first, rival.first_reported
                 n, kept = count + 1, [r for r in kept if r[0] is not rival]
@@ -255,39 +251,29 @@ class Intake:
 
     def _begin(self, message: Track) -> str:
         """Begin a track, or associate the message with a track under another id."""
-        fix, tracks = message.fix, self.tracks
+        fix, tracks, settings = message.fix, self.tracks, self.settings
         former = tracks.find_overlapping(fix, math.inf, None)
-        if former is not None and fix.t - former.fix.t > self.settings.reassociate_after:
-            if former.matches(message) and not self._compare(former, message):
-                tracks.advance(former, message)
-                return "reassociated"
-        if former is not None and self.settings.plausibility.overlap:
-            return "overlap"
-        explained = [track for track in tracks.stale(fix.t) if self._explains(message, track)]
+        explained = [
+            track
+            for track in tracks.silent(fix.t, settings.reassociate_after)
+            if explains(message, track, settings.plausibility) or (track is former and track.matches(message))
+        ]
+        if former is not None:
+            if former in explained:
+                explained = [former]
+            elif settings.plausibility.overlap:
+                return "overlap"
+        explained = [track for track in explained if not self._compare(track, message)]
         if len(explained) == 1:
             tracks.advance(explained[0], message)
             return "reassociated"
+        message.ref = fix.x, fix.y
+        if former is not None and settings.plausibility.overlap:
+            return "overlap"
         if tracks.is_full and not self._evict_for(fix):
             return "full"
         tracks.add(message)
         return "new"
-
-    def _explains(self, message: Track, stale: Track) -> bool:
-        """Return whether a new sender can be the vehicle of a stale track under another id."""
-        gap = message.fix.t - stale.fix.t
-        if gap > _MAX_CHANGE_GAP or not stale.matches(message) or self._compare(stale, message):
-            return False
-        x, y, _ = predicted_displacement(stale.fix, message.fix)
-        off_x, off_y = message.fix.x - x, message.fix.y - y
-        psi = stale.fix.psi + 0.5 * wrap_angle(message.fix.psi - stale.fix.psi)
-        along, across = (
-            off_x * math.cos(psi) + off_y * math.sin(psi),
-            off_y * math.cos(psi) - off_x * math.sin(psi),
-        )
-        # mean speeds err by a quarter of an acceleration of 4 m/s^2; the lane is kept
-        speed = max(abs(stale.fix.v), abs(message.fix.v))
-        limit = min(3.0 + self.settings.plausibility.time_tolerance * speed + gap * gap, 30.0)
-        return abs(along) <= limit and abs(across) <= 2.0 + 0.1 * gap
 
     def _evict_for(self, fix: Fix) -> bool:
         """Evict a track that matters less than a new sender, if there is one."""
@@ -300,26 +286,3 @@ class Intake:
         if self.ego is None or math.dist(rejected[1:3], self.ego) <= self.settings.retention_range:
             self.t_full = fix.t
         return evictable is not None
-
-
-def _position_at(fix: Fix, t: float) -> tuple[float, float]:
-    """Position at a time before or after a fix, at constant speed [m]."""
-    s = fix.v * (t - fix.t)
-    return fix.x + s * math.cos(fix.psi), fix.y + s * math.sin(fix.psi)
-
-
-def _may_be_same_body(track: Track, message: Track, limits: PlausibilitySettings) -> bool:
-    """Return whether a message may come from the body of a track: two bodies would not fit there."""
-    dt, v = message.fix.t - track.fix.t, max(abs(track.fix.v), abs(message.fix.v))
-    unknown = 0.25 * limits.max_acceleration * dt * dt
-    tolerance = limits.time_tolerance * v + unknown
-    x, y = _position_at(track.fix, message.fix.t)
-    off_x, off_y = message.fix.x - x, message.fix.y - y
-    if math.hypot(off_x, off_y) > limits.position_tolerance + tolerance:
-        return False
-    if track.motion.psi is None or message.motion.psi is None:
-        return True
-    cos, sin = math.cos(track.fix.psi), math.sin(track.fix.psi)
-    along, across = abs(off_x * cos + off_y * sin), abs(off_y * cos - off_x * sin)
-    length, width = 0.5 * (track.length + message.length), 0.5 * (track.width + message.width)
-    return along <= length + tolerance and across <= max(width, _MIN_SEPARATION) + unknown

@@ -5,10 +5,14 @@ import math
 import numpy as np
 
 from cca_core.geometry import wrap_angle
+from cca_core.v2x._own_messages import EgoLikeness
 from cca_core.v2x._reported_motion import ReportedMotion
 from cca_core.v2x.motion import Fix, dead_reckon, position_bounds, predicted_displacement
 from cca_core.v2x.tracker_settings import TrackerSettings
-from cca_core.vehicle import STALE_AGE, RemoteVehicle, VehicleState
+from cca_core.vehicle import MAX_SPEED, STALE_AGE, RemoteVehicle, VehicleState
+
+MAX_REVERSING = 20.0
+"""Largest speed in reverse [m/s]."""
 
 _NOWHERE = 1e12  # coordinate of an unused row [m]
 _MAX_BODIES = 3  # bodies under one id
@@ -18,9 +22,9 @@ class Track:
     """State of one sender: motion of its last message, position of the last accepted one."""
 
     __slots__ = (
-        "accuracy", "driven", "events", "first_reported", "fix", "height", "id", "length", "motion",
-        "msg_count", "ref", "rejected", "reported", "rivals", "row", "speed", "t_first", "t_position",
-        "timed", "width", "with_ego",
+        "accuracy", "driven", "ego_likeness", "events", "first_reported", "fix", "height", "id", "length",
+        "motion", "msg_count", "ref", "rejected", "reported", "rivals", "row", "speed", "t_first",
+        "t_position", "timed", "width",
     )  # fmt: skip
 
     def __init__(
@@ -47,8 +51,7 @@ class Track:
         self.rejected: Track | None = None  # last message with a rejected position
         # last messages of bodies elsewhere under the same id, with the number of messages that agree
         self.rivals: list[tuple[Track, int]] = []
-        # time of the last message compared with the ego, and how many in succession fit the ego itself
-        self.with_ego = -math.inf, 0
+        self.ego_likeness = EgoLikeness()
         self.row = -1
 
     def coast(self, message: "Track") -> None:
@@ -60,13 +63,13 @@ class Track:
         self.fix = new._replace(x=x, y=y)
         self.events, self.msg_count, self.timed = message.events, message.msg_count, message.timed
 
+    def has_size_of(self, other: "Track") -> bool:
+        """Return whether the sizes of both may be those of one vehicle."""
+        return abs(self.length - other.length) < 0.2 and abs(self.width - other.width) < 0.2
+
     def matches(self, other: "Track") -> bool:
         """Return whether size and heading of both may be those of one vehicle."""
-        return (
-            abs(self.length - other.length) < 0.2
-            and abs(self.width - other.width) < 0.2
-            and abs(wrap_angle(self.fix.psi - other.fix.psi)) < 0.3
-        )
+        return self.has_size_of(other) and abs(wrap_angle(self.fix.psi - other.fix.psi)) < 0.3
 
     def out_of_order(self, count: int, measured: float, timed: bool, t: float) -> str:
         """Return why a message is not the next one; empty if it is."""
@@ -83,32 +86,11 @@ class Track:
             return "duplicate"
         return "out_of_order" if ahead >= 64 or (timed and measured <= last) else ""
 
-    def moves_with(self, ego: VehicleState, vehicle: RemoteVehicle) -> bool:
-        """Return whether the sender seems to be the ego itself, whose messages are heard back."""
-        # another body cannot be there; a queue at standstill proves nothing, so the ego must have moved
-        x, y = vehicle.x - ego.x, vehicle.y - ego.y
-        if abs(x) + abs(y) > 10.0:  # [m]
-            self.with_ego = -math.inf, 0
-            return False
-        cos, sin = math.cos(ego.psi), math.sin(ego.psi)
-        fits = (
-            abs(x * cos + y * sin) <= 2.0 + 0.05 * ego.v_x  # [m], antenna, center of the body, time stamps
-            and abs(y * cos - x * sin) <= 0.9  # [m], half a body
-            and abs(wrap_angle(vehicle.psi - ego.psi)) < 0.2
-            and abs(vehicle.v_x - ego.v_x) < 1.0
-        )
-        t, n = self.with_ego
-        if not fits:
-            n = 0
-        elif t != self.fix.t and ego.v_x > 2.0:
-            n += 1
-        self.with_ego = self.fix.t, n
-        return n >= 5
-
     def vehicle(self, t: float, name: str, settings: TrackerSettings) -> RemoteVehicle:
         """Return the vehicle dead-reckoned to a time [s], under a name."""
         fix, shared = self.fix, math.hypot(settings.sigma_position, self.accuracy)
         _, x, y, psi, v, a, r = dead_reckon(fix, t)
+        v = min(max(v, -MAX_REVERSING), MAX_SPEED)  # a valid record, whatever acceleration is reported
         age, model = max(t - self.t_position, 0.0), settings.position_errors
         if self.t_position == fix.t:
             along, across = position_bounds(fix.v, age, model=model)
@@ -123,7 +105,9 @@ class Track:
             more = position_bounds(rejected.fix.v, max(t - rejected.fix.t, 0.0), model=model)
             along = max(along, abs(far_x * cos + far_y * sin) + more[0])
             across = max(across, abs(far_y * cos - far_x * sin) + more[1])
-        if v == 0.0 and t - fix.t <= STALE_AGE:  # stopped if it braked as reported: the bounds need to know
+        if t - fix.t > STALE_AGE:  # the bounds need to know the reported speed, see `reachable_interval`
+            a = (v - fix.v) / STALE_AGE
+        elif v == 0.0:  # stopped if it braked as reported
             a = fix.a
         return RemoteVehicle(
             id=name, x=x, y=y, psi=psi, v_x=v, a_x=a, r=r, age=age, length=self.length, width=self.width,
@@ -171,7 +155,7 @@ class Tracks:
         self._form = np.zeros((2, size, 4))
         self._form[..., 3] = _NOWHERE
         self._half = np.zeros((2, size))
-        self._t_first, self._t_last = np.full(size, math.inf), np.full(size, math.inf)
+        self._t_first = np.full(size, math.inf)
         self._separated: set[str] = set()  # ids with several bodies
 
     @property
@@ -208,13 +192,12 @@ class Tracks:
         self._track[track.row] = None
         self._xy[:, track.row] = _NOWHERE
         self._form[:, track.row] = 0.0, 0.0, 0.0, _NOWHERE
-        self._t_last[track.row] = math.inf
         self._free.append(track.row)
 
     def advance(self, track: Track, new: Track) -> None:
         """Replace a track by its next state, under the id of that."""
         new.row, new.t_first, new.first_reported = track.row, track.t_first, track.first_reported
-        new.rejected, new.rivals, new.with_ego = None, track.rivals, track.with_ego
+        new.rejected, new.rivals, new.ego_likeness = None, track.rivals, track.ego_likeness
         if new.id != track.id:
             del self.by_id[track.id]
         self.by_id[new.id] = new
@@ -232,7 +215,7 @@ class Tracks:
         length = min(max(track.length, limits.min_overlap_length), limits.max_overlap_length)
         width = min(max(track.width, limits.min_overlap_width), limits.max_overlap_width)
         self._half[:, row] = 0.5 * length, 0.5 * width
-        self._t_first[row], self._t_last[row] = track.t_first, t
+        self._t_first[row] = track.t_first
 
     def find_overlapping(self, fix: Fix, t_first: float, itself: Track | None) -> Track | None:
         """Return an older track, not stale, whose body contains a position."""
@@ -245,10 +228,10 @@ class Tracks:
                 return track
         return None
 
-    def stale(self, t: float) -> list[Track]:
-        """Return the stale tracks."""
-        rows = np.flatnonzero(t - self._t_last > STALE_AGE).tolist()
-        return [track for row in rows if (track := self._track[row]) is not None]
+    def silent(self, t: float, gap: float) -> list[Track]:
+        """Return the tracks with a longer message gap [s], and those of the ego itself."""
+        tracks = self.by_id.values()
+        return [track for track in tracks if t - track.fix.t > gap or track.ego_likeness.is_certain]
 
     def find_evictable(self, ego: tuple[float, float], fix: Fix, settings: TrackerSettings) -> Track | None:
         """Return the farthest tentative or distant track if it is farther from the ego than a new sender."""

@@ -3,8 +3,7 @@
 import math
 from dataclasses import dataclass, fields
 
-from cca_core._checks import check_real
-from cca_core.errors import InputError
+from cca_core._checks import check_bool, check_real
 from cca_core.geometry import wrap_angle
 from cca_core.v2x.motion import Fix
 
@@ -109,10 +108,10 @@ class PlausibilitySettings:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if field.name not in PLAUSIBILITY_CHECKS:
+            if field.name in PLAUSIBILITY_CHECKS:
+                check_bool(field.name, value)
+            else:
                 check_real(field.name, value, gt=0.0)
-            elif not isinstance(value, bool):
-                raise InputError(f"{field.name} must be True or False, was {value!r}")
 
 
 def implausible_state(

@@ -215,17 +215,22 @@ class Tracker:
         vehicles = []
         for track in tuple(intake.tracks.by_id.values()):
             vehicle = track.vehicle(t, _name(track.id, names), self.settings)
-            gap = t - track.fix.t
-            if gap > STALE_AGE and is_expired(vehicle, gap, ego, self._top_speed[0], self.settings):
+            gap, own = t - track.fix.t, False
+            if ego is not None:
+                own = track.ego_likeness.compare(track.fix.t, ego, vehicle)
+            if gap > STALE_AGE and (
+                (own and track.ego_likeness.is_certain)
+                or is_expired(vehicle, gap, ego, self._top_speed[0], self.settings)
+            ):
                 intake.tracks.remove(track)
-            elif ego is None or not track.moves_with(ego, vehicle):
+            elif not own or gap > STALE_AGE:
                 vehicles.append(vehicle)
         return tuple(vehicles)
 
 
 def _name(id: str, names: Mapping[str, str] | None) -> str:
     """Return the id of a vehicle: of a further body under one temporary identity that name with a number."""
-    if names is None:
-        return id
+    if names is None or id in names:
+        return id if names is None else names[id]
     base, sign, number = id.partition("#")
     return names.get(base, base) + sign + number

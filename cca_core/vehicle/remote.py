@@ -66,7 +66,7 @@ class RemoteVehicle:
     def invalid_reason(self) -> str | None:
         """Why the record cannot be used; None if it can."""
         values = _REMOTE_VALUES(self)
-        if not ({float, np.float64}.issuperset(map(type, values)) and all(map(math.isfinite, values))):
+        if not (_FLOATS.issuperset(map(type, values)) and all(map(math.isfinite, values))):
             for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
                 if not is_finite_number(value):
                     return f"{name} must be a finite number, was {type(value).__name__} {str(value)[:20]}"
@@ -74,17 +74,16 @@ class RemoteVehicle:
         if not (isinstance(labels[0], str) and isinstance(labels[1], frozenset)):
             was = " and ".join(type(label).__name__ for label in labels)
             return f"id and events must be a string and a frozenset, were {was}"
-        if max(abs(self.x), abs(self.y)) > MAX_COORDINATE:
+        x, y, _, v_x, a_x, r, length, width, age, along, across = values
+        if abs(x) > MAX_COORDINATE or abs(y) > MAX_COORDINATE:
             return f"position must be within {MAX_COORDINATE / 1e3:.0f} km of the origin"
-        if max(abs(self.a_x), abs(self.r)) > 100.0:
-            return f"a_x and r must be at most 100, were {self.a_x:g} m/s^2 and {self.r:g} rad/s"
-        if not (0.0 < self.length <= 400.0 and 0.0 < self.width <= 20.0):  # a train
-            return f"length and width must be within 400 m x 20 m, were {self.length:g} m x {self.width:g} m"
-        if not -20.0 <= self.v_x <= MAX_SPEED:
-            return f"v_x must be between -20 and {MAX_SPEED:g} m/s, was {self.v_x:g} m/s"
-        if not (
-            0.0 <= self.age <= 3600.0 and 0.0 <= self.sigma_along <= 1e3 and 0.0 <= self.sigma_across <= 1e3
-        ):
+        if abs(a_x) > 100.0 or abs(r) > 100.0:
+            return f"a_x and r must be at most 100, were {a_x:g} m/s^2 and {r:g} rad/s"
+        if not (0.0 < length <= 400.0 and 0.0 < width <= 20.0):  # a train
+            return f"length and width must be within 400 m x 20 m, were {length:g} m x {width:g} m"
+        if not -20.0 <= v_x <= MAX_SPEED:
+            return f"v_x must be between -20 and {MAX_SPEED:g} m/s, was {v_x:g} m/s"
+        if not (0.0 <= age <= 3600.0 and 0.0 <= along <= 1e3 and 0.0 <= across <= 1e3):
             return "age and sigmas must be between 0 and 3600 s and 0 and 1000 m"
         return None
 
@@ -92,6 +91,7 @@ class RemoteVehicle:
 _REMOTE_NUMBERS = (
     "x", "y", "psi", "v_x", "a_x", "r", "length", "width", "age", "sigma_along", "sigma_across",
 )  # fmt: skip
+_FLOATS = frozenset((float, np.float64))
 _REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)
 
 

@@ -1,5 +1,6 @@
 """A batch of bands equals single bands."""
 
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
 
@@ -196,3 +197,22 @@ def test_obstacles_and_edges_broadcast() -> None:
         for i in range(3):
             assert_same(many[i], relax_band(nodes[i], one, vehicle=CAR, corridor=corridor))
     assert not np.array_equal(many[0].displacement, many[1].displacement)
+
+
+def test_band_within_a_band_changes_nothing() -> None:
+    """A signal handler may plan too, between any two steps of a call."""
+    route, one, other = straight(60.0, 1.0), boxes(30.0, 0.5, 0.0, 4.5, 1.8), boxes(28.0, -0.3, 0.1, 4.0, 2.0)
+    expected, calls = relax_band(route, [one], vehicle=CAR), []
+
+    def interrupt(*_: object) -> None:
+        sys.setprofile(None)
+        calls.append(relax_band(route, [other], vehicle=CAR))
+        sys.setprofile(interrupt)
+
+    sys.setprofile(interrupt)
+    try:
+        band = relax_band(route, [one], vehicle=CAR)
+    finally:
+        sys.setprofile(None)
+    assert len(calls) > 10
+    np.testing.assert_array_equal(band.displacement, expected.displacement)

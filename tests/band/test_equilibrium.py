@@ -187,6 +187,15 @@ def test_batch_of_two_axes() -> None:
     )
 
 
+@pytest.mark.parametrize("n", [0, 1, 4])
+def test_equilibrium_of_too_few_nodes_raises(n: int) -> None:
+    bound = np.ones(n)
+    with pytest.raises(InputError, match=r"^lower and upper must have one shape"):
+        equilibrium(SOFT.stencil(1.0), SOFT.k_e, -bound, bound)
+    with pytest.raises(InputError, match=r"^lower and upper must have one shape"):
+        equilibrium(SOFT.stencil(1.0), SOFT.k_e, -np.ones(n + 9), bound)
+
+
 def test_curvature_bounds_balance_other_forces() -> None:
     """Violation times contact stiffness balances the other forces."""
     h, n = 1.0, 81

@@ -263,6 +263,14 @@ def test_extreme_arguments_give_finite_bands(changes: dict, side: object, start:
         assert band.edge_clearance >= -1e-9
 
 
+def test_huge_settings_are_no_limits() -> None:
+    huge = BandSettings(max_solves=10**12, max_tightenings=10**12, max_certified_sides=10**12)
+    case = scene(straight(), [boxes(75.0, 0.3, 0.4, 4.5, 1.8)], curvature_limit=0.004)
+    band, plain = relax(case, settings=huge), relax(case)
+    assert plain.ok
+    np.testing.assert_array_equal(band.displacement, plain.displacement)
+
+
 def test_number_of_solves_is_bounded() -> None:
     settings = BandSettings(max_tightenings=1000, max_stalls=1000, max_solves=100)
     solves = [

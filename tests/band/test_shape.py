@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cca_core.band import Band, BandStiffness, equilibrium
-from cca_core.errors import Status
+from cca_core.errors import InputError, Status
 from cca_core.geometry import Boxes, boxes
 from tests.support.band_scenes import CAR, bend, on, relax, scene, straight
 
@@ -249,3 +249,25 @@ def test_tension_widens_the_deformed_span() -> None:
         for k_s in (1e-2, 0.0)
     ]
     assert widths[0] > widths[1]
+
+
+@pytest.mark.parametrize("start", [np.nan, np.inf, 1e17, "0", None])
+def test_path_from_no_station_raises(start: object) -> None:
+    with pytest.raises(InputError, match="start must be"):
+        relax(scene(straight(160.0, 1.0), [])).path(start)
+
+
+@pytest.mark.parametrize("turn", [0.3, 1.1, 2.0, -0.7])
+@pytest.mark.parametrize("seed", range(6))
+def test_parallel_box_next_to_turned_one_is_rotated(turn: float, seed: int) -> None:
+    """The sense in which a parallel box is turned is that of a rounding error, and decides on nothing."""
+    random, sine, cosine = np.random.default_rng(seed), math.sin(turn), math.cos(turn)
+    route, matrix = straight(60.0, 1.0), np.array([[cosine, -sine], [sine, cosine]])
+    given = [
+        (random.uniform(20, 40), random.normal(0, 1), k * 1.1, random.uniform(3, 8), 1.8) for k in (0, 1)
+    ]
+    turned = [(cosine * x - sine * y, sine * x + cosine * y, psi + turn, a, b) for x, y, psi, a, b in given]
+    one = relax(scene(route, [boxes(*box) for box in given]))
+    other = relax(scene(route @ matrix.T, [boxes(*box) for box in turned]))
+    assert one.status == other.status
+    assert other.displacement == pytest.approx(one.displacement, abs=1e-6)

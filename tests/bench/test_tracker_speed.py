@@ -10,7 +10,7 @@ from cca_core.v2x import Bsm, Tracker, encode_bsm
 from tests.bench.timing import Budget, median_us
 
 FRAME = LocalFrame(41.0, -104.0)
-EGO = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0)
+EGO = VehicleState(x=0.0, y=-3.5, psi=0.0, v_x=20.0)  # no car of the messages is in its place
 N, T0 = 100, 6000.0
 Report = Callable[[str, object], None]
 

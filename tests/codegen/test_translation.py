@@ -38,6 +38,16 @@ def test_public_function_is_in_header(library: dict[str, str]) -> None:
     assert "squared_distance" not in library["kernel.h"]
 
 
+def test_header_states_sizes_of_arrays(tmp_path: Path) -> None:
+    text = '__all__ = ["f"]\nclass Work:\n    """Memory."""\n    n: Int\n'
+    text += '    x: Annotated[Grid, "n", "n + 1"]\n'
+    text += 'def f(w: Work, n: Int, x: Row) -> Real:\n    """Zero."""\n    return 0.0\n'
+    (tmp_path / "case.py").write_text(TYPES + text, encoding="utf-8")
+    header = translate(tmp_path)["kernel.h"]
+    assert "/* Memory. */\ntypedef struct Work {\n    int n;\n    double *x; /* [n][n + 1] */\n" in header
+    assert "/* Zero.\n   x[n] */\ndouble cca_f(const Work *w, int n, const double *x);\n" in header
+
+
 def test_lines_are_short(library: dict[str, str]) -> None:
     assert max(len(line) for line in library["kernel.c"].split("\n")) <= 110
 

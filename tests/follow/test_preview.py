@@ -230,6 +230,29 @@ def test_steering_is_finite_down_to_standstill(v: float) -> None:
         assert abs(controller.steer(state, LEFT)) <= CAR.delta_max
 
 
+@pytest.mark.parametrize("name", ["x", "y", "psi", "v_x", "v_y", "r", "dt"])
+@pytest.mark.parametrize("value", [1e3, 1e100, 1e160, 1e308])
+def test_absurd_value_does_not_stay(name: str, value: float) -> None:
+    assert_recovery(name, value)
+
+
+@pytest.mark.parametrize("dt", [math.inf, math.nan])
+def test_time_step_that_is_no_number_does_not_stay(dt: float) -> None:
+    assert_recovery("dt", dt)
+
+
+def assert_recovery(name: str, value: float) -> None:
+    """Steer once with an absurd value of either sign: it is finite, and soon as if nothing had been."""
+    controller, sound = PreviewController(CAR), {"x": 20.0, "y": 0.6, "psi": 0.07, "v_x": 20.0}
+    expected = controller.steer(VehicleState(**sound), LEFT)
+    for absurd in (value,) if name == "v_x" else (value, -value):  # a state refuses a negative speed
+        state, dt = (sound, absurd) if name == "dt" else (sound | {name: absurd}, 0.02)
+        assert abs(controller.steer(VehicleState(**state), LEFT, dt)) <= CAR.delta_max
+        for _ in range(60):
+            angle = controller.steer(VehicleState(**sound), LEFT)
+        assert angle == pytest.approx(expected, abs=2e-3)
+
+
 def test_standstill_with_error_does_not_wind_up() -> None:
     """Ten seconds of standstill with a lateral error do not change the law."""
     state = VehicleState(x=50.0, y=0.08, psi=0.0, v_x=0.0)

@@ -18,6 +18,7 @@ from cca_core.follow import (
     friction_limited,
     idm_acceleration,
     jerk_limited,
+    profile_acceleration,
     required_deceleration,
     squared_speed_limit,
     stop_acceleration,
@@ -348,3 +349,9 @@ def test_speed_limit_along_path_is_feasible(amplitude: float) -> None:
     # where it is below both, it is because of a slower point ahead, exactly
     for i in np.flatnonzero(squared[on] < tight - 1e-6)[:-1]:
         assert squared[i + 1] - squared[i] == pytest.approx(-2.0 * S.b_comfort * (s[i + 1] - s[i]), rel=1e-6)
+
+
+@pytest.mark.parametrize("profile", [([], []), ([0.0, 1.0], [1.0]), ([[0.0]], [[1.0]])])
+def test_profile_without_two_equal_rows_raises(profile: tuple[object, object]) -> None:
+    with pytest.raises(InputError, match="profile must be two rows of one length"):
+        profile_acceleration(0.0, 10.0, profile, S)

@@ -71,6 +71,13 @@ def test_several_results_are_a_tuple(form: str) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("text", ["1.0", b"1.0"])
+def test_text_is_no_number(form: str, text: object) -> None:
+    with pytest.raises(TypeError, match="must be real number"):
+        bind(functions, form)(text, 1.0, np.zeros(16))
+
+
+@pytest.mark.parametrize("form", FORMS)
 def test_numpy_numbers_are_accepted(form: str) -> None:
     lent = lend(Trial, form, n=np.int64(2), m=1)
     lent.arrays["x"][:] = 1.0

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cca_core.kernel.memory import MAX_REUSED, Lent, lend, reuse
+from cca_core.kernel.memory import MAX_REUSED, Lent, give_back, lend, put, reuse
 from tests.support.trial_kernel.trial import Trial
 
 
@@ -41,6 +41,16 @@ def test_copied_workspace_has_same_contents(lent: Lent[Trial], again: Any) -> No
     assert lent.arrays["grid"][1, 2] == 7.0
 
 
+def test_reals_of_any_type_are_kept_as_float(lent: Lent[Trial]) -> None:
+    class Marked(float):
+        pass
+
+    for given in (np.float32(0.1), np.int64(3), np.array(0.5), Marked(0.25), True):
+        put(lent.workspace, gain=given)
+        assert type(lent.workspace.gain) is float
+        assert lent.workspace.gain == float(given)
+
+
 def test_sizes_and_arrays_cannot_be_replaced(trial_compiled: Any) -> None:
     workspace: Any = lend(Trial, "c", n=4, m=2).workspace
     for name in ("n", "m", "x", "marks"):
@@ -57,7 +67,10 @@ def test_missing_and_foreign_sizes_raise() -> None:
 
 def test_workspace_is_reused_within_a_thread(trial_compiled: Any) -> None:
     first = reuse(Trial, n=3, m=1)
+    assert reuse(Trial, n=3, m=1) is not first  # a call within a call has its own
+    give_back(first)
     assert reuse(Trial, n=3, m=1) is first
+    give_back(first)
     assert reuse(Trial, n=4, m=1) is not first
     found = []
     thread = threading.Thread(target=lambda: found.append(reuse(Trial, n=3, m=1)))
@@ -68,6 +81,7 @@ def test_workspace_is_reused_within_a_thread(trial_compiled: Any) -> None:
 
 def test_workspaces_of_a_thread_are_limited(trial_compiled: Any) -> None:
     first = reuse(Trial, n=1, m=1)
+    give_back(first)
     for n in range(2, MAX_REUSED + 3):
-        reuse(Trial, n=n, m=1)
+        give_back(reuse(Trial, n=n, m=1))
     assert reuse(Trial, n=1, m=1) is not first

@@ -36,6 +36,21 @@ def test_noise_estimate_is_near_truth(noise: float) -> None:
     assert 0.7 * noise <= report.noise <= 1.2 * noise
 
 
+@pytest.mark.parametrize(("n", "spacing", "noise"), [(1200, 2.0, 1.0), (1200, 2.0, 2.0), (600, 4.0, 2.0)])
+def test_dense_noisy_log_gives_true_radius(n: int, spacing: float, noise: float) -> None:
+    xy = winding(n, spacing, 111.0) + np.random.default_rng(0).normal(0.0, noise, (n, 2))
+    assert 0.7 * 111.0 <= fitted(xy).min_radius <= 1.3 * 111.0
+
+
+def test_far_corner_of_sparse_route_is_no_outlier() -> None:
+    y = [0, 0, 10, 10, 200, 10, 0, 0, 10, 10, 200, 10, 0]
+    path = fit_path(np.column_stack((200 * np.arange(13), y)))
+    report = path.fit_report
+    assert report is not None
+    assert report.max_deviation <= 10.0
+    assert len(report.outliers) == 0
+
+
 def test_clean_waypoints_have_tolerance_of_0_3_m() -> None:
     xy = winding(100, 8.0, 111.0)
     chosen, given_tolerance = fit_path(xy), fit_path(xy, tolerance=0.3)

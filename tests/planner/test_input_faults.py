@@ -175,6 +175,15 @@ class TestAwareness:
         assert not command.decision.action.is_evading
         assert "none of 1 messages" in command.input_faults[0]
 
+    @pytest.mark.parametrize("trusted", ["no", "yes", 1, None, [True], math.nan, np.float64(1.0)], ids=str)
+    def test_trust_that_is_no_bool_counts_as_zero(self, trusted: Any) -> None:
+        command = self.behind_van(radio=Health(trusted))
+        assert not command.decision.action.is_evading
+        assert "trusted must be True or False" in command.input_faults[0]
+
+    def test_numpy_bool_is_a_bool(self) -> None:
+        assert self.behind_van(radio=Health(np.True_)).decision.action.is_evading  # type: ignore[arg-type]
+
     def test_radio_that_fails_counts_as_zero(self) -> None:
         assert "radio cannot be used" in self.behind_van(radio=object()).input_faults[0]
 

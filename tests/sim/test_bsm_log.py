@@ -85,7 +85,13 @@ def test_binary_log(compress: Callable[[bytes], bytes], tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "content", [b"\x1f\x8b", gzip.compress(b"00")[:-9], b"\xff\xfe", wrap.ode(b"0014")[:-1]]
+    "content",
+    [
+        pytest.param(b"\x1f\x8b", id="mark of gzip alone"),
+        pytest.param(gzip.compress(b"00", mtime=0)[:-9], id="gzip cut"),
+        pytest.param(b"\xff\xfe", id="no record"),
+        pytest.param(wrap.ode(b"0014")[:-1], id="record cut"),
+    ],
 )
 def test_bad_binary_files(content: bytes, tmp_path: Path) -> None:
     file = tmp_path / "log"

@@ -19,7 +19,7 @@ from tests.support.band_numpy_equilibrium import NumpyEquilibrium
 
 Array = np.ndarray[Any, Any]
 
-ALIGNED, END_SLOPE = 0.02, 0.5
+ALIGNED, PARALLEL, END_SLOPE = 0.02, 1e-9, 0.5
 CURVE_ERROR, LOOSE, DECISIVE = 2e-3, 4e-3, 1e-2
 ROUNDING, MAX_DISPLACEMENT = 1e-9, 30.0
 SETTINGS, STIFFNESS = BandSettings(), BandStiffness()
@@ -99,7 +99,6 @@ class NumpyBand:
         lower, upper = self.right_edge + half, self.left_edge - half
         relative = (self.center - self.route) * self.tangents.conj() - car.box_offset
         a, t, x, y = self.ahead, self.tangents, relative.real, relative.imag
-        # in real numbers: the sign of a rounding error decides at which end a parallel box is bounded
         turn = a.real * t.real + a.imag * t.imag + 1j * (a.imag * t.real - a.real * t.imag)
         length, width = self.half_length + clearance, self.half_width + clearance
         c, s = np.abs(turn.real), np.abs(turn.imag)
@@ -113,6 +112,7 @@ class NumpyBand:
             before, behind = -reach - x, reach - x
             top = half_y - np.maximum(ridge - behind, 0.0) * rise - np.maximum(before - ridge, 0.0) * fall
             bottom = half_y - np.maximum(ridge + before, 0.0) * rise - np.maximum(-behind - ridge, 0.0) * fall
+            top, bottom = (np.where(s > PARALLEL, roof, half_y) for roof in (top, bottom))
         wide = np.pad(overlap, ((0, 0), (1, 1)), mode="edge")
         near = np.maximum(np.maximum(wide[:, :-2], wide[:, 2:]), overlap)
         outside = np.minimum(overlap, 0.0) / np.minimum(overlap - near, -1e-9)
@@ -136,8 +136,12 @@ class NumpyBand:
         turn = along * self.tangents.conj()
         reach = 0.5 * car.width * turn.real + 0.125 * np.abs(kappa) * h**2
         right, left = np.full(self.n, math.inf), np.full(self.n, math.inf)
-        for k in range(math.floor(car.rear / h), math.ceil(car.front / h) + 1):
-            x, at = min(max(k * h, car.rear), car.front), np.clip(np.arange(self.n) + k, 0, self.n - 1)
+        sections = [(car.front, 0), (car.box_offset, 0), (car.rear, 0)]
+        if np.ptp(self.right_edge) or np.ptp(self.left_edge):
+            reached = range(math.floor(car.rear / h), math.ceil(car.front / h) + 1)
+            sections = [(min(max(k * h, car.rear), car.front), k) for k in reached]
+        for x, k in sections:
+            at = np.clip(np.arange(self.n) + k, 0, self.n - 1)
             middle = u + x * turn.imag - 0.5 * self.route_curvature * x * x
             right = np.minimum(right, middle - reach - self.right_edge[at])
             left = np.minimum(left, self.left_edge[at] - middle - reach)

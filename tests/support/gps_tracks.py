@@ -118,9 +118,41 @@ def creeping(rng: np.random.Generator) -> Points:
     return np.vstack((street[street[:, 0] < 120.0], jam, street[street[:, 0] > 180.0]))
 
 
+def out_and_back_on_one_line(rng: np.random.Generator) -> Points:
+    """A street with two dead ends, out and back on the same line."""
+    corners = [(0, 0), (150, 0), (150, 80), (150, 0), (300, 0), (300, -60), (300, 0), (420, 0)]
+    return along(corners, float(rng.uniform(4.0, 9.0)))
+
+
+def zig_zags(rng: np.random.Generator) -> Points:
+    """A steep footpath with turns under the turning circle of a car."""
+    legs = [(60.0 + 14.0 * (k % 2), 5.0 * k) for k in range(9)]
+    return along([(0, 0), *legs, (60, 60), (200, 60)], 3.0)
+
+
+def sparse_corners(rng: np.random.Generator) -> Points:
+    """A route as a planner stores it: corners alone, 60 to 300 m apart."""
+    steps = rng.uniform(60.0, 300.0, 30)
+    psi = np.cumsum(rng.choice([-1.0, 0.0, 1.0], 30) * rng.uniform(0.3, 1.5, 30))
+    return np.cumsum(steps[:, None] * np.column_stack((np.cos(psi), np.sin(psi))), axis=0)
+
+
 KINDS = {
     kind.__name__: kind
-    for kind in (u_turn, out_and_back, laps, lights, tunnel, parking_lot, grid, hairpins, creeping)
+    for kind in (
+        u_turn,
+        out_and_back,
+        laps,
+        lights,
+        tunnel,
+        parking_lot,
+        grid,
+        hairpins,
+        creeping,
+        out_and_back_on_one_line,
+        zig_zags,
+        sparse_corners,
+    )
 }
 
 

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from scipy.integrate import trapezoid  # NumPy 1.26 has none
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -64,5 +65,5 @@ def stopping(v: Array, rho: float, a: float, b: float, v_max: float) -> Array:
     """Distance of a vehicle that accelerates up to v_max in its response time and then brakes."""
     top = np.maximum(v, np.minimum(v + rho * a, v_max))
     t = np.linspace(0.0, rho, 2001)[:, None]
-    driven = np.trapezoid(np.minimum(v + a * t, top), t, axis=0)
+    driven = trapezoid(np.minimum(v + a * t, top), t, axis=0)
     return np.asarray(driven + top**2 / (2.0 * b))

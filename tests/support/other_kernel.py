@@ -8,8 +8,8 @@ import pytest
 
 from tests.support.load_module import load
 
-FILE = Path(os.environ["CCA_KERNEL_FILE"])
-sys.modules["cca_core.kernel._compiled"] = load(FILE)
+if FILE := os.environ.get("CCA_KERNEL_FILE"):  # without it this is no plugin, only a file with doctests
+    sys.modules["cca_core.kernel._compiled"] = load(Path(FILE))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

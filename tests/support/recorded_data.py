@@ -56,6 +56,7 @@ from cca_core.planner import (
     SafeStop,
     YieldSettings,
 )
+from cca_core.real_time import RealTimeSettings
 from cca_core.v2x import (
     BrakeStatus,
     Bsm,
@@ -93,7 +94,7 @@ def public_records() -> set[type]:
     found = set()
     for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
         package = module.name.removeprefix("cca_core.")
-        if package.startswith("_") or package in ("plot", "report", "baselines", "sim"):
+        if package.startswith("_") or package in ("plot", "report", "baselines", "sim", "rig", "fmi"):
             continue
         loaded = importlib.import_module(module.name)
         values = (getattr(loaded, name) for name in getattr(loaded, "__all__", ()))
@@ -152,7 +153,8 @@ def examples() -> dict[str, Any]:
         Bsm(msg_count=3, id="01ab23cd", speed=20.0),
         ChannelSettings(), UpdateResult(accepted=True, kind="new", id="a", t=3.0), PlausibilitySettings(),
         SenderSettings(), MessageFrame(data=b"\x00\x14\x00", message_id=20, name="BSM"),
-        TrackerSettings(), TrackerHealth(t=3.0, received=20.0, accepted=19.0, rejected=(("frozen", 1.0),)),
+        RealTimeSettings(cpus=(0, 1)), TrackerSettings(),
+        TrackerHealth(t=3.0, received=20.0, accepted=19.0, rejected=(("frozen", 1.0),)),
     ]  # fmt: skip
     return {type(value).__name__: value for value in values}
 

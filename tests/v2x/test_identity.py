@@ -201,6 +201,16 @@ def test_gear_not_reported_and_going_forwards_is_not_reversing(noise: float) -> 
         assert tracker.vehicles(t)[0].v_x >= 0.0
 
 
+@pytest.mark.parametrize(("v", "gear"), [(99.9, "forward"), (19.9, "reverse")])
+@pytest.mark.parametrize("a_x", [-11.0, 11.0])
+@pytest.mark.parametrize("age", [0.5, 1.0, 3.0, 25.0])
+def test_fastest_vehicle_stays_valid(v: float, gear: str, a_x: float, age: float) -> None:
+    tracker = Tracker(FRAME)
+    assert tracker.update(bsm(T0, v=v, a_x=a_x, transmission=gear), T0).accepted
+    (vehicle,) = tracker.vehicles(T0 + age)
+    assert vehicle.invalid_reason is None
+
+
 @pytest.mark.parametrize("repeats", [1, 2, 3])
 def test_repeated_mark_with_new_count_counts(repeats: int) -> None:
     """Devices that repeat the time stamp of a position: events, braking and speed are new."""

@@ -69,6 +69,26 @@ def test_invalid_settings_raise(values: dict[str, Any]) -> None:
         PlausibilitySettings(**values)
 
 
+@pytest.mark.parametrize("missing", [("speed",), ("speed", "psi"), ("psi",)], ids="+".join)
+@pytest.mark.parametrize("braking", [1.0, 4.0, 8.0])
+@pytest.mark.parametrize("v", [3.0, 10.0, 25.0])
+def test_stopping_sender_with_missing_motion_is_accepted(
+    missing: tuple[str, ...], braking: float, v: float
+) -> None:
+    """A constant position cannot contradict a speed that was found from positions; it drives on later."""
+    for noise, gear in ((0.0, "forward"), (0.05, None), (0.3, "forward"), (0.3, None)):
+        tracker, rng, x, speed = Tracker(FRAME), np.random.default_rng(1), 0.0, v
+        stop, kinds = 20 + math.ceil(10.0 * v / braking), []
+        for k in range(stop + 90):
+            speed = max(speed - 0.1 * braking * (k > 20), 0.0) if k < stop + 50 else min(speed + 0.2, 5.0)
+            x += 0.1 * speed
+            values = {"speed": speed, "transmission": gear} | dict.fromkeys(missing)
+            position = rng.normal((x, 0.0), noise)
+            kinds.append(tracker.update(bsm(T0 + 0.1 * k, *position, **values), T0 + 0.1 * k + 0.02).kind)
+        assert kinds.count("frozen") == 0, (noise, gear)
+        assert set(kinds[-30:]) == {"updated"}, (noise, gear)
+
+
 @given(st.integers(0, 10_000), st.sampled_from([0.0, 0.5, 1.0]))
 def test_honest_senders_are_accepted(seed: int, noise: float) -> None:
     """Stopping, starting and turning with noise: at most 3 of 105 messages are rejected."""

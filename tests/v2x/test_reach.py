@@ -73,6 +73,7 @@ CASES = [
     for a_x in (-8.0, -4.0, 0.0, 3.0)
     for age in (0.0, 0.1, 0.5, 0.95, 1.0)
 ]
+STALE_CASES = [(v, a_x, age) for v, a_x, _ in CASES[::5] for age in (1.02, 1.5, 3.0, 10.0)]
 
 
 def assert_covered(v: float, a_x: float, age: float, center: np.ndarray, psi: float) -> None:
@@ -91,11 +92,18 @@ def test_occupied_interval_covers_all_motions(psi: float) -> None:
         assert_covered(v, a_x, age, sampled(adversaries(age, v, i), age + TIMES), psi)
 
 
+@pytest.mark.parametrize("psi", [0.0, math.pi], ids=["along", "oncoming"])
+def test_occupied_interval_covers_motions_of_stale_vehicle(psi: float) -> None:
+    """Nothing is lost at an age of 1 s: the reported speed and acceleration are known beyond it."""
+    for i, (v, a_x, age) in enumerate(STALE_CASES):
+        assert_covered(v, a_x, age, sampled(adversaries(age, v, i), age + TIMES), psi)
+
+
 RATE = st.floats(-BRAKING, ACCELERATION)
 
 
 @given(
-    st.floats(0.0, 40.0), RATE, st.floats(0.0, 1.0), st.lists(RATE, min_size=1, max_size=8),
+    st.floats(0.0, 40.0), RATE, st.floats(0.0, 4.0), st.lists(RATE, min_size=1, max_size=8),
     st.sampled_from([0.0, math.pi]),
 )  # fmt: skip
 def test_occupied_interval_covers_any_motion(

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, check_real
+from cca_core._checks import Array, check_bool, check_real
 from cca_core.errors import InputError, Status
 from cca_core.geometry import Boxes
 from cca_core.path import Road
@@ -64,6 +64,7 @@ class Problem:
         check_real("v_x", self.v_x, gt=0.0)
         check_real("clearance", self.clearance, ge=0.0)
         check_real("a_y_max", self.a_y_max, gt=0.0)
+        check_bool("solvable", self.solvable)
         for other in self.others:
             if other.invalid_reason is not None:
                 raise InputError(f"others must be valid, {other.id} was not: {other.invalid_reason}")

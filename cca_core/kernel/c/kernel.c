@@ -269,7 +269,7 @@ static void band_gaps_find_near(BandWork *w)
     w->n_pairs = 0;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         double moves = w->max_step[o] + change;
-        double travel = w->max_step[o] + step;
+        double travel = real_max(w->max_step[o] + step, CIRCLES_TINY);
         int next_node = 0;
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
             if (i < next_node) {
@@ -616,6 +616,7 @@ static double band_certificate_violation_of(const BandWork *w)
 
 /* band_corridor.py: Bounds of a band: road edges, and obstacles on the side on which they are passed. */
 #define BAND_CORRIDOR_ALIGNED 0.02
+#define BAND_CORRIDOR_PARALLEL 1e-09
 #define BAND_CORRIDOR_END_SLOPE 0.5
 #define BAND_CORRIDOR_MIN_DROP 1e-09
 
@@ -715,7 +716,7 @@ static void band_corridor_measure_range(BandWork *w, int o, int i, bool aligned)
     double half_y = along * sine + across * cosine;
     double upper = half_y;
     double lower = half_y;
-    if (!aligned) {
+    if (!aligned && sine > BAND_CORRIDOR_PARALLEL) {
         bool counter = turn_cos * turn_sin >= 0.0;
         double ridge = counter ? along * cosine - across * sine : across * sine - along * cosine;
         double along_edge = sine / real_max(cosine, BAND_CORRIDOR_ALIGNED);
@@ -793,8 +794,10 @@ static int band_corridor_set_bounds(BandWork *w)
     begins and ends. */
 
 /* equilibrium.py: Equilibrium of a band against one-sided bounds, by a semi-smooth Newton iteration on
-    the active set.  The energy is ``1/2 u K u`` and ``1/2 contact`` times the squared violations of the
-    bounds: convex and piecewise quadratic. A step that reproduces its active set is the minimum. */
+    the active set.
+
+The energy is ``1/2 u K u`` and ``1/2 contact`` times the squared violations of the bounds: convex and
+piecewise quadratic. A step that reproduces its active set is the minimum. */
 
 /* stiffness.py: Stiffness of a band between pinned ends: internal forces, factors of its matrix,
     solutions. */
@@ -934,7 +937,7 @@ static void stiffness_substitute(const Equilibrium *e, const double *force, doub
 #define EQUILIBRIUM_FLAT_SLOPE 0.001
 #define EQUILIBRIUM_STIFF_ROW 100000.0
 #define EQUILIBRIUM_CORRECTIONS 3
-#define EQUILIBRIUM_MAX_CORRECTION 0.0001
+#define EQUILIBRIUM_MAX_CORRECTION 1e-05
 #define EQUILIBRIUM_END_STEP 0.05
 
 /* Return the bound that a value violates: -1 the lower one, 1 the upper one, 0 none. */
@@ -1166,6 +1169,7 @@ static void equilibrium_clear_ends(Equilibrium *e)
         e->u[i] = 0.0;
         e->target[i] = 0.0;
         e->step[i] = 0.0;
+        e->residual[i] = 0.0;
         e->active[i] = 0;
     }
     e->sharp[0] = 0;
@@ -1252,12 +1256,12 @@ static bool equilibrium_respond_to_start(Equilibrium *e, double before, double s
         change = 0.0;
         for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
             to[i] += e->target[i];
-            change = real_max(change, fabs(e->target[i]));
+            change += fabs(e->target[i]);
         }
     }
     to[0] = start_0;
     to[1] = start_1;
-    return change <= EQUILIBRIUM_MAX_CORRECTION;
+    return change <= EQUILIBRIUM_MAX_CORRECTION * n;
 }
 #define BAND_FRAME_MIN_EVENNESS 0.8
 #define BAND_FRAME_MIN_SPACING 1e-06
@@ -1571,6 +1575,7 @@ static void band_tightening_release_curvature(BandWork *w, Equilibrium *e)
         w->upper_difference[i] = HUGE_VAL;
         e->lower_difference[i] = -HUGE_VAL;
         e->upper_difference[i] = HUGE_VAL;
+        e->sharp[i] = 0;
     }
 }
 
@@ -2295,7 +2300,7 @@ static int curve_sample_after(const CurveSamples *samples, int i, double excess)
 }
 
 /* Distance of a position from the nearest of a few samples [m]. */
-static double curve_distance_at_most(const CurveSamples *samples, double x, double y)
+static double curve_coarse_distance(const CurveSamples *samples, double x, double y)
 {
     double distance = HUGE_VAL;
     int i = 0;
@@ -2363,7 +2368,7 @@ static cca_dd curve_nearest_within(const Curve *curve, const CurveSamples *sampl
 /* Foot point s, d of a position that is nearest on the whole path. */
 cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double x, double y)
 {
-    return curve_nearest_within(curve, samples, x, y, curve_distance_at_most(samples, x, y));
+    return curve_nearest_within(curve, samples, x, y, curve_coarse_distance(samples, x, y));
 }
 
 /* Foot points of n positions from initial guesses. */
@@ -2387,7 +2392,7 @@ void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, 
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         double few = curve_sample_distance(samples, x[i], y[i], last);
         if (i == 0 || few > CURVE_FAR) {
-            few = curve_distance_at_most(samples, x[i], y[i]);
+            few = curve_coarse_distance(samples, x[i], y[i]);
         }
         const cca_dd result1_ = curve_nearest_within(curve, samples, x[i], y[i], few);
         s[i] = result1_.item0;
@@ -3095,6 +3100,8 @@ void cca_occupied_intervals(int vehicles, int times, const double *motion, const
     double *front)
 {
     for (int k = 0, k_end_ = vehicles; k < k_end_; k += 1) {
+        double begin = motion[k * 8 + REACH_REAR];
+        double end = motion[k * 8 + REACH_FRONT];
         double v = motion[k * 8 + REACH_SPEED];
         double age = motion[k * 8 + REACH_AGE];
         double b = motion[k * 8 + REACH_BRAKING];
@@ -3108,14 +3115,14 @@ void cca_occupied_intervals(int vehicles, int times, const double *motion, const
             if (keeps) {
                 double low = copysign(1.0, v) * reach_distance_driven(fabs(v), motion[k * 8 + REACH_A_X],
                     t[i]);
-                rear[k * times + i] = motion[k * 8 + REACH_REAR] + low;
-                front[k * times + i] = motion[k * 8 + REACH_FRONT] + low;
+                rear[k * times + i] = begin + low;
+                front[k * times + i] = end + low;
             } else {
                 const cca_dd result2_ = reach_reach(v, t[i], age, b, a, measured, counted, stops);
                 double first = result2_.item0;
                 double last = result2_.item1;
-                rear[k * times + i] = motion[k * 8 + REACH_REAR] + first;
-                front[k * times + i] = motion[k * 8 + REACH_FRONT] + last;
+                rear[k * times + i] = begin + first;
+                front[k * times + i] = end + last;
             }
         }
     }
@@ -3498,6 +3505,8 @@ double cca_profile_acceleration(int n, const double *at, const double *squared, 
 #define STEERING_SIDESLIP_FRACTION 0.3
 #define STEERING_MAX_STEP 0.005
 #define STEERING_MAX_STEPS 1000
+#define STEERING_MAX_CYCLE 5.0
+#define STEERING_MAX_MOTION 100.0
 #define STEERING_MAX_FRACTION 0.97
 #define STEERING_MAX_GRIP 0.8
 #define STEERING_MAX_JUMP 20.0
@@ -3564,10 +3573,15 @@ static int steering_ring_index(const IdealCar *car, int i)
 double cca_advance(IdealCar *car, double s, double kappa, double v_x, double dt)
 {
     double v = real_max(v_x, 0.0);
-    if (!car->started || fabs(s - car->s) > STEERING_MAX_JUMP || v < STEERING_ROLLING_SPEED) {
-        steering_start_steady(car, kappa, v);
-    } else {
+    bool follows = car->started && fabs(s - car->s) <= STEERING_MAX_JUMP && (0.0 <= dt && dt
+        <= STEERING_MAX_CYCLE);
+    if (follows && v >= STEERING_ROLLING_SPEED) {
         steering_integrate(car, kappa, v, dt);
+    } else {
+        steering_start_steady(car, kappa, v);
+    }
+    if (!(fabs(car->r) + fabs(car->v_y) < STEERING_MAX_MOTION)) {
+        steering_start_steady(car, kappa, v);
     }
     car->started = true;
     car->s = s;
@@ -3630,8 +3644,11 @@ static double steering_limited(const Steering *law, const IdealCar *car, double 
     double low = real_max(real_min(-steady, motion - slip), -law->delta_max);
     double high = real_min(real_max(steady, motion + slip), law->delta_max);
     double delta = real_min(real_max(target, low), high);
+    if (!(-law->delta_max <= delta && delta <= law->delta_max)) {
+        delta = law->delta;
+    }
     if (law->started) {
-        double step = law->delta_rate_max * dt;
+        double step = law->delta_rate_max * real_max(0.0, dt);
         delta = real_min(real_max(delta, law->delta - step), law->delta + step);
     }
     return delta;
@@ -3683,7 +3700,8 @@ double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_gues
     double rate = v * sine + v_y * cos(e_psi) + l_s * (r - passed_r);
     double target = feedforward - k_p * error - k_d * rate - law->integral;
     double delta = steering_limited(law, car, target, v_x, v_y, r, dt);
-    if (delta == target && fabs(d) < STEERING_SMALL_OFFSET && v > 1.0) {
+    bool small = fabs(d) < STEERING_SMALL_OFFSET && (0.0 <= dt && dt <= STEERING_MAX_CYCLE);
+    if (delta == target && small && v > 1.0) {
         law->integral = real_min(real_max(law->integral + k_p * d * dt / STEERING_INTEGRAL_TIME,
             -STEERING_INTEGRAL_LIMIT), STEERING_INTEGRAL_LIMIT);
     }

@@ -9,6 +9,7 @@
 extern "C" {
 #endif
 
+/* A band between pinned ends, one-sided bounds and the active set. */
 typedef struct Equilibrium {
     int n;
     int max_n;
@@ -17,28 +18,29 @@ typedef struct Equilibrium {
     double tension;
     double contact;
     double curvature_contact;
-    double *lower;
-    double *upper;
+    double *lower; /* [max_n] */
+    double *upper; /* [max_n] */
     bool bounded;
-    double *lower_difference;
-    double *upper_difference;
-    int *active;
-    int *sharp;
-    double *u;
+    double *lower_difference; /* [max_n] */
+    double *upper_difference; /* [max_n] */
+    int *active; /* [max_n] */
+    int *sharp; /* [max_n] */
+    double *u; /* [max_n] */
     int solves;
     bool definite;
-    double *force;
-    double *target;
-    double *step;
-    double *residual;
-    double *difference;
-    double *moment;
-    double *inverse;
-    double *factor_1;
-    double *factor_2;
-    double *factor_3;
+    double *force; /* [max_n] */
+    double *target; /* [max_n] */
+    double *step; /* [max_n] */
+    double *residual; /* [max_n] */
+    double *difference; /* [max_n] */
+    double *moment; /* [max_n] */
+    double *inverse; /* [max_n] */
+    double *factor_1; /* [max_n] */
+    double *factor_2; /* [max_n] */
+    double *factor_3; /* [max_n] */
 } Equilibrium;
 
+/* One band: its problem, its certificate, and what the rounds of tightening need. */
 typedef struct BandWork {
     int n;
     int m;
@@ -65,28 +67,28 @@ typedef struct BandWork {
     int max_free_sides;
     double side_change_fraction;
     bool has_edges;
-    double *route_x;
-    double *route_y;
-    double *right_edge;
-    double *left_edge;
-    double *curvature_limit;
-    double *box_x;
-    double *box_y;
-    double *box_psi;
-    double *half_length;
-    double *half_width;
-    double *lead_distance;
-    int *passes_left;
+    double *route_x; /* [max_n] */
+    double *route_y; /* [max_n] */
+    double *right_edge; /* [max_n] */
+    double *left_edge; /* [max_n] */
+    double *curvature_limit; /* [max_n] */
+    double *box_x; /* [max_m][max_n] */
+    double *box_y; /* [max_m][max_n] */
+    double *box_psi; /* [max_m][max_n] */
+    double *half_length; /* [max_m][max_n] */
+    double *half_width; /* [max_m][max_n] */
+    double *lead_distance; /* [max_m] */
+    int *passes_left; /* [max_m] */
     bool has_former;
-    int *former;
+    int *former; /* [max_m] */
     double start_before;
     double start_0;
     double start_1;
     double spacing;
-    double *tangent_x;
-    double *tangent_y;
-    double *route_curvature;
-    double *free;
+    double *tangent_x; /* [max_n] */
+    double *tangent_y; /* [max_n] */
+    double *route_curvature; /* [max_n] */
+    double *free; /* [max_n] */
     double heading_x0;
     double heading_y0;
     double heading_x1;
@@ -95,48 +97,48 @@ typedef struct BandWork {
     double moment_y0;
     double moment_x1;
     double moment_y1;
-    double *box_ahead_x;
-    double *box_ahead_y;
-    double *radius;
-    double *max_radius;
-    double *max_step;
-    double *overlap;
-    double *passing_right;
-    double *passing_left;
-    double *u;
-    double *best_u;
-    double *lower;
-    double *upper;
-    double *low;
-    double *high;
-    double *lower_difference;
-    double *upper_difference;
-    double *x;
-    double *y;
-    double *chord;
-    double *ahead_x;
-    double *ahead_y;
-    double *moment_x;
-    double *moment_y;
-    double *curvature;
-    double *diagonal;
-    double *center_x;
-    double *center_y;
+    double *box_ahead_x; /* [max_m][max_n] */
+    double *box_ahead_y; /* [max_m][max_n] */
+    double *radius; /* [max_m][max_n] */
+    double *max_radius; /* [max_m] */
+    double *max_step; /* [max_m] */
+    double *overlap; /* [max_m][max_n] */
+    double *passing_right; /* [max_m][max_n] */
+    double *passing_left; /* [max_m][max_n] */
+    double *u; /* [max_n] */
+    double *best_u; /* [max_n] */
+    double *lower; /* [max_n] */
+    double *upper; /* [max_n] */
+    double *low; /* [max_n] */
+    double *high; /* [max_n] */
+    double *lower_difference; /* [max_n] */
+    double *upper_difference; /* [max_n] */
+    double *x; /* [max_n] */
+    double *y; /* [max_n] */
+    double *chord; /* [max_n] */
+    double *ahead_x; /* [max_n] */
+    double *ahead_y; /* [max_n] */
+    double *moment_x; /* [max_n] */
+    double *moment_y; /* [max_n] */
+    double *curvature; /* [max_n] */
+    double *diagonal; /* [max_n] */
+    double *center_x; /* [max_n] */
+    double *center_y; /* [max_n] */
     double near;
     int n_pairs;
-    double *right_margin;
-    double *left_margin;
+    double *right_margin; /* [max_n] */
+    double *left_margin; /* [max_n] */
     double min_gap;
     double min_edge_clearance;
     double max_curvature;
     double curvature_ratio;
     bool finite;
-    int *pair_obstacle;
-    int *pair_node;
-    double *sampled;
-    double *bulge;
-    double *bound;
-    double *parts;
+    int *pair_obstacle; /* [max_m * max_n] */
+    int *pair_node; /* [max_m * max_n] */
+    double *sampled; /* [max_m * max_n] */
+    double *bulge; /* [max_m * max_n] */
+    double *bound; /* [max_m * max_n] */
+    double *parts; /* [17] */
     int status;
     int reason;
     int active;
@@ -145,15 +147,16 @@ typedef struct BandWork {
     int solves;
     double value;
     double limit;
-    int *blocking;
-    int *is_free;
-    int *default_side;
-    int *rank;
-    double *distance;
-    int *codes;
-    double *costs;
+    int *blocking; /* [max_m] */
+    int *is_free; /* [max_m] */
+    int *default_side; /* [max_m] */
+    int *rank; /* [max_m] */
+    double *distance; /* [max_m] */
+    int *codes; /* [max_certified] */
+    double *costs; /* [max_certified] */
 } BandWork;
 
+/* Problems of bands of one shape. */
 typedef struct BandBatch {
     int n;
     int m;
@@ -164,123 +167,151 @@ typedef struct BandBatch {
     int side_rule;
     bool has_edges;
     bool has_former;
-    double *nodes;
-    double *boxes;
-    double *right_edge;
-    double *left_edge;
-    double *curvature_limit;
-    double *start;
-    double *lead_distance;
-    int *former;
-    int *passes_left;
+    double *nodes; /* [max_bands][2 * max_n] */
+    double *boxes; /* [5 * max_m * max_bands][max_n] */
+    double *right_edge; /* [max_bands][max_n] */
+    double *left_edge; /* [max_bands][max_n] */
+    double *curvature_limit; /* [max_bands][max_n] */
+    double *start; /* [max_bands][3] */
+    double *lead_distance; /* [max_m] */
+    int *former; /* [max_m * max_bands] */
+    int *passes_left; /* [max_m * max_bands] */
 } BandBatch;
 
+/* Signed distance of box b, at dx, dy from box a, from unit headings and half extents [m]. */
 double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double bx, double by,
     double length_a, double width_a, double length_b, double width_b);
 
+/* Signed distance of two boxes from centers, headings and full extents [m]; NaN if one is not finite. */
 double cca_box_gap(double ax, double ay, double a_psi, double a_length, double a_width, double bx,
     double by, double b_psi, double b_length, double b_width);
 
+/* Signed distances of n boxes b from k boxes a, which repeat: x, y, heading, length, width of each.
+   a[k][5], b[n][5], gap[n] */
 void cca_box_gaps(int n, int k, const double *a, const double *b, double *gap);
 
+/* Relax the bands of a batch; their status is in the first column of `codes`.
+   found[(bands * columns)], codes[(6 * bands)] */
 void cca_relax_bands(BandBatch *q, BandWork *w, Equilibrium *e, int bands, int columns, double *found, int
     *codes);
 
+/* Certify a displacement of the first band of a batch; return a status.
+
+Its frame, its bounds for the given sides, and its certificate are left in the workspace.
+   u[n], found[columns], codes[6] */
 int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const double *u, int columns,
     double *found, int *codes);
 
+/* Compute arc lengths, and a, b, c, d of x and then of y, from nodes and spline moments / 6.
+   nodes[(segments + 1)][2], moments[(segments + 1)][2], breaks[(segments + 1)], cubics[segments][8] */
 void cca_join_cubics(int segments, const double *nodes, const double *moments, double start, double
     *breaks, double *cubics);
 
+/* A path. The kernel only reads it, so threads may share it. */
 typedef struct Curve {
     int segments;
-    double *breaks;
-    double *powers;
+    double *breaks; /* [segments + 1] */
+    double *powers; /* [segments][8] */
 } Curve;
 
+/* Points of a path from its first to its last one, for the search of the nearest one. */
 typedef struct CurveSamples {
     int count;
     int stride;
     double max_gap;
-    double *s;
-    double *x;
-    double *y;
+    double *s; /* [count] */
+    double *x; /* [count] */
+    double *y; /* [count] */
 } CurveSamples;
 
 typedef struct cca_dddddd { double item0; double item1; double item2; double item3; double item4; double item5; } cca_dddddd;
 
+/* Position x, y [m], first and second derivative by arc length. */
 cca_dddddd cca_curve_point(const Curve *curve, double s);
 
+/* Positions, first and second derivatives at n arc lengths.
+   s[n], position[n][2], first[n][2], second[n][2] */
 void cca_curve_points(const Curve *curve, int n, const double *s, double *position, double *first, double
     *second);
 
+/* Signed curvature at an arc length [1/m]. */
 double cca_curvature_at(const Curve *curve, double s);
 
 typedef struct cca_dddd { double item0; double item1; double item2; double item3; } cca_dddd;
 
+/* Foot point by Newton's method from an initial guess: s, d [m], heading [rad] and curvature [1/m]. */
 cca_dddd cca_foot_point(const Curve *curve, double x, double y, double s_guess);
 
 typedef struct cca_dd { double item0; double item1; } cca_dd;
 
+/* Foot point s, d of a position that is nearest on the whole path. */
 cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double x, double y);
 
+/* Foot points of n positions from initial guesses.
+   x[n], y[n], s_guess[n], s[n], d[n], heading[n], curvature[n] */
 void cca_foot_points(const Curve *curve, int n, const double *x, const double *y, const double *s_guess,
     double *s, double *d, double *heading, double *curvature);
 
+/* Nearest points of n positions on the whole path; those that follow each other are found sooner.
+   x[n], y[n], s[n], d[n] */
 void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x,
     const double *y, double *s, double *d);
 
+/* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts.
+   stiffness[bands][5], lower[bands][n], upper[bands][n], lower_difference[bands][n],
+       upper_difference[bands][n], u[bands][n], solves[bands], converged[bands] */
 void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
     const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
     double *u, int *solves, int *converged);
 
+/* Route, candidate paths, other vehicles, the ego and its motions of one decision. */
 typedef struct Scene {
     int n;
     int max_m;
     int max_paths;
     int max_rows;
     int steps;
-    double *x;
-    double *y;
-    double *psi;
-    double *kappa;
-    double *cap;
+    double *x; /* [n] */
+    double *y; /* [n] */
+    double *psi; /* [n] */
+    double *kappa; /* [n] */
+    double *cap; /* [n] */
     double lane_right;
     double lane_left;
-    double *d;
-    double *path_cap;
-    double *overtakes;
-    double *t;
+    double *d; /* [max_paths][n] */
+    double *path_cap; /* [max_paths][n] */
+    double *overtakes; /* [max_paths][max_m] */
+    double *t; /* [steps] */
     int m;
-    double *s_o;
-    double *v_o;
-    double *d_o;
-    double *s_follow;
-    double *v_follow;
-    double *half_l;
-    double *half_w;
-    double *low;
-    double *high;
-    double *high_passed;
-    double *low_passed;
-    double *right;
-    double *left;
-    int *crosses;
-    int *stands;
-    double *passing_distance;
-    double *x_o;
-    double *y_o;
-    double *psi_o;
-    double *x_w;
-    double *y_w;
-    double *psi_w;
-    double *half_l_w;
-    double *half_w_w;
-    int *adjacent;
-    int *assumed;
+    double *s_o; /* [max_m][steps] */
+    double *v_o; /* [max_m][steps] */
+    double *d_o; /* [max_m][steps] */
+    double *s_follow; /* [max_m][steps] */
+    double *v_follow; /* [max_m][steps] */
+    double *half_l; /* [max_m] */
+    double *half_w; /* [max_m] */
+    double *low; /* [max_m][steps] */
+    double *high; /* [max_m][steps] */
+    double *high_passed; /* [max_m][steps] */
+    double *low_passed; /* [max_m][steps] */
+    double *right; /* [max_m][steps] */
+    double *left; /* [max_m][steps] */
+    int *crosses; /* [max_m] */
+    int *stands; /* [max_m] */
+    double *passing_distance; /* [max_m] */
+    double *x_o; /* [max_m][steps] */
+    double *y_o; /* [max_m][steps] */
+    double *psi_o; /* [max_m][steps] */
+    double *x_w; /* [max_m][steps] */
+    double *y_w; /* [max_m][steps] */
+    double *psi_w; /* [max_m][steps] */
+    double *half_l_w; /* [max_m][steps] */
+    double *half_w_w; /* [max_m][steps] */
+    int *adjacent; /* [max_m] */
+    int *assumed; /* [max_m] */
     int stops;
-    double *stop_s;
-    double *stop_until;
+    double *stop_s; /* [8] */
+    double *stop_until; /* [8] */
     double s_0;
     double v_0;
     double a_0;
@@ -305,12 +336,12 @@ typedef struct Scene {
     double look;
     double react;
     double margin;
-    double *s;
-    double *v;
-    double *a;
-    double *offset_at;
-    int *limited_by;
-    double *terms;
+    double *s; /* [max_rows][steps] */
+    double *v; /* [max_rows][steps] */
+    double *a; /* [max_rows][steps] */
+    double *offset_at; /* [max_rows][steps] */
+    int *limited_by; /* [max_rows] */
+    double *terms; /* [max_rows][9] */
     double min_margin;
     double gap;
     int which;
@@ -330,41 +361,65 @@ typedef struct Scene {
     double rear;
 } Scene;
 
+/* Squared speed at which the curvature of a path needs a lateral acceleration, led down to in comfort. */
 void cca_limit_path_speed(Scene *w, int p, double a_y);
 
+/* Drive a path: cruise, follow, yield to the first crossing vehicles, brake; `tail` after `react`. */
 void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yields, double braking,
     double tail, bool kept);
 
+/* Integrals over a time of what a motion costs, and its peak lateral acceleration. */
 void cca_sum_costs(Scene *w, int row, int p, double until);
 
+/* Find the stations of a path that a crossing vehicle passes over, and when. */
 bool cca_find_conflict_stations(Scene *w, int p, int j, int reach, double until, double margin);
 
+/* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
 void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet);
 
+/* Whether vehicles within the declared bounds cannot touch the ego.
+
+`which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
+ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
+it enters that lane, or from when the maneuver begins if the vehicle comes nearer. */
 bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
     double x_safety, int which);
 
 typedef struct cca_ddd { double item0; double item1; double item2; } cca_ddd;
 
+/* Distance driven at many times.
+   t[n], distance[n] */
 void cca_distances_driven(int n, const double *t, double v, double a_x, double *distance);
 
+/* Displacements that vehicles can reach, one time for each.
+   v[n], t[n], age[n], rate[n], low[n], high[n] */
 void cca_reachable_intervals(int n, const double *v, const double *t, const double *age, const double
     *rate, double braking, double acceleration, double *low, double *high);
 
+/* Stations that the bodies of vehicles may cover at common times.
+   motion[vehicles][8], t[times], rear[vehicles][times], front[vehicles][times] */
 void cca_occupied_intervals(int vehicles, int times, const double *motion, const double *t, double *rear,
     double *front);
 
+/* Intervals of the road in which vehicles of the adjacent lane block a maneuver, relative to the ego.
+   motion[vehicles][8], t[times], travel[times], zone[vehicles][2] */
 void cca_danger_zones(int vehicles, int times, const double *motion, const double *t, const double
     *travel, double *zone);
 
 typedef struct cca_ddddd { double item0; double item1; double item2; double item3; double item4; } cca_ddddd;
 
+/* Boxes that cover occupied intervals near given stations.
+   s[n], rear[n], front[n], d[n], half_width[n], boxes[n][5] */
 void cca_occupancy_boxes(const Curve *curve, int n, const double *s, const double *rear, const double
     *front, const double *d, const double *half_width, double *boxes);
 
+/* Boxes of vehicles at common times, one vehicle after another, near the stations of the ego then.
+   s[times], rear[vehicles][times], front[vehicles][times], d[vehicles], half_width[vehicles],
+       boxes[(vehicles * times)][5] */
 void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double *s, const double *rear,
     const double *front, const double *d, const double *half_width, double *boxes);
 
+/* Assumed reaction of a vehicle. */
 typedef struct RssReaction {
     double response_time;
     double a_max;
@@ -378,15 +433,22 @@ typedef struct RssReaction {
     double v_max;
 } RssReaction;
 
+/* Safe distances behind vehicles that may brake fully.
+   v_rear[n], v_front[n], distance[n] */
 void cca_same_direction_distances(int n, const double *v_rear, const double *v_front, const RssReaction
     *rear, const RssReaction *front, double *distance);
 
+/* Safe distances between vehicles that approach each other.
+   v_correct[n], v_opposite[n], distance[n] */
 void cca_opposite_distances(int n, const double *v_correct, const double *v_opposite, const RssReaction
     *correct, const RssReaction *opposite, double *distance);
 
+/* Safe lateral distances between vehicles alongside each other.
+   v_left[n], v_right[n], distance[n] */
 void cca_lateral_distances(int n, const double *v_left, const double *v_right, const RssReaction *left,
     const RssReaction *right, double *distance);
 
+/* Constants and states of the car. */
 typedef struct SingleTrackCar {
     double l_f;
     double l_r;
@@ -409,23 +471,34 @@ typedef struct SingleTrackCar {
     double a_y;
 } SingleTrackCar;
 
+/* Side force for the tangent of the slip angle [N]. */
 double cca_fiala_force(double stiffness, double slip, double f_max);
 
 typedef struct cca_dddddddd { double item0; double item1; double item2; double item3; double item4; double item5; double item6; double item7; } cca_dddddddd;
 
+/* Advance a moving car by a time step with a commanded angle and acceleration. */
 void cca_drive(SingleTrackCar *car, double delta, double a_x, double dt);
 
+/* Compute when points ahead are reached if the target speed is approached freely.
+   distance[n], t[n] */
 void cca_arrival_times(int n, double v_x, double v_target, const double *distance, double a_max,
     double b_comfort, double *t);
 
+/* Squares of the highest speeds at stations, with standstill at the last one.
+   s[n], squared[n] */
 void cca_squared_speed_limits(const Curve *curve, int n, double cruise, double a_y, double b_comfort,
     const double *s, double *squared);
 
+/* Value at a station, linear between the given ones and constant beyond.
+   at[n], value[n] */
 double cca_interpolated(int n, const double *at, const double *value, double s);
 
+/* Acceleration along a speed profile, with its slope as feedforward.
+   at[n], squared[n] */
 double cca_profile_acceleration(int n, const double *at, const double *squared, double s, double v_x,
     double a_max, double b_comfort, double b_max);
 
+/* The model whose center of gravity stays on the path, and its states where it has passed. */
 typedef struct IdealCar {
     double l_f;
     double l_r;
@@ -441,11 +514,12 @@ typedef struct IdealCar {
     double r;
     int first;
     int count;
-    double *trace_s;
-    double *trace_beta;
-    double *trace_r;
+    double *trace_s; /* [1024] */
+    double *trace_beta; /* [1024] */
+    double *trace_r; /* [1024] */
 } IdealCar;
 
+/* Gains, limits and states of the steering law. */
 typedef struct Steering {
     double delta_max;
     double delta_rate_max;
@@ -455,22 +529,26 @@ typedef struct Steering {
     double a_y_max;
     bool ahead;
     int count;
-    double *speeds;
-    double *k_p;
-    double *k_d;
-    double *l_s;
+    double *speeds; /* [count] */
+    double *k_p; /* [count] */
+    double *k_d; /* [count] */
+    double *l_s; /* [count] */
     double s;
     double integral;
     bool started;
     double delta;
 } Steering;
 
+/* Slip angle at which the front tires carry a fraction of their grip. */
 double cca_front_slip(const IdealCar *car, double fraction);
 
+/* Move the ideal car along the path; return the steering angle that it needs there. */
 double cca_advance(IdealCar *car, double s, double kappa, double v_x, double dt);
 
+/* Sideslip and yaw rate of the ideal car at a station that it has passed; older ones are dropped. */
 cca_dd cca_find_passed(IdealCar *car, double s);
 
+/* Road-wheel angle for this cycle; `law.s` becomes the station of the vehicle. */
 double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_guess, double x, double y,
     double psi, double v_x, double v_y, double r, double dt);
 

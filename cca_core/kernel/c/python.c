@@ -1875,7 +1875,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "9fad03afab574b599a4f637a9eef301fcd14e56c0b123becc391f271b720e8f4") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "caabf9321f3a1995b2f4b82d1456f57f2bd7aed22d2156b062f86a0a896bbdfa") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;

@@ -4,7 +4,7 @@ import math
 
 from cca_core._checks import check_real
 from cca_core.kernel import bind
-from cca_core.kernel.memory import lend
+from cca_core.kernel.memory import lend, put
 from cca_core.kernel.single_track import SingleTrackCar, drive
 from cca_core.vehicle import VehicleParams, VehicleState
 
@@ -41,13 +41,14 @@ class SingleTrackPlant:
         self.drive_lag = check_real("drive_lag", drive_lag, ge=0.0)
         self.a_y = 0.0
         self._lent = lend(SingleTrackCar)
-        car = self._lent.workspace
-        car.l_f, car.l_r, car.m, car.inertia = vehicle.l_f, vehicle.l_r, vehicle.m, vehicle.I_z
-        car.c_f, car.c_r, car.mu = vehicle.C_f, vehicle.C_r, vehicle.mu
-        car.delta_rate_max, car.steering_lag = vehicle.delta_rate_max, max(vehicle.steering_lag, 1e-3)
-        car.drive_lag = max(self.drive_lag, 1e-3)
-        car.x, car.y, car.psi, car.delta = state.x, state.y, state.psi, state.delta
-        car.v_x, car.v_y, car.r, car.a_x = state.v_x, state.v_y, state.r, state.a_x
+        put(
+            self._lent.workspace,
+            l_f=vehicle.l_f, l_r=vehicle.l_r, m=vehicle.m, inertia=vehicle.I_z,
+            c_f=vehicle.C_f, c_r=vehicle.C_r, mu=vehicle.mu, delta_rate_max=vehicle.delta_rate_max,
+            steering_lag=max(vehicle.steering_lag, 1e-3), drive_lag=max(self.drive_lag, 1e-3),
+            x=state.x, y=state.y, psi=state.psi, delta=state.delta,
+            v_x=state.v_x, v_y=state.v_y, r=state.r, a_x=state.a_x,
+        )  # fmt: skip
 
     @property
     def state(self) -> VehicleState:

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from cca_core._checks import check_real
+from cca_core._checks import check_bool, check_real
 from cca_core.errors import InputError
 from cca_core.path import Lane, Path, Road
 from cca_core.planner.settings import EvasionSettings
@@ -71,6 +71,7 @@ def overtaking(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) 
     """
     if case not in _CASES:
         raise InputError(f"case must be one of {', '.join(_CASES)}, was {case!r}")
+    check_bool("v2v", v2v)
     made, start = _CASES[case], check_real("start", start)
     end = start + made.cruise_speed * made.duration + 100.0
     if path.end < end:

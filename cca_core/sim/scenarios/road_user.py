@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, fields
 from types import NoneType
 
-from cca_core._checks import check_real
+from cca_core._checks import check_bool, check_real
 from cca_core.errors import InputError
 from cca_core.path import Path
 
@@ -170,6 +170,7 @@ class RoadUser:
         check_real("reaction_time", self.reaction_time, ge=0.0, allow_inf=True)
         check_real("deceleration", self.deceleration, ge=0.0)
         check_real("jerk", self.jerk, gt=0.0, allow_inf=True)
+        check_bool("connected", self.connected)
         if self.direction not in (1, -1):
             raise InputError(f"direction must be 1 or -1, was {self.direction!r}")
         if not isinstance(self.route, Path | NoneType):

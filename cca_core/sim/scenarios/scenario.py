@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cca_core._checks import check_array, check_real
+from cca_core._checks import check_array, check_bool, check_real
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings
 from cca_core.path import Road
@@ -155,6 +155,7 @@ class Scenario:
             check_real(name, getattr(self, name), ge=0.0)
         check_real("field_of_view", self.field_of_view, ge=0.0, le=math.tau)
         check_real("visibility", self.visibility, ge=0.0, allow_inf=True)
+        check_bool("shared_modem", self.shared_modem)
         if self.stop_line is not None:
             check_real("stop_line", self.stop_line)
         check_real("origin", self.origin[0], ge=-89.0, le=89.0)

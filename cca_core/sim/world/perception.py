@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.radio import Receiver
 from cca_core.sim.world.sensor import Sensor
+from cca_core.v2x import TrackerHealth
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
 _MAX_PRECISE_SIGMA = 0.1  # reported standard deviation up to which a position is not corrected [m]
@@ -52,9 +53,13 @@ class Perception:
         """Whether a road user is known by the sensor alone, so that every cycle counts."""
         return self._sensor_only
 
+    def health(self, t: float) -> TrackerHealth:
+        """Return the health of the radio at a time."""
+        return self._receiver.tracker.health(t)
+
     def awareness_range(self, t: float) -> float:
         """Return the awareness range at a time [m]: 0 while the radio cannot be trusted, else infinity."""
-        return self._receiver.tracker.health(t).awareness_range if self._has_v2v else math.inf
+        return self.health(t).awareness_range if self._has_v2v else math.inf
 
     def visible(self, rows: Sequence[Sequence[float]], ego: VehicleState) -> list[bool]:
         """Return which road users are visible."""
@@ -69,8 +74,14 @@ class Perception:
         ego: VehicleState,
     ) -> list[RemoteVehicle]:
         """Return the remote vehicles known now; their source is "sensor" if there was no message."""
+        return self.fuse(t, self._sensor.detections(t, rows, visible), messages, ego)
+
+    def fuse(
+        self, t: float, detections: Iterable[RemoteVehicle], messages: Iterable[bytes], ego: VehicleState
+    ) -> list[RemoteVehicle]:
+        """Return the remote vehicles known from detections and messages."""
         reported = {v.id: v for v in self._receiver.take(t, messages, ego)} if self._has_v2v else {}
-        detected = {v.id: v for v in self._sensor.detections(t, rows, visible)}
+        detected = {v.id: v for v in detections}
         self._biases = {name: bias for name, bias in self._biases.items() if name in reported}
         for name, report in reported.items():
             v = detected.pop(name, None)

@@ -38,9 +38,10 @@ class Radio:
     # messages of all in the order of sending. A road user that reacts to messages has a channel of its own
     # from its lead. The ego's messages go through one channel to all others.
 
-    def __init__(self, scenario: Scenario, rng: np.random.Generator) -> None:
+    def __init__(self, scenario: Scenario, rng: np.random.Generator, *, utc_at_start: float = 0.0) -> None:
         frame, settings = LocalFrame(*scenario.origin), scenario.sender
         channel = scenario.channel or ChannelSettings(latency=scenario.latency)
+        self._utc_at_start = utc_at_start  # of the time marks in messages [s]
         self._vehicle, self._one_modem = scenario.vehicle, scenario.shared_modem
         self._senders = [
             Sender(sender_id(i), frame, settings, rng) if user.connected else None
@@ -72,7 +73,9 @@ class Radio:
             if sender is None or t < self._next_due[i]:
                 continue
             user, (x, y, psi, r) = agent.user, agent.pose
-            data = sender.poll(t, _bsm_of(user.id, (x, y, psi, agent.v, agent.a, r), user, user.events))
+            data = sender.poll(
+                self._utc_at_start + t, bsm_of(user.id, (x, y, psi, agent.v, agent.a, r), user, user.events)
+            )
             if data is None:
                 continue
             self._next_due[i] = t + _MIN_INTERVAL
@@ -98,7 +101,7 @@ class Radio:
         car = self._vehicle
         center = car.center_at(ego.x, ego.y, ego.psi)
         motion = (*center, ego.psi, max(ego.v_x, 0.0), ego.a_x, ego.r)
-        data = self._ego_sender.poll(t, _bsm_of("ego", motion, car, frozenset()))
+        data = self._ego_sender.poll(self._utc_at_start + t, bsm_of("ego", motion, car, frozenset()))
         if data is None:
             return
         self._next_due[-1] = t + _MIN_INTERVAL
@@ -115,7 +118,7 @@ def sender_id(i: int) -> str:
     return f"{i + 1:08x}"
 
 
-def _bsm_of(
+def bsm_of(
     name: str, motion: Sequence[float], body: RoadUser | VehicleParams, events: frozenset[str]
 ) -> RemoteVehicle:
     """Return the vehicle that a message reports: motion, body, and hard braking."""

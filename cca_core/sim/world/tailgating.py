@@ -1,15 +1,24 @@
 """Tailgating: fixed time gap of the ego until it knows of a hazard."""
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 from cca_core.decide import Action
 from cca_core.follow import jerk_limited
 from cca_core.planner.command import Command
 from cca_core.sim.scenarios.scenario import FixedTimeGap, Scenario
-from cca_core.sim.world.traffic import CYCLE_TIME, TrafficAgent
+from cca_core.sim.world.traffic import CYCLE_TIME
 from cca_core.vehicle import RemoteVehicle
 
 _HAZARD_ACCELERATION = -1.0  # of another vehicle, from which on it is a hazard [m/s^2]
+
+
+class LeadMotion(NamedTuple):
+    """Motion of the lead along the route."""
+
+    rear: float  # station of its rear end [m]
+    v: float  # [m/s]
+    a: float  # [m/s^2]
 
 
 class Tailgating:
@@ -27,7 +36,7 @@ class Tailgating:
         self.released = False
 
     def acceleration(
-        self, remotes: Iterable[RemoteVehicle], command: Command, s: float, v_x: float, lead: TrafficAgent
+        self, remotes: Iterable[RemoteVehicle], command: Command, s: float, v_x: float, lead: LeadMotion
     ) -> float:
         """Return the acceleration of the ego [m/s^2]."""
         if not self.released:
@@ -45,7 +54,7 @@ class Tailgating:
             self._a_x = 0.0
         else:
             front = s + self._vehicle.front
-            error = lead.s - 0.5 * lead.user.length - front - self._time_gap * v_x
+            error = lead.rear - front - self._time_gap * v_x
             # gently: 0.2 1/s^2 and 0.8 1/s have a damping ratio of 0.9
             self._a_x = min(max(0.2 * error + 0.8 * (lead.v - v_x), -1.0), 1.0)
         return self._a_x

@@ -1,6 +1,8 @@
 """Traffic: motion of scripted road users."""
 
 import math
+from collections.abc import Sequence
+from typing import Protocol
 
 from cca_core.geometry import quintic_step
 from cca_core.path import Path
@@ -12,6 +14,40 @@ CYCLE_TIME = 0.02
 """Step of the closed loop [s]."""
 
 _MAX_DECELERATION = 7.0  # of every road user [m/s^2]
+
+
+class AgentMotion(Protocol):
+    """Motion of one road user now."""
+
+    @property
+    def user(self) -> RoadUser:
+        """The road user."""
+
+    @property
+    def v(self) -> float:
+        """Speed [m/s]."""
+
+    @property
+    def a(self) -> float:
+        """Acceleration [m/s^2]."""
+
+    @property
+    def is_shifting(self) -> bool:
+        """Whether it moves laterally."""
+
+
+class TrafficMotion(Protocol):
+    """Motion of all road users now, as a log records it."""
+
+    @property
+    def agents(self) -> Sequence[AgentMotion]:
+        """Each road user."""
+
+    def rows(self) -> list[tuple[float, float, float, float, float, float]]:
+        """Return x, y [m], psi [rad], speed, acceleration and yaw rate of each, in SI units."""
+
+    def frenet(self) -> list[tuple[float, float]]:
+        """Return s, d [m] of each on the ego's route."""
 
 
 class TrafficAgent:
@@ -122,7 +158,9 @@ class Traffic:
 
     def __init__(self, scenario: Scenario) -> None:
         self._route, self._vehicle = scenario.road.path, scenario.vehicle
-        self.agents = [TrafficAgent(u, u.route or self._route, u.route is None) for u in scenario.road_users]
+        self.agents: list[TrafficAgent] = [
+            TrafficAgent(u, u.route or self._route, u.route is None) for u in scenario.road_users
+        ]
         self.by_id = {agent.user.id: agent for agent in self.agents}
         self._stations: dict[str, float] = {}
 
