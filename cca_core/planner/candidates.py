@@ -82,7 +82,7 @@ def maneuver_paths(
             )  # fmt: skip
             break
         for side in sides:
-            lane = lane_beside(road, side)
+            lane = adjacent_lane(road, side)
             lanes: tuple[Lane | None, ...] = (None,) if lane is None else (None, lane)
             for level in levels:
                 for corridor in lanes:
@@ -98,7 +98,7 @@ def maneuver_paths(
     return paths, rejections
 
 
-def lane_beside(road: Road, side: Side) -> Lane | None:
+def adjacent_lane(road: Road, side: Side) -> Lane | None:
     """Return the adjacent lane on a side; None if there is none."""
     return road.lane_at(road.ego_lane.left + 0.1 if side == "left" else road.ego_lane.right - 0.1)
 

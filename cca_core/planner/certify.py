@@ -10,7 +10,7 @@ from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
-from cca_core.planner.candidates import Stop, lane_beside, lane_refusal
+from cca_core.planner.candidates import Stop, adjacent_lane, lane_refusal
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.records import Grade, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
@@ -141,7 +141,7 @@ class Certifier:
         )
         b_max = around.limits.b_max
         side: Side = "left" if plan.path.kind is PathKind.LEFT else "right"
-        refusal = lane_refusal(around, lane_beside(around.road, side), side) if self._inside else None
+        refusal = lane_refusal(around, adjacent_lane(around.road, side), side) if self._inside else None
         if refusal is not None:
             plan.grade, plan.rejection = Grade.REFUSED, refusal
             return

@@ -58,24 +58,24 @@ def recall(
     if blind:  # the ego has to hear as long as it was blind, at most a second
         since = t if memory.blind_since is None else memory.blind_since
         listen_until = t + min(t - since, STALE_AGE)
-    heard = Memory(known=known, blind_since=since, listen_until=listen_until)
+    memory = Memory(known=known, blind_since=since, listen_until=listen_until)
     now = {}
     for n in vehicles:
         last = known.get(n.id)
         confirmed = not blind or (last is not None and last.confirmed)
         now[n.id] = Known(remote=n.remote, t=t, since=last.since if last else t, confirmed=confirmed)
     faults = []
-    if not blind and heard.is_listening(t):
+    if not blind and memory.is_listening(t):
         faults.append("other vehicles may be unknown: just heard again; awareness range 0 m")
     missing: dict[str, Known] = {}
     if not known.keys() <= now.keys():
-        missing = _missing(heard, t, now, dropped, settings, lost=lost)
+        missing = _missing(memory, t, now, dropped, settings, lost=lost)
         if missing:
             gap = t - min(last.t for last in missing.values())
             faults.append(f"{', '.join(list(missing)[:5])} not reported for {gap:.1f} s; dead-reckoned")
         missing |= _coasting(known, t, now, missing, settings)
     recalled = [dead_reckoned(last.remote, t - last.t) for last in missing.values()]
-    return replace(heard, known=missing | now), recalled, tuple(faults)
+    return replace(memory, known=missing | now), recalled, tuple(faults)
 
 
 def _missing(

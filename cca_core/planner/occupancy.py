@@ -84,7 +84,7 @@ def predict_vehicles(
         half_l[j], half_w[j] = nominal.half_length, nominal.half_width
         crosses[j] = is_crossing(n)
         if crosses[j]:
-            _place_crossing(rows, j, n, settings)
+            _predict_crossing(rows, j, n, settings)
             half_l[j], half_w[j] = (
                 0.5 * n.remote.length + 2.0 * nominal.remote.sigma_along,
                 0.5 * n.remote.width + 2.0 * nominal.remote.sigma_across,
@@ -183,9 +183,9 @@ def _reach(
         age=n.remote.age,
         a_reported=a_s,
     )
-    most = max(limit, abs(v) + 0.5) * np.diff(TIMES)
-    high = high[0] + np.concatenate(([0.0], np.cumsum(np.minimum(np.diff(high), most))))
-    low = low[0] + np.concatenate(([0.0], np.cumsum(np.maximum(np.diff(low), -most))))
+    farthest = max(limit, abs(v) + 0.5) * np.diff(TIMES)
+    high = high[0] + np.concatenate(([0.0], np.cumsum(np.minimum(np.diff(high), farthest))))
+    low = low[0] + np.concatenate(([0.0], np.cumsum(np.maximum(np.diff(low), -farthest))))
     if abs(v) < STANDSTILL_SPEED:  # what stands does not reverse
         if math.cos(n.angle) > 0.0:
             low = np.maximum(low, low[0])
@@ -194,7 +194,7 @@ def _reach(
     return low, high
 
 
-def _place_crossing(rows: dict[str, Array], j: int, n: FrenetVehicle, settings: EvasionSettings) -> None:
+def _predict_crossing(rows: dict[str, Array], j: int, n: FrenetVehicle, settings: EvasionSettings) -> None:
     """Nominal and worst-case motion of a vehicle in the plane."""
     remote = n.remote
     reported_remote = replace(remote, a_x=0.0) if remote.a_x * remote.v_x > -_NO_ACCELERATION else remote

@@ -30,7 +30,7 @@ from cca_core.rig.protection import (
 from cca_core.rig.receivers import CommandReceiver, StateReceiver, StateSettings
 from cca_core.rig.records import PlantRow, ProcessRecord, VehicleRow, read_record, write_record
 from cca_core.rig.run import RigError, RigOptions, RigRun, run_scenario, run_scenarios, start_process
-from cca_core.rig.safe_stop import SAFE_STOP_POINTS, SafeStop, SafeStopSettings, plan_safe_stop
+from cca_core.rig.safe_stop import SAFE_STOP_POINTS, SafeStopSettings, StopProfile, plan_safe_stop
 from cca_core.rig.settings import RigSettings, SteeringMap, read_rig_settings
 from cca_core.rig.takeover import Takeover
 from cca_core.rig.telemetry import encode_telemetry
@@ -70,12 +70,12 @@ __all__ = [
     "RigOptions",
     "RigRun",
     "RigSettings",
-    "SafeStop",
     "SafeStopSettings",
     "StateReceiver",
     "StateSettings",
     "SteeringCommand",
     "SteeringMap",
+    "StopProfile",
     "Takeover",
     "UdpLink",
     "VehicleNode",

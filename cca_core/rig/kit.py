@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from cca_core._checks import check_real
-from cca_core.rig.safe_stop import SafeStop, StoredStop
+from cca_core.rig.safe_stop import StopProfile, StoredStop
 from cca_core.vehicle import VehicleState
 
 
@@ -183,14 +183,14 @@ class DriveByWireKit:
             self._acceleration = t, command
             self._note_disabled(command.enable)
 
-    def load(self, t: float, plan: SafeStop) -> None:
+    def load(self, t: float, plan: StopProfile) -> None:
         """Store a safe stop that begins at the present position.
 
         Parameters
         ----------
         t : float
             Time of reception on the kit's clock [s].
-        plan : SafeStop
+        plan : StopProfile
             Executed when commands are missing.
         """
         self._stop.load(plan, t)

@@ -9,7 +9,7 @@ from cca_core._optional import require_extra
 from cca_core.rig.frames import Frame, KitStatus
 from cca_core.rig.kit import AccelerationCommand, KitState, SteeringCommand
 from cca_core.rig.protection import protect
-from cca_core.rig.safe_stop import SAFE_STOP_POINTS, SafeStop
+from cca_core.rig.safe_stop import SAFE_STOP_POINTS, StopProfile
 from cca_core.rig.settings import SteeringMap
 from cca_core.vehicle import VehicleState
 
@@ -140,12 +140,12 @@ class Codec:
             self._frame("ACCELERATION_COMMAND", counter, brake),
         ]
 
-    def safe_stop_frames(self, plan: SafeStop, number: int, counter: int) -> list[Frame]:
+    def safe_stop_frames(self, plan: StopProfile, number: int, counter: int) -> list[Frame]:
         """Frames of a safe stop.
 
         Parameters
         ----------
-        plan : SafeStop
+        plan : StopProfile
             Steering and braking over distance.
         number : int
             Number of the plan [-], sent modulo 16.
@@ -234,7 +234,7 @@ class Codec:
             enable=bool(s["Enable"]), clear=bool(s["Clear"]),
         )  # fmt: skip
 
-    def safe_stop(self, frames: Iterable[Frame]) -> SafeStop:
+    def safe_stop(self, frames: Iterable[Frame]) -> StopProfile:
         """Read a safe stop.
 
         Parameters
@@ -244,13 +244,13 @@ class Codec:
 
         Returns
         -------
-        plan : SafeStop
+        plan : StopProfile
             Steering and braking over distance.
         """
         parts = [self.decode(frame) for frame in frames]
         convert = self._steering.to_road_wheel
         angles = (s[f"SteeringWheelAngle{k}"] for s in parts for k in (0, 1))
-        return SafeStop(
+        return StopProfile(
             spacing=max(parts[0]["Spacing"], 0.02), delta=tuple(convert(angle) for angle in angles),
             deceleration=tuple(s["Deceleration"] for s in parts for _ in (0, 1)),
         )  # fmt: skip

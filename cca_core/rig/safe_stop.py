@@ -17,7 +17,7 @@ SAFE_STOP_POINTS = 26
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SafeStop:
+class StopProfile:
     """Steering and braking over the distance from where it was planned.
 
     Parameters
@@ -78,10 +78,10 @@ class StoredStop:
     """The last safe stop of a computer, and the distance since it was planned."""
 
     def __init__(self) -> None:
-        self.plan: SafeStop | None = None
+        self.plan: StopProfile | None = None
         self._distance, self._v, self._t = 0.0, 0.0, -math.inf
 
-    def load(self, plan: SafeStop, t: float) -> None:
+    def load(self, plan: StopProfile, t: float) -> None:
         """Store a safe stop that begins at the present position."""
         self.plan, self._distance, self._t = plan, 0.0, t
 
@@ -148,7 +148,7 @@ def plan_safe_stop(
     settings: SafeStopSettings | None = None,
     *,
     s_guess: float | None = None,
-) -> SafeStop:
+) -> StopProfile:
     """Plan the stop on the reference path by driving a model of the vehicle along it.
 
     Parameters
@@ -166,7 +166,7 @@ def plan_safe_stop(
 
     Returns
     -------
-    safe_stop : SafeStop
+    safe_stop : StopProfile
         Its first point is at the ego.
 
     Raises
@@ -200,7 +200,7 @@ def plan_safe_stop(
     at, delta, deceleration = np.array(points).T
     spacing = max(distance / (SAFE_STOP_POINTS - 1), 0.02)
     stations = spacing * np.arange(SAFE_STOP_POINTS)
-    return SafeStop(
+    return StopProfile(
         spacing=spacing, delta=tuple(np.interp(stations, at, delta).tolist()),
         deceleration=tuple(np.interp(stations, at, deceleration).tolist()),
     )  # fmt: skip

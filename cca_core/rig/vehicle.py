@@ -18,7 +18,7 @@ from cca_core.rig.messages import Codec
 from cca_core.rig.plant import Bus, Datagrams
 from cca_core.rig.receivers import StateReceiver, StateSettings
 from cca_core.rig.records import VehicleRow
-from cca_core.rig.safe_stop import SafeStop, SafeStopSettings, StoredStop, plan_safe_stop
+from cca_core.rig.safe_stop import SafeStopSettings, StopProfile, StoredStop, plan_safe_stop
 from cca_core.rig.takeover import Takeover
 from cca_core.rig.wrap import wrap_message
 from cca_core.sim.loop import make_controller
@@ -285,7 +285,7 @@ class VehicleNode:
         self._bus.send(self._codec.command_frames(steering, acceleration, self._counter, cycle))
         self._t_sent = t
 
-    def _send_plan(self, plan: SafeStop, t: float) -> None:
+    def _send_plan(self, plan: StopProfile, t: float) -> None:
         self._bus.send(self._codec.safe_stop_frames(plan, self._plan_number, self._plan_counter))
         self._plan_number, self._plan_counter = self._plan_number + 1, self._plan_counter + 13
         self._stop.load(plan, t)

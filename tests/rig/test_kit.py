@@ -15,14 +15,14 @@ from cca_core.rig import (
     KitState,
     LinkState,
     ProtectedReceiver,
-    SafeStop,
     SteeringCommand,
+    StopProfile,
     protect,
 )
 
 CYCLE = 0.02
 MOTION = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0, delta=0.01, a_x=0.3)
-PLAN = SafeStop(spacing=1.0, delta=(0.05,) * 26, deceleration=(6.0,) * 26)
+PLAN = StopProfile(spacing=1.0, delta=(0.05,) * 26, deceleration=(6.0,) * 26)
 ALLOWED = {
     KitState.DISABLED: {KitState.ENABLED},
     KitState.ENABLED: {KitState.DISABLED, KitState.OVERRIDE, KitState.SAFE_STOP},
@@ -49,7 +49,7 @@ def enabled_kit(t: float = 0.0) -> DriveByWireKit:
     return kit
 
 
-def stopping_kit(t: float = 0.2, plan: SafeStop | None = PLAN) -> DriveByWireKit:
+def stopping_kit(t: float = 0.2, plan: StopProfile | None = PLAN) -> DriveByWireKit:
     """A kit that has just begun a safe stop at a time."""
     kit = enabled_kit()
     if plan is not None:
@@ -104,7 +104,7 @@ def test_missing_command_times_out(missing: str) -> None:
 
 
 def test_safe_stop_follows_plan_by_distance() -> None:
-    plan = SafeStop(spacing=1.0, delta=tuple(0.001 * i for i in range(26)), deceleration=(6.0,) * 26)
+    plan = StopProfile(spacing=1.0, delta=tuple(0.001 * i for i in range(26)), deceleration=(6.0,) * 26)
     kit, t = stopping_kit(plan=plan), 0.2
     for k in range(1, 40):
         t = 0.2 + k * CYCLE

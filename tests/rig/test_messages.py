@@ -18,15 +18,15 @@ from cca_core.rig import (
     Frame,
     KitState,
     KitStatus,
-    SafeStop,
     StateReceiver,
     SteeringCommand,
     SteeringMap,
+    StopProfile,
 )
 
 pytestmark = pytest.mark.requires("cantools")
 STATE = VehicleState(x=1234.567, y=-98.765, psi=3.0, v_x=27.3, v_y=-0.4, r=0.21, delta=0.031, a_x=-3.3)
-PLAN = SafeStop(
+PLAN = StopProfile(
     spacing=2.34, delta=tuple(0.02 * math.sin(i) for i in range(26)), deceleration=(6.5,) * 26
 )  # fmt: skip
 

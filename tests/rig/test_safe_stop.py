@@ -7,7 +7,7 @@ import pytest
 
 from cca_core import InputError, Path, VehicleParams, VehicleState, fit_path
 from cca_core.follow import PreviewController, steady_turn
-from cca_core.rig import SafeStop, plan_safe_stop
+from cca_core.rig import StopProfile, plan_safe_stop
 from cca_core.sim import SingleTrackPlant
 
 CAR = VehicleParams.bmw_320i()
@@ -29,7 +29,7 @@ def drive(path: Path, s: float, v_x: float, *, until: float) -> SingleTrackPlant
     return car
 
 
-def execute(car: SingleTrackPlant, plan: SafeStop, delay: float) -> float:
+def execute(car: SingleTrackPlant, plan: StopProfile, delay: float) -> float:
     """Drive a plan by distance, the brakes after a delay; return the distance."""
     distance, t = 0.0, 0.0
     while car.state.v_x > 0.0 and t < 30.0:
@@ -103,6 +103,6 @@ def test_car_off_its_path_returns_while_braking(y: float) -> None:
     ],
 )  # fmt: skip
 def test_invalid_safe_stop_raises(change: dict[str, object], named: str) -> None:
-    good = SafeStop(spacing=1.0, delta=(0.0,) * 26, deceleration=(7.0,) * 26)
+    good = StopProfile(spacing=1.0, delta=(0.0,) * 26, deceleration=(7.0,) * 26)
     with pytest.raises(InputError, match=named):
         replace(good, **change)  # type: ignore[arg-type]
