@@ -71,7 +71,7 @@ class Certifier:
         lane, half = around.road.ego_lane, 0.5 * around.vehicle.width
         end = float(plan.d[-1])
         if not lane.right < end - half < end + half < lane.left:
-            plan.grade = Grade.NOMINAL
+            plan.severity = 0.0  # it comes to rest, or drives on, where it must not stay
             return
         out = (plan.d + half > lane.left + 0.01) | (plan.d - half < lane.right - 0.01)
         if out.any() and plan.path.kind.is_evasive:

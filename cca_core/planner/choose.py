@@ -11,6 +11,7 @@ _TERMS = {
     "a_x": 0,
     "a_y": 1,
     "outside": 3,
+    "jerk": 4,
     "s": 5,
     "v": 6,
     "d_end": 7,
@@ -55,6 +56,7 @@ def assess(
     plan.costs = Costs(
         progress=weights.progress * lost, speed=weights.speed * slow,
         comfort=weights.a_x * row[_TERMS["a_x"]]
+        + weights.jerk * row[_TERMS["jerk"]]
         + weights.change_of_acceleration * float(plan.a[1] - a_0) ** 2 + 0.01 * plan.profile.braking,
         lateral=weights.a_y * row[_TERMS["a_y"]], outside=weights.outside * row[_TERMS["outside"]],
         change=change, risk=weights.risk * row[_TERMS["risk"]],

@@ -144,6 +144,9 @@ class CostSettings:
         Of the speed missing at the horizon, as a fraction of the cruise speed [s].
     a_x, a_y : float
         Of the squared accelerations over time [s^3/m^2].
+    jerk : float
+        Of the squared longitudinal jerk over time [s^5/m^2]: of two plans that are as fast, the one that
+        brakes and releases less often.
     change_of_acceleration : float
         Of the squared change of acceleration at once [s^3/m^2].
     outside : float
@@ -181,6 +184,7 @@ class CostSettings:
     speed: float = 4.0
     a_x: float = 0.03
     a_y: float = 0.03
+    jerk: float = 0.001
     change_of_acceleration: float = 0.02
     outside: float = 0.08
     right: float = 0.5

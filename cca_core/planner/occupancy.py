@@ -116,6 +116,8 @@ def predict_vehicles(
     )
     follow = _in_order(s, d, v, half_l, half_w, crosses)
     v_follow = np.gradient(follow, TIMES, axis=1) if m else v
+    oncoming = v[:, 0] < 0.0
+    s[oncoming], v[oncoming, 1:] = follow[oncoming], v_follow[oncoming, 1:]  # they keep their order
     stands[:] = np.abs(v_follow[:, -1]) < STANDSTILL_SPEED
     for name, values in (
         ("s_o", s - base), ("v_o", v), ("d_o", d), ("s_follow", follow - base), ("v_follow", v_follow),
@@ -262,14 +264,20 @@ def _distance_to_pass(j: int, vehicles: list[FrenetVehicle], road: Road, setting
 
 
 def _in_order(s: Array, d: Array, v: Array, half_l: Array, half_w: Array, crosses: Index) -> Array:
-    """Stations where vehicles of one lane stay behind each other, a meter apart."""
+    """Stations where vehicles of one lane and direction stay behind each other, a meter apart."""
     follow = s.copy()
-    rows = [j for j in np.argsort(-s[:, 0]) if not crosses[j] and v[j, 0] >= 0.0 and s[j, 0] < 0.5 * _GONE]
-    for i, j in enumerate(rows):
-        for k in rows[:i]:
-            space = half_l[j] + half_l[k]
-            apart = np.abs(d[j] - d[k]) >= half_w[j] + half_w[k] - 0.2
-            if s[k, 0] - s[j, 0] > space and not apart[0]:
-                behind = np.where(apart, np.inf, follow[k] - space - 1.0)
-                follow[j] = np.maximum.accumulate(np.maximum(np.minimum(follow[j], behind), s[j, 0]))
+    for sign in (1.0, -1.0):
+        rows = [
+            j
+            for j in np.argsort(-sign * s[:, 0])
+            if not crosses[j] and sign * v[j, 0] > -STANDSTILL_SPEED and s[j, 0] < 0.5 * _GONE
+        ]
+        for i, j in enumerate(rows):
+            for k in rows[:i]:
+                space = half_l[j] + half_l[k]
+                apart = np.abs(d[j] - d[k]) >= half_w[j] + half_w[k] - 0.2
+                if sign * (s[k, 0] - s[j, 0]) > space and not apart[0]:
+                    behind = np.where(apart, np.inf, sign * follow[k] - space - 1.0)
+                    moved = np.maximum(np.minimum(sign * follow[j], behind), sign * s[j, 0])
+                    follow[j] = sign * np.maximum.accumulate(moved)
     return follow
