@@ -134,7 +134,7 @@ class TestCases2And3:
         assert actions == ["KEEP", "EVADE_LEFT", "KEEP", "FOLLOW", "EVADE_LEFT", "KEEP"]
 
     def test_speed_while_waiting_converges_to_lead(self, run: Run, case: str, road: str, seed: int) -> None:
-        """The speed falls until car A passes, to a quarter of the difference; then the ego speeds up to pass."""
+        """The speed falls to a quarter of the difference until car A passes; then the ego speeds up."""
         log = run(case, road, seed)
         begin, end = begins(log, "FOLLOW")[0], begins(log, "EVADE_LEFT")[1]
         wait = (log.t >= begin) & (log.t <= end)
