@@ -104,8 +104,8 @@ class CertificateSettings:
         Time for which a vehicle is followed before it is in the path [s].
     lag : float
         Time constant of brakes and engine [s].
-    side_speed : float
-        Lateral speed above which a vehicle is expected to change its lane [m/s].
+    side_speed, side_angle : float
+        Lateral speed [m/s], or angle to the route [rad], above which a vehicle is expected to change lanes.
     acceleration_time, braking_time : float
         Time for which a reported acceleration or deceleration is expected to last [s].
 
@@ -125,6 +125,7 @@ class CertificateSettings:
     look_time: float = 1.6
     lag: float = 0.15
     side_speed: float = 0.3
+    side_angle: float = 0.1
     acceleration_time: float = 1.0
     braking_time: float = 4.0
 

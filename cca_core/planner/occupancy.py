@@ -158,8 +158,9 @@ def _travel(n: FrenetVehicle, settings: EvasionSettings, limit: float) -> tuple[
 
 def _lateral_motion(n: FrenetVehicle, road: Road, settings: EvasionSettings) -> Array:
     """Nominal lateral motion: a vehicle that moves sideways does so up to the middle of the next lane."""
-    v_d = n.remote.v_x * math.sin(n.angle)
-    if abs(v_d) < settings.certificate.side_speed or abs(n.v_s) < 1.0:
+    v_d, certificate = n.remote.v_x * math.sin(n.angle), settings.certificate
+    turned = abs(math.sin(n.angle)) >= certificate.side_angle and abs(n.remote.v_x) > STANDSTILL_SPEED
+    if abs(v_d) < certificate.side_speed and not turned:
         return np.zeros(len(TIMES))
     side = math.copysign(1.0, v_d)
     ahead = [(lane.d - n.d) * side for lane in road.lanes if (lane.d - n.d) * side > 0.2]
@@ -247,20 +248,21 @@ def _without_acceleration(n: FrenetVehicle) -> FrenetVehicle:
 
 
 def _distance_to_pass(j: int, vehicles: list[FrenetVehicle], road: Road, settings: EvasionSettings) -> float:
-    """Distance kept behind a single stationary vehicle beside which there is a lane, to pass it later [m]."""
+    """Distance kept behind a single stationary vehicle beside which a lane is free, to pass it later [m]."""
     n, lane = vehicles[j], road.ego_lane
-    if len(road.lanes) < 2 or abs(n.v_s) > STANDSTILL_SPEED or is_crossing(n):
+    if abs(n.v_s) > STANDSTILL_SPEED or is_crossing(n) or not _is_in(n, lane):
         return 0.0
-    if n.d - n.half_width > lane.left or n.d + n.half_width < lane.right:
-        return 0.0
-    for other in vehicles:
-        if (
-            other is not n
-            and 0.0 < other.rear - n.front < settings.lead.queue_gap
-            and abs(other.d - n.d) < 1.5
-        ):
-            return 0.0  # a queue drives on
-    return settings.lead.passing_distance
+    near = [o for o in vehicles if o is not n and o.rear < n.front + settings.lead.queue_gap]
+    if any(o.rear > n.front and abs(o.d - n.d) < 1.5 for o in near):
+        return 0.0  # a queue drives on
+    alongside = [o for o in near if o.front > n.rear and abs(o.v_s) <= STANDSTILL_SPEED]
+    can_pass = any(not any(_is_in(o, other) for o in alongside) for other in road.lanes if other is not lane)
+    return settings.lead.passing_distance if can_pass else 0.0
+
+
+def _is_in(n: FrenetVehicle, lane: Lane) -> bool:
+    """Return whether a body is at least in part in a lane."""
+    return n.d - n.half_width <= lane.left and n.d + n.half_width >= lane.right
 
 
 def _in_order(s: Array, d: Array, v: Array, half_l: Array, half_w: Array, crosses: Index) -> Array:

@@ -22,8 +22,8 @@ def outline(axis: object, gid: str) -> np.ndarray:
 def test_bodies_are_at_their_logged_positions(crossing: tuple[Log, Log]) -> None:
     figure = plot_crossing(crossing)
     for log, axis in zip(crossing, figure.axes[:2], strict=True):
-        row = int(np.argmin(np.abs(log.t - 5.0)))
-        np.testing.assert_allclose(outline(axis, "ego@5.0").mean(axis=0), log.ego[row, :2], atol=0.01)
+        row = int(np.argmin(np.abs(log.t - 4.0)))
+        np.testing.assert_allclose(outline(axis, "ego@4.0").mean(axis=0), log.ego[row, :2], atol=0.01)
     assert any("collision with red" in text.get_text() for text in figure.axes[0].texts)
     assert not any("collision" in text.get_text() for text in figure.axes[1].texts)
 

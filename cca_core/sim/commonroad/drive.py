@@ -11,7 +11,7 @@ from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings, steady_steering
 from cca_core.geometry import box_gap, boxes, wrap_angle
 from cca_core.path import Road
-from cca_core.planner.planner import Planner
+from cca_core.planner import EvasionSettings, Planner
 from cca_core.sim.commonroad.goal_route import GoalSettings, cruise_speed, goal_road
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, PlanningProblem, RecordedObstacle
 from cca_core.sim.plants.build import PLANTS, make_plant
@@ -111,6 +111,7 @@ def drive_commonroad(
     plant: str = "single_track",
     vehicle: VehicleParams | None = None,
     speed: SpeedSettings | None = None,
+    evasion: EvasionSettings | None = None,
     toward: int | None = None,
     settings: GoalSettings | None = None,
 ) -> CommonRoadRun:
@@ -128,6 +129,8 @@ def drive_commonroad(
         The ego; the default is the BMW 320i.
     speed : SpeedSettings, optional
         Settings of longitudinal control.
+    evasion : EvasionSettings, optional
+        What the ego assumes of others, and how it passes them.
     toward : int, optional
         Lanelet [-] to which the route leads if the goal has no region.
     settings : GoalSettings, optional
@@ -180,7 +183,7 @@ def drive_commonroad(
     start = _at_center_of_gravity(task.state, vehicle)
     # the multi-body car alone does not move off from rest: here it may stay there
     car = MultiBodyPlant(start) if plant == "multi_body" else make_plant(plant, vehicle, start)
-    planner = Planner(vehicle, road, cruise_speed=cruise, speed=speed)
+    planner = Planner(vehicle, road, cruise_speed=cruise, speed=speed, evasion=evasion)
     return _drive(scenario, task, planner, plant, car)
 
 
