@@ -9,18 +9,20 @@ from cca_core.planner.maneuver_tuning import (
     ReplanSettings,
 )
 from cca_core.planner.planner import Planner
-from cca_core.planner.records import Mode, SafeStop
+from cca_core.planner.records import Certificate, Grade, Mode, SafeStop
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.tuning import ActuationSettings, DecisionSettings, LeadSettings, YieldSettings
 
 __all__ = [
     "AbortSettings",
     "ActuationSettings",
+    "Certificate",
     "CertificateSettings",
     "Command",
     "CostSettings",
     "DecisionSettings",
     "EvasionSettings",
+    "Grade",
     "LastResortSettings",
     "LeadSettings",
     "Mode",

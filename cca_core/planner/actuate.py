@@ -1,12 +1,12 @@
 """Actuation: acceleration along the plan, the safe stop, and dead reckoning of a lost state."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from cca_core._checks import Array
 from cca_core.follow import friction_limited
-from cca_core.path import Path
 from cca_core.planner.limits import Limits
 from cca_core.planner.records import DrivenPlan, SafeStop
 from cca_core.planner.scene import TIMES
@@ -28,16 +28,31 @@ def planned_acceleration(
 
 
 def safe_stop(
-    reference: Path, s_tail: Array, v_tail: Array, a_tail: Array, vehicle: VehicleParams
+    route: dict[str, Array], d: Array, s: Array, v: Array, a: Array, vehicle: VehicleParams
 ) -> SafeStop:
-    """Return steering and braking that follow a braking tail along the reference."""
-    t = np.arange(0.0, _STOP_TIME + 0.5 * _STOP_STEP, _STOP_STEP)
-    v = np.interp(t, TIMES, v_tail)
-    at = np.interp(t + vehicle.steering_lag, TIMES, s_tail)
-    kappa = reference.curvature(at)
-    turn = vehicle.wheelbase + vehicle.understeer_gradient * v * v
-    delta = np.clip(np.arctan(turn * kappa), -vehicle.delta_max, vehicle.delta_max)
-    return SafeStop(t=t, delta=delta, a_x=np.interp(t, TIMES, a_tail))
+    """Return steering and braking that follow a motion along a path, stations relative to the first."""
+    standing = np.flatnonzero(v <= 0.0)
+    rest = float(TIMES[standing[0]]) if len(standing) else float(TIMES[-1])
+    t = np.arange(0.0, max(rest, _STOP_TIME) + 0.5 * _STOP_STEP, _STOP_STEP)
+    at, speed = np.interp(t, TIMES, s), np.interp(t, TIMES, v)
+    first = max(math.floor(at[0]) - 3, 0)
+    part = slice(first, math.ceil(at[-1] + speed[-1] * vehicle.steering_lag) + 4)
+    psi, offset, grid = route["psi"][part], d[part], first + np.arange(float(len(route["psi"][part])))
+    x, y = route["x"][part] - offset * np.sin(psi), route["y"][part] + offset * np.cos(psi)
+    heading = psi + np.arctan2(np.gradient(offset), np.maximum(1.0 - route["kappa"][part] * offset, 0.1))
+    kappa = np.gradient(heading) / np.hypot(np.gradient(x), np.gradient(y))
+    later = np.interp(t + vehicle.steering_lag, t, at, right=at[-1] + speed[-1] * vehicle.steering_lag)
+    turn = vehicle.wheelbase + vehicle.understeer_gradient * speed * speed
+    delta = np.arctan(turn * np.interp(later, grid, kappa))
+    return SafeStop(
+        t=t, delta=np.clip(delta, -vehicle.delta_max, vehicle.delta_max), a_x=np.interp(t, TIMES, a), v=speed,
+        poses=np.column_stack([np.interp(at, grid, row) for row in (x, y, heading)]),
+    )  # fmt: skip
+
+
+def since(stop: SafeStop, elapsed: float) -> SafeStop:
+    """Return a safe stop as seen some time after its decision."""
+    return stop if elapsed < 1e-6 else replace(stop, t=stop.t - elapsed)
 
 
 def dead_reckon(

@@ -13,7 +13,7 @@ from cca_core.kernel.scene import Scene
 from cca_core.path import Lane, Road
 from cca_core.planner.occupancy import N_STOPS
 from cca_core.planner.paths import Surroundings, plan_path, return_paths, route_path
-from cca_core.planner.records import LateralPath, Level, Plan, Profile
+from cca_core.planner.records import Branch, LateralPath, Level, Plan, Profile
 from cca_core.planner.scene import N_PATHS, N_ROWS, TIMES, find_conflict, limit_path, roll, sum_up
 
 _SIDES: tuple[Side, Side] = ("left", "right")
@@ -198,6 +198,7 @@ class Rollout:
             path=path, row=row, path_row=i, profile=profile, s=rows["s"][row], v=rows["v"][row],
             a=rows["a"][row], d=rows["offset_at"][row], limited_by=int(rows["limited_by"][row]),
             peak=float(rows["terms"][row, 2]),
+            branch=Branch(path, i, self.around.settings.certificate.reaction_time, self.around.limits.b_max),
         )  # fmt: skip
 
     @property

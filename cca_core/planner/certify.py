@@ -1,7 +1,7 @@
 """Certificates: what a plan keeps against the nominal motion and the worst case of others."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,12 +12,12 @@ from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.planner.candidates import Stop, adjacent_lane, lane_refusal
 from cca_core.planner.paths import Surroundings
-from cca_core.planner.records import Grade, Level, PathKind, Plan
+from cca_core.planner.records import Branch, Certificate, Grade, LateralPath, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
 
 _TAIL = N_ROWS - 1  # row of the braking tail
 _BISECTIONS = 3
-_ALL, _ADJACENT, _OTHERS = 0, 1, 2  # vehicles of a check
+_ALL, _ADJACENT = 0, 1  # vehicles of a check
 _GRIP_SHARE = 0.95  # of all tires that a path may use [-]
 
 
@@ -32,10 +32,11 @@ class Certifier:
         inside: bool,
         kept: Array | None,
         stops: Sequence[Stop],
+        homes: Sequence[tuple[LateralPath, int]],
     ) -> None:  # fmt: skip
         self._scene, self._around, self._inside = scene, around, inside
         self._settings = around.settings.certificate
-        self._kept, self._stops = kept, stops
+        self._kept, self._stops, self._homes = kept, stops, homes
         self.count = 0
 
     @property
@@ -43,9 +44,12 @@ class Certifier:
         """Ids of the vehicles by row."""
         return self._around.traffic.ids
 
-    def certify(self, plan: Plan, home: Callable[[], bool]) -> None:
+    def certify(self, plan: Plan) -> None:
         """Grade a plan."""
         self.count += 1
+        plan.branch = Branch(
+            plan.path, plan.path_row, self._settings.reaction_time, self._around.limits.b_max
+        )
         if self._passes_stop_line(plan):
             plan.grade, plan.is_certified = Grade.REFUSED, True
             return
@@ -58,10 +62,11 @@ class Certifier:
         pet = around.settings.crossing.min_pet * (0.5 if is_kept else 1.0)
         asked = min(clearance, plan.path.clearance)
         check_gaps(work, plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
-        which, plan.gap = work.which, work.gap
+        which, plan.gap = work.which, work.gap if self.names else math.inf
+        plan.decides = self._name(which)
         if not work.min_margin >= 0.0:
             self._set_severity(plan, asked)
-            plan.impact_id = self._name(which)
+            plan.impact_id = plan.decides
             if plan.path.kind.is_evasive and which >= 0:
                 plan.rejection = self._lane_rejection(plan, which)
             return
@@ -75,9 +80,9 @@ class Certifier:
             return
         out = (plan.d + half > lane.left + 0.01) | (plan.d - half < lane.right - 0.01)
         if out.any() and plan.path.kind.is_evasive:
-            self._certify_maneuver(plan, out, touch, clearance, home)
+            self._certify_maneuver(plan, out, touch, clearance)
         else:
-            plan.braking = self._needed_braking(plan, settings.reaction_time, touch, clearance)
+            plan.braking = self._needed_braking(plan, touch, clearance)
             self._grade_by_braking(plan, out_now=bool(out[0]))
 
     def _passes_stop_line(self, plan: Plan) -> bool:
@@ -90,11 +95,6 @@ class Certifier:
                 plan.impact_id = stop.vehicle_id
                 return True
         return False
-
-    def can_brake(self, plan: Plan) -> bool:
-        """Return whether braking fully on a path is safe in the worst case."""
-        self._scene.workspace.margin = 0.0
-        return self._tail_is_safe(plan, self._settings.reaction_time, self._around.limits.b_max, 0.0, 0.0)
 
     def _set_severity(self, plan: Plan, clearance: float) -> None:
         """Rate a plan that comes too close: by the impact, or by the gap that lacks if bodies stay apart."""
@@ -119,19 +119,16 @@ class Certifier:
             and not plan.path.kind.is_evasive
             and not out_now
         ):
-            plan.grade, plan.braking = Grade.FULL, limits.b_max  # the proper response
+            plan.grade, plan.braking = Grade.RESPONSE, limits.b_max
         else:
             plan.grade = Grade.NOMINAL
 
-    def _certify_maneuver(
-        self, plan: Plan, out: Mask, touch: float, clearance: float, home: Callable[[], bool]
-    ) -> None:
-        """Certify a plan that leaves its lane: gap acceptance, then a safe end behind the next vehicle."""
-        around, work, settings = self._around, self._scene.workspace, self._settings
+    def _certify_maneuver(self, plan: Plan, out: Mask, touch: float, clearance: float) -> None:
+        """Certify a plan that leaves its lane: gap acceptance, and one safe end for all vehicles."""
+        around, settings = self._around, self._settings
         steps = np.flatnonzero(out)
         back = float(TIMES[min(int(steps[-1]) + 1, len(TIMES) - 1)])
-        react = max(back, settings.reaction_time)
-        x_safety = around.settings.x_safety * (0.5 if plan.path.is_last else 1.0)
+        x_safety = around.settings.x_safety * (0.5 if plan.path.is_last else 1.0) if self._inside else 0.0
         begins = np.flatnonzero(plan.s + around.lateral.base >= plan.path.begin)
         set_numbers(
             self._scene,
@@ -139,76 +136,88 @@ class Certifier:
             zone_from=float(TIMES[steps[0]]),
             zone_side=1 if plan.path.kind is PathKind.LEFT else 2,
         )
-        b_max = around.limits.b_max
+        here = Branch(plan.path, plan.path_row, settings.reaction_time, around.limits.b_max)
+        ends = here._replace(react=max(back, settings.reaction_time))
         side: Side = "left" if plan.path.kind is PathKind.LEFT else "right"
         refusal = lane_refusal(around, adjacent_lane(around.road, side), side) if self._inside else None
         if refusal is not None:
             plan.grade, plan.rejection = Grade.REFUSED, refusal
             return
-        if self._inside and not self._tail_is_safe(plan, react, b_max, touch, clearance, x_safety, _ADJACENT):
-            plan.grade, plan.rejection = Grade.REFUSED, self._lane_rejection(plan, work.which)
+        if self._inside and not self._is_safe(plan, ends, touch, clearance, x_safety, _ADJACENT):
+            plan.grade = Grade.REFUSED
+            plan.rejection = self._lane_rejection(plan, self._scene.workspace.which)
             return
-        # behind a vehicle of the ego lane it can brake at once, here or on its route, or after the pass
-        if (
-            (
-                self._inside
-                and self._tail_is_safe(plan, settings.reaction_time, b_max, touch, clearance, 0.0, _OTHERS)
-            )
-            or self._tail_is_safe(
-                plan, react, b_max, touch, clearance, 0.0, _OTHERS if self._inside else _ALL
-            )
-            or home()
-        ):
-            plan.grade, plan.braking = Grade.COMFORTABLE, settings.comfortable_braking
-        else:
-            plan.grade = Grade.NOMINAL
-        if plan.path.level is not Level.COMFORT and plan.grade is Grade.COMFORTABLE:
-            plan.grade = Grade.FULL
+        homes = (Branch(path, row, *here[2:4], is_other=True) for path, row in self._homes)
+        for branch in (here, *homes, ends):  # it brakes at once, here or on its way back, or after the pass
+            x = x_safety if branch is ends else 0.0
+            if self._is_safe(plan, branch, touch, 0.0 if branch.is_other else clearance, x, _ALL):
+                plan.grade = Grade.COMFORTABLE if plan.path.level is Level.COMFORT else Grade.FULL
+                plan.branch, plan.braking = branch, settings.comfortable_braking
+                return
+        plan.grade = Grade.NOMINAL
 
-    def _needed_braking(self, plan: Plan, react: float, touch: float, clearance: float) -> float:
+    def _needed_braking(self, plan: Plan, touch: float, clearance: float) -> float:
         """Return the least deceleration of a tail that is safe in the worst case; infinite if none is."""
-        work, settings = self._scene.workspace, self._settings
-        if check_worst(work, plan.row, plan.path_row, touch, clearance, settings.duty_delay, 0.0, 0):
+        here, limits = plan.branch, self._around.limits
+        goes_on = here._replace(braking=0.0)
+        if self._is_safe(plan, goes_on, touch, clearance):
+            ends = here._replace(braking=limits.b_comfort)
+            plan.branch = ends if self._is_safe(plan, ends, touch, clearance) else goes_on
             return 0.0
-        high = self._around.limits.b_max
-        if not self._tail_is_safe(plan, react, high, touch, clearance):
-            plan.impact_id = self._name(work.which)
+        if not self._is_safe(plan, here, touch, clearance):
+            plan.impact_id = plan.decides
             return math.inf
-        low = min(settings.comfortable_braking, 0.5 * high)
-        if self._tail_is_safe(plan, react, low, touch, clearance):
+        low, high = min(self._settings.comfortable_braking, 0.5 * limits.b_max), limits.b_max
+        if self._is_safe(plan, here._replace(braking=low), touch, clearance):
+            plan.branch = here._replace(braking=low)
             return low
         for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
-            if self._tail_is_safe(plan, react, middle, touch, clearance):
+            if self._is_safe(plan, here._replace(braking=middle), touch, clearance):
                 high = middle
             else:
                 low = middle
+        plan.branch = here._replace(braking=high)
         return high
 
-    def _tail_is_safe(
-        self, plan: Plan, react: float, braking: float, touch: float, clearance: float, x_safety: float = 0.0,
-        which: int = 0,
+    def _is_safe(
+        self, plan: Plan, branch: Branch, touch: float, clearance: float, x_safety: float = 0.0,
+        which: int = _ALL,
     ) -> bool:  # fmt: skip
-        """Return whether the plan with a braking tail is safe in the worst case."""
-        work, profile = self._scene.workspace, plan.profile
-        if profile.kept:
-            self._scene.arrays["a"][_TAIL] = self._kept
-        work.react = react
-        roll(
-            work, _TAIL, plan.path_row, profile.follows, profile.passes, profile.yields, profile.braking,
-            braking, profile.kept,
-        )  # fmt: skip
-        return bool(
-            check_worst(
-                work, _TAIL, plan.path_row, touch, clearance, self._settings.duty_delay, x_safety, which
-            )
+        """Return whether a branch of a plan is safe in the worst case."""
+        work = self._scene.workspace
+        self._roll(plan, branch)
+        safe = check_worst(
+            work, _TAIL, branch.path_row, touch, clearance, self._settings.duty_delay, x_safety, which
         )
+        plan.decides = self._name(work.which)
+        return bool(safe)
 
-    def tail(self, plan: Plan, braking: float) -> tuple[Array, Array, Array]:
-        """Return stations, speeds and accelerations of a plan's braking tail."""
-        rows = self._scene.arrays
-        self._tail_is_safe(plan, self._settings.reaction_time, braking, 0.0, 0.0)
-        return rows["s"][_TAIL].copy(), rows["v"][_TAIL].copy(), rows["a"][_TAIL].copy()
+    def _roll(self, plan: Plan, branch: Branch) -> None:
+        """Roll out a branch of a plan."""
+        work, profile = self._scene.workspace, plan.profile
+        work.react = branch.react
+        kept = profile.kept or branch.is_other
+        if kept:
+            self._scene.arrays["a"][_TAIL] = plan.a if branch.is_other else self._kept
+        roll(
+            work, _TAIL, branch.path_row, profile.follows, profile.passes, profile.yields, profile.braking,
+            branch.braking, kept,
+        )  # fmt: skip
+
+    def safe_end(self, plan: Plan) -> tuple[Array, Array, Array, Array]:
+        """Return the lateral offsets of a plan's branch, and its stations, speeds and accelerations."""
+        branch, rows = plan.branch, self._scene.arrays
+        self._roll(plan, branch)
+        return rows["d"][branch.path_row], rows["s"][_TAIL], rows["v"][_TAIL], rows["a"][_TAIL]
+
+    def certificate(self, plan: Plan) -> Certificate:
+        """Return what is certified of a plan."""
+        holds = plan.grade <= Grade.RESPONSE
+        return Certificate(
+            grade=plan.grade, braking=plan.braking if holds else math.inf, gap=plan.gap,
+            vehicle_id=plan.decides, passed=plan.branch.path.overtaken,
+        )  # fmt: skip
 
     def _name(self, j: int) -> str:
         ids = self._around.traffic.ids

@@ -1,6 +1,6 @@
 """Choice: the cost of plans, and the best of those with the best grade."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from cca_core._checks import Array
 from cca_core.planner.certify import Certifier
@@ -63,19 +63,17 @@ def assess(
     )  # fmt: skip
 
 
-def choose(
-    plans: Sequence[Plan], certifier: Certifier, around: Surroundings, home: Callable[[], bool]
-) -> Plan:
+def choose(plans: Sequence[Plan], certifier: Certifier, around: Surroundings) -> Plan:
     """Return the cheapest plan of the best grade; plans are certified in the order of their cost."""
     best = plans[0]
     settings, limits = around.settings, around.limits
     soft = settings.certificate.comfortable_braking
     for plan in sorted(plans, key=lambda p: p.cost):
-        if best.is_certified and best.grade <= Grade.FULL and plan.cost >= best.cost:
+        if best.is_certified and best.grade <= Grade.RESPONSE and plan.cost >= best.cost:
             break
         if not plan.is_certified:
-            certifier.certify(plan, home)
-        if plan.grade <= Grade.FULL and plan.braking > soft:
+            certifier.certify(plan)
+        if plan.grade <= Grade.RESPONSE and plan.braking > soft:
             excess = (plan.braking - soft) / max(limits.b_max - soft, 0.1)
             plan.costs = plan.costs._replace(safe_end=settings.cost.safe_end * excess * excess)
         if _goes_on(plan, around.s):
@@ -88,7 +86,7 @@ def choose(
 def _key(plan: Plan, s: float) -> tuple[float, float, float]:
     """Rank of a plan; a maneuver that is under way and nominally safe is compared with certified plans."""
     severity = round(plan.severity, 1) if plan.grade is Grade.SEVERITY else 0.0
-    return Grade.FULL.tier if _goes_on(plan, s) else plan.grade.tier, severity, plan.cost
+    return Grade.RESPONSE.tier if _goes_on(plan, s) else plan.grade.tier, severity, plan.cost
 
 
 def _goes_on(plan: Plan, s: float) -> bool:

@@ -6,7 +6,7 @@ from cca_core.band import Band
 from cca_core.decide import Decision
 from cca_core.errors import Status
 from cca_core.path import Path
-from cca_core.planner.records import Mode, SafeStop
+from cca_core.planner.records import Certificate, Mode, SafeStop
 
 __all__ = ["Command"]
 
@@ -39,7 +39,10 @@ class Command:
     mode : Mode, optional
         What the ego does; a label of the plan that it drives.
     safe_stop : SafeStop, optional
-        Steering and braking of the next 5 s that stop the ego in its lane if no further command comes.
+        Steering and braking that stop the ego if no further command comes.
+    certificate : Certificate, optional
+        What is certified of the plan that is driven, and of its safe stop; None if
+        the state is lost.
     """
 
     delta: float
@@ -52,3 +55,4 @@ class Command:
     input_faults: tuple[str, ...] = ()
     mode: Mode | None = None
     safe_stop: SafeStop | None = None
+    certificate: Certificate | None = None

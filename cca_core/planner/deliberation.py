@@ -76,14 +76,13 @@ class Deliberation:
         self._last_path = None if driven is None or observation.s >= driven.end else driven
         self._plans: list[Plan] = []
         self._rejections: list[Rejection] = []
-        self._home_is_safe: bool | None = None
         self._prepare(driven)
 
     def decide(self) -> DrivenPlan:
         """Return the plan to drive: comfortable paths first, others only if none of them is certified."""
         best = self._choose()
         for levels in _STAGES:
-            if best.grade <= Grade.FULL and (levels[0] is not Level.COMFORT or self._goes_on(best)):
+            if best.grade <= Grade.RESPONSE and (levels[0] is not Level.COMFORT or self._goes_on(best)):
                 break
             self._add_maneuvers(levels)
             best = self._choose()
@@ -115,10 +114,12 @@ class Deliberation:
         self._rollout.around = around
         self._stops = find_stops(scene, around, rows[0])
         self._kept = None if self._last is None else shifted(self._last.a, observation.t - self._last.t)
-        self._certifier = Certifier(scene, around, inside=inside, kept=self._kept, stops=self._stops)
+        self._certifier = Certifier(
+            scene, around, inside=inside, kept=self._kept, stops=self._stops,
+            homes=tuple(zip(homes, rows, strict=True)),
+        )  # fmt: skip
         for path, row in zip(homes, rows, strict=True):
             self._add(path, row)
-        self._homes = [plan for plan in self._plans if plan.profile.name == "go"]
         last = self._last_path
         if last is not None and not lateral.is_lost and last.kind is not PathKind.ROUTE:
             self._add(replace(last, is_last=True), None)
@@ -159,22 +160,16 @@ class Deliberation:
             self._add(path, None)
 
     def _choose(self) -> Plan:
-        return choose(self._plans, self._certifier, self._around, self._is_home_safe)
+        return choose(self._plans, self._certifier, self._around)
 
     def _goes_on(self, best: Plan) -> bool:
         """Whether the best plan is the maneuver that is being driven."""
         return best.path.is_last and best.path.kind.is_evasive
 
-    def _is_home_safe(self) -> bool:
-        """Return whether braking on the route, or on a way back to it, is safe in the worst case."""
-        if self._home_is_safe is None:
-            self._home_is_safe = any(self._certifier.can_brake(plan) for plan in self._homes)
-        return self._home_is_safe
-
     def _commit(self, best: Plan) -> DrivenPlan:
         """Return the best plan as the one that is driven, with its reference and its safe stop."""
         setup, observation, last = self._setup, self._observation, self._last
-        path, limits = best.path, setup.limits
+        path = best.path
         if path.is_last and last is not None:
             path, reference = replace(last.path, is_last=False), last.reference
         elif path.kind is PathKind.ROUTE:
@@ -182,15 +177,14 @@ class Deliberation:
         else:
             reference = reference_of(path, setup.road, observation.s)
             path = replace(path, reference=reference)
-        braking = limits.b_max if best.grade >= Grade.FULL else max(best.braking, limits.b_comfort)
-        s, v, a = self._certifier.tail(best, min(braking, limits.b_max))
+        stop = safe_stop(setup.scenes.route, *self._certifier.safe_end(best), setup.vehicle)
         limited_by, yields_to = self._limit_of(best)
         rejected = (p.rejection for p in self._plans if p.rejection is not None and p.cost < best.cost)
         return DrivenPlan(
             t=observation.t, path=path, reference=reference, profile=best.profile, s=best.s + self._base,
-            v=best.v.copy(), a=best.a.copy(), a_0=self._state.a_x, grade=best.grade, limited_by=limited_by,
-            yields_to=yields_to, free_a=float(self._free.a[3]), rejections=(*self._rejections, *rejected),
-            safe_stop=safe_stop(reference, s + self._base, v, a, setup.vehicle), braking=best.braking,
+            v=best.v.copy(), a=best.a.copy(), a_0=self._state.a_x, limited_by=limited_by,
+            certificate=self._certifier.certificate(best), yields_to=yields_to,
+            free_a=float(self._free.a[3]), rejections=(*self._rejections, *rejected), safe_stop=stop,
             costs=best.costs, impact_id=best.impact_id or self._cause_of(best),
         )  # fmt: skip
 

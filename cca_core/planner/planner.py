@@ -16,7 +16,7 @@ from cca_core.frenet import INCOMPLETE, to_frenet
 from cca_core.frenet.branches import Branches
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner import modes
-from cca_core.planner.actuate import dead_reckon, planned_acceleration
+from cca_core.planner.actuate import dead_reckon, planned_acceleration, since
 from cca_core.planner.command import Command
 from cca_core.planner.deliberation import Deliberation, Setup
 from cca_core.planner.inputs import (
@@ -280,7 +280,8 @@ class Planner:
         return self._emit(Command(
             delta=delta, a_x=a_x, decision=decision, reference=plan.reference,
             status=Status.DEGRADED if degraded else Status.OK, band=plan.path.band, dropped=dropped,
-            input_faults=self._input_faults, mode=mode, safe_stop=plan.safe_stop,
+            input_faults=self._input_faults, mode=mode, certificate=plan.certificate,
+            safe_stop=since(plan.safe_stop, observation.t - plan.t),
         ))  # fmt: skip
 
     def _safe_stop(self, reason: str, dt: float) -> Command:
@@ -301,7 +302,7 @@ class Planner:
             delta=delta, a_x=a_x, band=None, reference=reference, status=Status.INVALID_INPUT,
             decision=Decision(action=modes.ACTIONS[Mode.SAFE_STOP], reason=f"safe stop: {reason}"),
             input_faults=self._input_faults, mode=Mode.SAFE_STOP,
-            safe_stop=None if plan is None else plan.safe_stop,
+            safe_stop=None if plan is None else since(plan.safe_stop, self._clock.t - plan.t),
         ))  # fmt: skip
 
     def _emit(self, command: Command) -> Command:

@@ -39,18 +39,37 @@ class Level(IntEnum):
 
 
 class Grade(IntEnum):
-    """What a plan is certified against; lower is better."""
+    """What a plan is certified against; lower is better.
 
-    COMFORTABLE = 0  # the worst case, with a comfortable safe end
-    FULL = 1  # the worst case, with full braking or the proper response
-    NOMINAL = 2  # the nominal motion of others
-    SEVERITY = 3  # neither: the least severe is driven
-    REFUSED = 4  # an adjacent lane that is not known to be free
+    Attributes
+    ----------
+    COMFORTABLE
+        The worst case: no vehicle within the declared bounds can touch an ego that drives its safe stop,
+        which brakes in comfort.
+    FULL
+        The same; the safe stop brakes harder.
+    RESPONSE
+        The worst case cannot be excluded. The ego brakes in comfort or harder until it can, the proper
+        response of RSS.
+    NOMINAL
+        The nominal motion of others only.
+    SEVERITY
+        Nothing: a collision or too small a gap is predicted, and the least severe plan is driven.
+    REFUSED
+        The same in an adjacent lane that is not known to be free; such a plan is driven if there is no other.
+    """
+
+    COMFORTABLE = 0
+    FULL = 1
+    RESPONSE = 2
+    NOMINAL = 3
+    SEVERITY = 4
+    REFUSED = 5
 
     @property
     def tier(self) -> int:
-        """Rank of the choice: both certified grades are compared by cost."""
-        return max(int(self), 1)
+        """Rank of the choice: the first three are compared by cost."""
+        return max(int(self), 2)
 
 
 class Profile(NamedTuple):
@@ -121,6 +140,16 @@ class Costs(NamedTuple):
     risk: float = 0.0
 
 
+class Branch(NamedTuple):
+    """How a plan ends safely: driven for a time on a path, then braked."""
+
+    path: LateralPath
+    path_row: int
+    react: float  # [s]
+    braking: float  # [m/s^2]; 0 if the plan goes on
+    is_other: bool = False  # another path than the plan's, with its speeds
+
+
 @dataclass(slots=True, kw_only=True, eq=False)
 class Plan:
     """A candidate: a path, a profile, the motion that follows, and its certificate."""
@@ -133,11 +162,13 @@ class Plan:
     v: Array
     a: Array
     d: Array
+    branch: Branch  # its safe end
     limited_by: int = -1
     peak: float = 0.0  # lateral acceleration [m/s^2]
     costs: Costs = field(default_factory=Costs)
     grade: Grade = Grade.SEVERITY
     braking: float = math.inf  # deceleration that its safe end needs [m/s^2]
+    decides: str = ""  # vehicle to which the certificate leaves least, or that prevents it
     gap: float = math.inf  # least nominal gap [m]
     severity: float = 0.0
     t_impact: float = math.inf
@@ -165,21 +196,68 @@ class Mode(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SafeStop:
-    """Steering and braking that stop the ego from now on without a planner.
+    """Steering and braking that stop the ego without a planner: what the certificate of a command is about.
+
+    It drives the plan for `CertificateSettings.reaction_time` and brakes then, on the path of the plan or on
+    a way back to the ego lane; or it completes a maneuver first.
 
     Parameters
     ----------
     t : ndarray, shape (n,)
-        Times from the command on [s].
+        Times from the command on [s], until standstill, at least 5 s and at most 20 s. The first ones lie
+        before a command that was not decided anew.
     delta : ndarray, shape (n,)
         Road-wheel angles [rad], left positive.
     a_x : ndarray, shape (n,)
         Accelerations [m/s^2].
+    v : ndarray, shape (n,)
+        Speeds [m/s].
+    poses : ndarray, shape (n, 3)
+        x [m], y [m] of the center of gravity, and heading [rad].
     """
 
     t: Array
     delta: Array
     a_x: Array
+    v: Array
+    poses: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Certificate:
+    """What is certified of the plan that is driven.
+
+    Parameters
+    ----------
+    grade : Grade
+        What it is certified against.
+    braking : float
+        Deceleration that the safe stop needs [m/s^2]; 0 if the plan is safe in the worst case without, for
+        all of its 20 s; infinite if none suffices.
+    gap : float
+        Least gap to the nominal motion of other vehicles [m], negative if they overlap; infinite without any.
+    vehicle_id : str
+        The vehicle that decides: the one to which the certificate leaves least, or that prevents it; empty if
+        there is none.
+    passed : frozenset of str
+        The vehicles that the safe stop still passes. They are assumed to accelerate with at most
+        `EvasionSettings.assumed_acceleration_passed`.
+
+    Notes
+    -----
+    `safety.md` lists the bounds within which the worst case holds.
+    """
+
+    grade: Grade
+    braking: float = math.inf
+    gap: float = math.inf
+    vehicle_id: str = ""
+    passed: frozenset[str] = frozenset()
+
+    @property
+    def keeps_worst_case(self) -> bool:
+        """Whether no vehicle within the declared bounds can touch an ego that drives its safe stop."""
+        return self.grade <= Grade.FULL
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -194,15 +272,19 @@ class DrivenPlan:
     v: Array
     a: Array
     a_0: float
-    grade: Grade
+    certificate: Certificate
     limited_by: str  # id of a vehicle, "curve" or ""
     yields_to: str
     free_a: float  # acceleration without other vehicles [m/s^2]
     safe_stop: SafeStop
     rejections: tuple[Rejection, ...] = ()
-    braking: float = 0.0
     costs: Costs = field(default_factory=Costs)
     impact_id: str = ""
+
+    @property
+    def grade(self) -> Grade:
+        """What it is certified against."""
+        return self.certificate.grade
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -132,7 +132,8 @@ def test_several_crossing_cars_are_yielded_to() -> None:
 
 def test_safe_stop_ends_at_rest_in_lane() -> None:
     stop = decide([car(S + 60.0, v_x=15.0)], v=15.0, cruise=15.0).safe_stop
-    assert stop.t[-1] == pytest.approx(5.0)
+    assert stop.t[-1] >= 5.0
+    assert stop.v[-1] == 0.0
     assert np.abs(stop.delta).max() < 0.01
     assert stop.a_x.min() < -1.0
 
