@@ -1,16 +1,17 @@
-"""Gaps of the ego's motions to other vehicles, nominal and in the worst case; crossing conflicts."""
+"""Gaps of the ego's motions to other vehicles, nominally and in the worst case."""
 
 import math
 
 from cca_core.kernel.box_gaps import norm, oriented_box_gap
 from cca_core.kernel.rollout import ONCOMING, TIME_EPS
-from cca_core.kernel.scene import TOLERANCE, Scene, at_station, is_outside, lateral, slope, station
+from cca_core.kernel.scene import TOLERANCE, Scene, at_station, is_outside, slope, station
 from cca_core.kernel.types import Flag, Int, Real
 
-__all__ = ["check_nominal", "check_worst_case", "find_conflict_stations"]
+__all__ = ["check_nominal", "check_worst_case"]
 
 FAR = 1e3  # gap where there is no vehicle [m]
 STANDSTILL = 0.2  # speed below which the ego stands [m/s]
+FAR_IN_PLANE = 15.0  # gap from which on a crossing vehicle is far [m]
 NEAR = 12.0  # part of an interval beyond the body that matters [m]
 
 
@@ -52,7 +53,31 @@ def rear_gap(w: Scene, row: Int, j: Int, k: Int, x_safety: Real) -> Real:
     return w.s[row, k] + w.offset - w.half_length - w.high[j, k] - need
 
 
-def ego_gap(w: Scene, row: Int, p: Int, k: Int, low: Real, high: Real, right: Real, left: Real) -> Real:
+def pose(w: Scene, at: Real, d: Real, turn: Real) -> tuple[Real, Real, Real, Real]:
+    """Center of the ego's body in the plane, cosine and sine of its heading."""
+    route = at_station(w.n, w.psi, at)
+    heading = route + math.atan2(turn, max(1.0 - w.kappa[station(w.n, at)] * d, 0.1))
+    c = math.cos(heading)
+    s = math.sin(heading)
+    x = at_station(w.n, w.x, at) - d * math.sin(route) + w.offset * c
+    y = at_station(w.n, w.y, at) + d * math.cos(route) + w.offset * s
+    return x, y, c, s
+
+
+def set_poses(w: Scene, row: Int, p: Int) -> None:
+    """Place the ego's body at each step of a motion: on the route, and in the plane if vehicles cross."""
+    for k in range(w.steps):
+        at = w.s[row, k]
+        turn = slope(w, p, at)
+        kappa = w.kappa[station(w.n, at)]
+        w.turn[k] = turn
+        w.scale[k] = 1.0 / math.sqrt(1.0 + turn * turn)
+        w.wide[k] = w.half_width + 0.5 * abs(kappa) * w.half_length * w.half_length
+        if w.crossing > 0:
+            w.x_e[k], w.y_e[k], w.c_e[k], w.s_e[k] = pose(w, at, w.offset_at[row, k], turn)
+
+
+def ego_gap(w: Scene, row: Int, k: Int, low: Real, high: Real, right: Real, left: Real) -> Real:
     """Gap of the ego's body to a rectangle in route coordinates."""
     at = w.s[row, k]
     middle = at + w.offset
@@ -63,83 +88,41 @@ def ego_gap(w: Scene, row: Int, p: Int, k: Int, low: Real, high: Real, right: Re
         return middle - reach - high
     begin = max(low, middle - reach - NEAR)
     end = max(min(high, middle + reach + NEAR), begin)
-    turn = slope(w, p, at)
-    scale = 1.0 / math.sqrt(1.0 + turn * turn)
-    width = w.half_width + 0.5 * abs(w.kappa[station(w.n, at)]) * w.half_length * w.half_length
+    turn = w.turn[k]
+    scale = w.scale[k]
     ahead = 0.5 * (begin + end) - at - w.offset * scale
     aside = 0.5 * (right + left) - w.offset_at[row, k] - w.offset * turn * scale
     return oriented_box_gap(
-        ahead, aside, scale, turn * scale, 1.0, 0.0, w.half_length, width,
+        ahead, aside, scale, turn * scale, 1.0, 0.0, w.half_length, w.wide[k],
         0.5 * (end - begin), 0.5 * (left - right),
     )  # fmt: skip
 
 
-def body_gap(
-    w: Scene, p: Int, at: Real, d: Real, x: Real, y: Real, psi: Real, length: Real, width: Real
-) -> Real:
-    """Gap of the ego's body at a position of a path to a box in the plane."""
-    route = at_station(w.n, w.psi, at)
-    kappa = w.kappa[station(w.n, at)]
-    heading = route + math.atan2(slope(w, p, at), max(1.0 - kappa * d, 0.1))
-    c = math.cos(heading)
-    s = math.sin(heading)
-    x_ego = at_station(w.n, w.x, at) - d * math.sin(route) + w.offset * c
-    y_ego = at_station(w.n, w.y, at) + d * math.cos(route) + w.offset * s
-    if not norm(x - x_ego, y - y_ego) < length + width + w.half_length + w.half_width + 15.0:
-        return 15.0
+def plane_gap(w: Scene, k: Int, x: Real, y: Real, psi: Real, length: Real, width: Real) -> Real:
+    """Gap of the ego's body in a motion to a box in the plane."""
+    dx = x - w.x_e[k]
+    dy = y - w.y_e[k]
+    if not norm(dx, dy) < length + width + w.half_length + w.half_width + FAR_IN_PLANE:
+        return FAR_IN_PLANE
     return oriented_box_gap(
-        x - x_ego, y - y_ego, c, s, math.cos(psi), math.sin(psi), w.half_length, w.half_width, length, width
+        dx, dy, w.c_e[k], w.s_e[k], math.cos(psi), math.sin(psi), w.half_length, w.half_width, length, width
     )
 
 
-def plane_gap(
-    w: Scene, row: Int, p: Int, k: Int, x: Real, y: Real, psi: Real, length: Real, width: Real
-) -> Real:
-    """Gap of the ego's body in a motion to a box in the plane."""
-    return body_gap(w, p, w.s[row, k], w.offset_at[row, k], x, y, psi, length, width)
-
-
-def find_conflict_stations(w: Scene, p: Int, j: Int, reach: Int, until: Real, margin: Real) -> Flag:
-    """Find the stations of a path that a crossing vehicle passes over, and when."""
-    w.s_enter = -1.0
-    w.s_exit = -1.0
-    w.t_enter = -1.0
-    w.t_exit = -1.0
-    for i in range(reach):
-        at = w.s_0 + i
-        d = lateral(w, p, at)
-        x = at_station(w.n, w.x, at)
-        y = at_station(w.n, w.y, at)
-        reach_j = w.half_l[j] + w.half_w[j] + w.half_length + w.half_width + abs(w.offset) + abs(d) + margin
-        for k in range(w.steps):
-            if not w.t[k] <= until:
-                break
-            if not norm(w.x_o[j, k] - x, w.y_o[j, k] - y) <= reach_j:
-                continue
-            gap = body_gap(w, p, at, d, w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k], w.half_l[j], w.half_w[j])
-            if gap < margin:
-                if w.s_enter < 0.0:
-                    w.s_enter = at
-                w.s_exit = at
-                if w.t_enter < 0.0 or w.t[k] < w.t_enter:
-                    w.t_enter = w.t[k]
-                w.t_exit = max(w.t_exit, w.t[k])
-    return w.s_enter >= 0.0
-
-
-def nominal_gap(w: Scene, row: Int, p: Int, j: Int, k: Int, pet: Real) -> Real:
+def nominal_gap(w: Scene, row: Int, j: Int, k: Int, pet: Real) -> Real:
     """Gap to a vehicle; one that crosses covers where it is within a time."""
     if w.crosses[j] != 0:
         length = w.half_l[j] + pet * w.v_o[j, k]
-        return plane_gap(w, row, p, k, w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k], length, w.half_w[j])
+        return plane_gap(w, k, w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k], length, w.half_w[j])
     s = w.s_o[j, k]
     d = w.d_o[j, k]
-    return ego_gap(w, row, p, k, s - w.half_l[j], s + w.half_l[j], d - w.half_w[j], d + w.half_w[j])
+    return ego_gap(w, row, k, s - w.half_l[j], s + w.half_l[j], d - w.half_w[j], d + w.half_w[j])
 
 
 def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real, pet: Real) -> None:
     """Least gap to the nominal motion of others beyond what is asked, and the first overlap."""
     back = find_duty(w, row, wait)
+    set_poses(w, row, p)
     w.min_margin = FAR
     w.gap = FAR
     w.which = -1
@@ -151,7 +134,7 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
         for k in range(w.steps):
             if has_duty(w, j, k, back):
                 continue
-            gap = nominal_gap(w, row, p, j, k, pet)
+            gap = nominal_gap(w, row, j, k, pet)
             if k == 0:
                 asked = min(asked, max(gap - 0.02, 0.0))
             w.gap = min(w.gap, gap)
@@ -174,13 +157,11 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
 
 def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
     if w.crosses[j] != 0:
-        return plane_gap(
-            w, row, p, k, w.x_w[j, k], w.y_w[j, k], w.psi_w[j, k], w.half_l_w[j, k], w.half_w_w[j, k]
-        )
+        return plane_gap(w, k, w.x_w[j, k], w.y_w[j, k], w.psi_w[j, k], w.half_l_w[j, k], w.half_w_w[j, k])
     passed = w.overtakes[p, j] != 0.0
     low = w.low_passed[j, k] if passed else w.low[j, k]
     high = w.high_passed[j, k] if passed else w.high[j, k]
-    return ego_gap(w, row, p, k, low - w.margin, high + w.margin, w.right[j, k], w.left[j, k])
+    return ego_gap(w, row, k, low - w.margin, high + w.margin, w.right[j, k], w.left[j, k])
 
 
 def check_worst_case(
@@ -193,6 +174,7 @@ def check_worst_case(
     it enters that lane, or from when the maneuver begins if the vehicle comes nearer.
     """
     back = find_duty(w, row, wait)
+    set_poses(w, row, p)
     w.min_margin = FAR
     w.which = -1
     w.when = w.steps
@@ -212,9 +194,11 @@ def check_worst_case(
             continue
         if w.assumed[j] != 0 and not x_safety > 0.0:
             continue
+        if is_established(w, j):
+            continue
         asked = clearance if passed else touch
         for k in range(w.steps):
-            if has_duty(w, j, k, back) or is_established(w, j) or (which == 1 and k > back):
+            if has_duty(w, j, k, back) or (which == 1 and k > back):
                 continue
             d = w.offset_at[row, k]
             out = is_outside(w, d, 0.0)

@@ -10,6 +10,7 @@ __all__ = ["limit_path_speed", "roll_out", "sum_costs"]
 ONCOMING = -0.5  # speed below which a vehicle drives against the ego [m/s]
 RELEASE = 12.0  # rate at which brakes are released [m/s^3]
 TIME_EPS = 1e-9
+ROUNDING = 1e-9  # [m]
 NO_LIMIT = -1
 ROUTE_LIMIT = -2
 FIRST_STOP = -10  # and below: stop points of crossing vehicles
@@ -17,8 +18,12 @@ FIRST_STOP = -10  # and below: stop points of crossing vehicles
 
 def limit_path_speed(w: Scene, p: Int, a_y: Real) -> None:
     """Squared speed at which the curvature of a path needs a lateral acceleration, led down to in comfort."""
+    w.path_low[p] = w.d[p, 0]
+    w.path_high[p] = w.d[p, 0]
     for i in range(w.n):
         w.path_cap[p, i] = 1e4
+        w.path_low[p] = min(w.path_low[p], w.d[p, i])
+        w.path_high[p] = max(w.path_high[p], w.d[p, i])
     for i in range(1, w.n - 1):
         added = w.d[p, i + 1] - 2.0 * w.d[p, i] + w.d[p, i - 1]
         if abs(added) > 1e-5:
@@ -83,6 +88,22 @@ def in_path(w: Scene, p: Int, j: Int, k: Int, then: Int) -> Flag:
     return low < reach and high > -reach
 
 
+def find_leads(w: Scene, p: Int) -> Int:
+    """List the vehicles that may be in front of the ego in a path at some time; return their number."""
+    count = 0
+    for j in range(w.m):
+        if w.crosses[j] != 0 or w.overtakes[p, j] != 0.0:
+            continue
+        reach = w.half_w[j] + w.half_width + w.blocking_gap + ROUNDING
+        if w.d_low[j] - w.path_high[p] >= reach or w.path_low[p] - w.d_high[j] >= reach:
+            continue
+        farthest = max(w.s_follow[j, 0], w.s_follow[j, w.steps - 1]) + 0.5 * w.half_l[j]
+        if farthest > w.s_0 + w.offset:
+            w.leads[count] = j
+            count += 1
+    return count
+
+
 def roll_out(
     w: Scene,
     row: Int,
@@ -100,6 +121,7 @@ def roll_out(
     command = w.a_0
     actual = w.a_true
     later = 0
+    leads = find_leads(w, p) if follows else 0
     w.limited_by[row] = NO_LIMIT
     w.terms[row, 8] = 0.0
     for k in range(w.steps):
@@ -122,9 +144,8 @@ def roll_out(
                 if later + 1 >= w.steps or not w.t[later] < w.t[k] + w.look:
                     break
                 later += 1
-            for j in range(w.m):
-                if w.crosses[j] != 0 or w.overtakes[p, j] != 0.0:
-                    continue
+            for i in range(leads):
+                j = w.leads[i]
                 if not w.s_follow[j, k] + 0.5 * w.half_l[j] > position + w.offset:
                     continue
                 if passes and not abs(lateral(w, p, w.s_follow[j, k])) <= TOLERANCE:

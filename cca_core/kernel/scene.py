@@ -6,6 +6,7 @@ from cca_core.kernel.types import Flag, Grid, Int, Ints, Real, Reals, floor_with
 
 OnRoute = Annotated[Reals, "n"]
 OnPaths = Annotated[Grid, "max_paths", "n"]
+PerPath = Annotated[Reals, "max_paths"]
 Overtakes = Annotated[Grid, "max_paths", "max_m"]
 Times = Annotated[Reals, "steps"]
 Motions = Annotated[Grid, "max_m", "steps"]
@@ -15,6 +16,8 @@ Runs = Annotated[Grid, "max_rows", "steps"]
 RunMarks = Annotated[Ints, "max_rows"]
 Terms = Annotated[Grid, "max_rows", 9]
 Stops = Annotated[Reals, 8]
+OtherLanes = Annotated[Grid, "max_lanes", 2]
+Seen = Annotated[Grid, "max_m", 22]
 
 TOLERANCE = 0.05  # beyond a lane boundary, up to which the body is in its lane [m]
 
@@ -28,6 +31,7 @@ class Scene:
     max_paths: Int
     max_rows: Int
     steps: Int
+    max_lanes: Int
     x: OnRoute
     y: OnRoute
     psi: OnRoute
@@ -35,14 +39,18 @@ class Scene:
     cap: OnRoute  # squared speed limit
     lane_right: Real
     lane_left: Real
+    other_lanes: OtherLanes  # right and left boundary of each
     # candidate paths: lateral offset, squared speed limit, vehicles that are overtaken
     d: OnPaths
     path_cap: OnPaths
+    path_low: PerPath  # least and largest lateral offset
+    path_high: PerPath
     overtakes: Overtakes
     # times from now
     t: Times
     # other vehicles: nominal motion and worst case; those that cross the route in the plane
     m: Int
+    seen: Seen  # see the columns of `kernel.traffic`
     s_o: Motions
     v_o: Motions
     d_o: Motions
@@ -56,6 +64,16 @@ class Scene:
     low_passed: Motions  # the same of an oncoming one
     right: Motions
     left: Motions
+    d_low: PerVehicle  # least and largest of `d_o`
+    d_high: PerVehicle
+    order: VehicleMarks  # of those that follow each other
+    leads: VehicleMarks  # those that a path may meet
+    crossing: Int  # number of those that cross
+    # conflicts with those that cross: from which to which station, and when
+    s_enter: PerVehicle
+    s_exit: PerVehicle
+    t_enter: PerVehicle
+    t_exit: PerVehicle
     crosses: VehicleMarks
     stands: VehicleMarks
     passing_distance: PerVehicle  # kept behind a vehicle that can be passed later [m]
@@ -69,6 +87,19 @@ class Scene:
     half_w_w: Motions
     adjacent: VehicleMarks
     assumed: VehicleMarks  # at the end of the awareness range
+    # what is assumed of others; `b_other` is the braking
+    v_limit: Real
+    a_other: Real
+    a_passed: Real
+    b_crossing: Real
+    a_crossing: Real
+    min_pet: Real
+    braking_time: Real
+    acceleration_time: Real
+    keeps: Flag  # whether all keep their motion
+    entry_tolerance: Real
+    queue_gap: Real
+    passing_gap: Real
     # points to stop at for vehicles that cross, in the order of their arrival
     stops: Int
     stop_s: Stops
@@ -106,16 +137,27 @@ class Scene:
     offset_at: Runs
     limited_by: RunMarks
     terms: Terms
+    # the ego's body in a motion and on a path: center, cosine and sine of the heading; blocks of a path
+    turn: Times
+    scale: Times
+    wide: Times
+    x_e: Times
+    y_e: Times
+    c_e: Times
+    s_e: Times
+    x_p: OnRoute
+    y_p: OnRoute
+    c_p: OnRoute
+    s_p: OnRoute
+    x_b: OnRoute
+    y_b: OnRoute
+    r_b: OnRoute
     # results of the last check
     min_margin: Real
     gap: Real
     which: Int
     when: Int
     impact: Real
-    s_enter: Real
-    s_exit: Real
-    t_enter: Real
-    t_exit: Real
     zone_from: Real  # time at which the body enters an adjacent lane
     begin_from: Real  # and at which that maneuver begins
     zone_side: Int  # of that lane: 1 left, 2 right

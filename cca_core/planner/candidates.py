@@ -1,5 +1,6 @@
 """Candidates: paths by levels, speed profiles, and the motions that they give."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,10 +15,11 @@ from cca_core.path import Lane, Road
 from cca_core.planner.occupancy import N_STOPS
 from cca_core.planner.paths import Surroundings, plan_path, return_paths, route_path
 from cca_core.planner.records import Branch, LateralPath, Level, Plan, Profile
-from cca_core.planner.scene import N_PATHS, N_ROWS, TIMES, find_conflict, limit_path, roll, sum_up
+from cca_core.planner.scene import N_PATHS, N_ROWS, TIMES, find, limit_path, roll, sum_up
 
 _SIDES: tuple[Side, Side] = ("left", "right")
 _MAX_GROUP = 3  # vehicles that are passed at once
+_CONFLICT = ("s_enter", "s_exit", "t_enter", "t_exit")
 _CONFLICT_MARGIN = 0.5  # gap within which a crossing vehicle conflicts with a station [m]
 
 
@@ -26,7 +28,6 @@ class Stop:
     """Where the ego stops for a vehicle that crosses its route, and until when."""
 
     vehicle_id: str
-    row: int
     s: float  # of the center of gravity, absolute
     s_exit: float  # behind which its way does not cross the ego's
     has_line: bool  # whether this is a stop line
@@ -122,28 +123,29 @@ def lane_refusal(around: Surroundings, lane: Lane | None, side: Side) -> Rejecti
 
 def find_stops(scene: Lent[Scene], around: Surroundings, path: int) -> list[Stop]:
     """Return the points at which the ego lets crossing vehicles pass, in the order of their arrival."""
-    traffic, settings = around.traffic, around.settings.crossing
-    found, work = [], scene.workspace
+    traffic, settings, rows = around.traffic, around.settings.crossing, scene.arrays
+    crossing = np.flatnonzero(traffic.crosses).tolist()
+    if not crossing:
+        return []
+    base, front = around.lateral.base, around.vehicle.front
     reach = min(settings.range, float(around.free_s[-1] - around.s))
-    for j in np.flatnonzero(traffic.crosses):
-        if not find_conflict(work, path, int(j), int(reach), float(TIMES[-1]), _CONFLICT_MARGIN):
+    find(scene.workspace, path, int(reach), _CONFLICT_MARGIN)
+    found = []
+    for j in crossing:
+        enter, s_exit, t_enter, t_exit = (float(rows[name][j]) for name in _CONFLICT)
+        enter += base - 1.0
+        if not around.s <= enter < math.inf:
             continue
-        enter = work.s_enter - 1.0 + around.lateral.base
-        if enter < around.s:
-            continue
-        front = around.vehicle.front
         lines = [line - front for line in around.road.stop_lines if around.s - 0.5 < line - front < enter]
-        until = work.t_exit + around.settings.crossing.min_pet + around.settings.crossing.hold_pet
         found.append(
             Stop(
-                vehicle_id=traffic.ids[j], row=int(j), s=max(lines, default=enter), has_line=bool(lines),
-                s_exit=work.s_exit + around.lateral.base,
-                t_enter=work.t_enter, until=until,
+                vehicle_id=traffic.ids[j], s=max(lines, default=enter), has_line=bool(lines),
+                s_exit=s_exit + base, t_enter=t_enter, until=t_exit + settings.min_pet + settings.hold_pet,
             )
         )  # fmt: skip
     stops = sorted(found, key=lambda stop: stop.t_enter)[:N_STOPS]
     for i, stop in enumerate(stops):
-        scene.arrays["stop_s"][i], scene.arrays["stop_until"][i] = stop.s - around.lateral.base, stop.until
+        rows["stop_s"][i], rows["stop_until"][i] = stop.s - base, stop.until
     return stops
 
 

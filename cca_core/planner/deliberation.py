@@ -3,14 +3,13 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from cca_core._checks import Array
 from cca_core.decide import Rejection
 from cca_core.follow import SpeedSettings
-from cca_core.kernel.memory import Lent
-from cca_core.kernel.scene import Scene
 from cca_core.path import Path, Road
 from cca_core.planner.actuate import safe_stop
 from cca_core.planner.candidates import (
@@ -24,7 +23,7 @@ from cca_core.planner.candidates import (
 )
 from cca_core.planner.certify import Certifier
 from cca_core.planner.choose import assess, choose
-from cca_core.planner.limits import Limits
+from cca_core.planner.limits import Limits, limits_of
 from cca_core.planner.occupancy import predict_vehicles
 from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
 from cca_core.planner.records import (
@@ -56,6 +55,16 @@ class Setup:
     speed: SpeedSettings
     limits: Limits
     scenes: Scenes
+
+    @classmethod
+    def make(
+        cls, vehicle: VehicleParams, road: Road, settings: EvasionSettings, speed: SpeedSettings
+    ) -> Self:
+        """Return the setup of a planner."""
+        limits = limits_of(vehicle, speed, settings)
+        lanes = [(lane.right, lane.left) for lane in road.lanes if lane is not road.ego_lane]
+        scenes = Scenes(BEHIND + AHEAD, numbers_of(vehicle, road, settings, speed, limits), lanes)
+        return cls(vehicle=vehicle, road=road, settings=settings, speed=speed, limits=limits, scenes=scenes)
 
 
 class Deliberation:
@@ -96,7 +105,11 @@ class Deliberation:
         scene, traffic = predict_vehicles(setup.scenes, observation, setup.road, setup.settings, self._base)
         half = 0.5 * vehicle.width
         inside = lane.right < observation.d - half and observation.d + half < lane.left
-        set_ego(scene, setup, state, observation, self._base, inside=inside)
+        set_numbers(
+            scene, s_0=observation.s - self._base, v_0=observation.v, a_0=state.a_x, a_true=state.a_true,
+            react=setup.settings.certificate.reaction_time,
+            established=not inside and scene.workspace.rear_reaction > 0.0,
+        )  # fmt: skip
         lateral = lateral_state(
             self._base, observation.s, observation.d, observation.angle, observation.bend, driven, _ON_PATH
         )
@@ -216,28 +229,26 @@ def fill_route(scenes: Scenes, path: Path, base: int, profile: tuple[Array, Arra
     route["cap"][:] = np.interp(grid, *profile)
 
 
-def set_ego(
-    scene: Lent[Scene],
-    setup: Setup,
-    state: PlannerState,
-    observation: Observation,
-    base: int,
-    *,
-    inside: bool,
-) -> None:
-    """Put the ego, its limits and the assumptions of the settings into a scene."""
-    vehicle, speed, limits, settings = setup.vehicle, setup.speed, setup.limits, setup.settings
-    certificate, lane = settings.certificate, setup.road.ego_lane
-    rear_reaction = 0.0 if settings.keeps_motion else settings.rear_reaction_time
-    set_numbers(
-        scene, lane_right=lane.right, lane_left=lane.left, s_0=observation.s - base,
-        v_0=observation.v, a_0=state.a_x,
-        a_true=state.a_true, half_length=0.5 * vehicle.length, half_width=0.5 * vehicle.width,
-        offset=vehicle.box_offset, a_max=limits.a_max, b_comfort=limits.b_comfort, b_max=limits.b_max,
-        b_soft=settings.cost.risk_braking / speed.b_max * limits.b_max, b_other=settings.assumed_braking,
-        risk_until=settings.cost.horizon, grip=limits.grip, standstill_gap=speed.standstill_gap,
-        time_gap=speed.time_gap, approach_rate=speed.approach_rate, jerk=speed.jerk,
-        jerk_emergency=speed.jerk_emergency, lag=certificate.lag, blocking_gap=settings.lead.blocking_gap,
-        look=certificate.look_time, react=certificate.reaction_time, rear_reaction=rear_reaction,
-        rear_braking=settings.rear_braking, established=not inside and rear_reaction > 0.0,
-    )  # fmt: skip
+def numbers_of(
+    vehicle: VehicleParams, road: Road, settings: EvasionSettings, speed: SpeedSettings, limits: Limits
+) -> dict[str, float]:
+    """Return the ego, its limits and the assumptions of the settings as numbers of a scene."""
+    certificate, lane, crossing = settings.certificate, road.ego_lane, settings.crossing
+    return {
+        "lane_right": lane.right, "lane_left": lane.left, "half_length": 0.5 * vehicle.length,
+        "half_width": 0.5 * vehicle.width, "offset": vehicle.box_offset, "a_max": limits.a_max,
+        "b_comfort": limits.b_comfort, "b_max": limits.b_max,
+        "b_soft": settings.cost.risk_braking / speed.b_max * limits.b_max,
+        "risk_until": settings.cost.horizon, "grip": limits.grip, "standstill_gap": speed.standstill_gap,
+        "time_gap": speed.time_gap, "approach_rate": speed.approach_rate, "jerk": speed.jerk,
+        "jerk_emergency": speed.jerk_emergency, "lag": certificate.lag, "look": certificate.look_time,
+        "blocking_gap": settings.lead.blocking_gap, "rear_braking": settings.rear_braking,
+        "rear_reaction": 0.0 if settings.keeps_motion else settings.rear_reaction_time,
+        "keeps": settings.keeps_motion, "b_other": settings.assumed_braking,
+        "a_other": settings.assumed_acceleration, "a_passed": settings.assumed_acceleration_passed,
+        "b_crossing": crossing.assumed_braking, "a_crossing": crossing.assumed_acceleration,
+        "min_pet": crossing.min_pet, "v_limit": road.speed_limit, "braking_time": certificate.braking_time,
+        "acceleration_time": certificate.acceleration_time, "entry_tolerance": settings.lane_entry_tolerance,
+        "queue_gap": settings.lead.queue_gap,
+        "passing_gap": settings.lead.passing_distance,
+    }  # fmt: skip

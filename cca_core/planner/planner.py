@@ -31,11 +31,8 @@ from cca_core.planner.inputs import (
     warn_of_tight_bend,
 )
 from cca_core.planner.last_known import recall
-from cca_core.planner.limits import limits_of
-from cca_core.planner.paths import AHEAD, BEHIND
 from cca_core.planner.reasons import explain
 from cca_core.planner.records import Grade, LateralPath, Level, Mode, Observation, PathKind, PlannerState
-from cca_core.planner.scene import Scenes
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
@@ -85,7 +82,8 @@ class Planner:
         self._cruise_speed = check_real("cruise_speed", cruise_speed, gt=0.0)
         self.evasion = evasion or EvasionSettings()
         self.speed = speed or SpeedSettings()
-        self._limits = limits_of(vehicle, self.speed, self.evasion)
+        self._setup = Setup.make(vehicle, self.road, self.evasion, self.speed)
+        self._limits = self._setup.limits
         self._controller = controller or PreviewController(vehicle)
         self._speed_profile = self._profile(self._cruise_speed)
         # what is slow to import or to build exists before the first cycle
@@ -96,10 +94,6 @@ class Planner:
         self._lateral_range = self.road.right_edge - margin, self.road.left_edge + margin
         branches = Branches(self.road.path)
         self._branches = branches if branches.passes_itself else None
-        self._setup = Setup(
-            vehicle=vehicle, road=self.road, settings=self.evasion, speed=self.speed, limits=self._limits,
-            scenes=Scenes(BEHIND + AHEAD),
-        )  # fmt: skip
         self._last_s: dict[str, float] = {}
         self._clock = CycleClock()
         self._command: Command | None = None

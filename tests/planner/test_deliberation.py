@@ -12,10 +12,7 @@ from cca_core.decide import RssSettings, rss_same_direction
 from cca_core.follow import SpeedSettings, squared_speed_limit
 from cca_core.frenet import to_frenet
 from cca_core.planner.deliberation import Deliberation, Setup
-from cca_core.planner.limits import limits_of
-from cca_core.planner.paths import AHEAD, BEHIND
 from cca_core.planner.records import DrivenPlan, Grade, Observation, PathKind, PlannerState
-from cca_core.planner.scene import Scenes
 from tests.support.planner_drives import ALL_KNOWN, CAR, car, straight
 
 S = 100.0  # station of the ego [m]
@@ -29,22 +26,14 @@ def decide(
 ) -> DrivenPlan:  # fmt: skip
     """First decision of an ego on a straight road."""
     vehicle, speed, road = replace(CAR, mu=mu), SpeedSettings(), Road(straight(2000.0), lanes)
-    limits = limits_of(vehicle, speed, settings)
-    setup = Setup(
-        vehicle=vehicle,
-        road=road,
-        settings=settings,
-        speed=speed,
-        limits=limits,
-        scenes=Scenes(BEHIND + AHEAD),
-    )
+    setup = Setup.make(vehicle, road, settings, speed)
     vehicles, _ = to_frenet(remotes, road.path, {})
     observation = Observation(
         t=0.0, s=S, d=d, angle=0.0, bend=0.0, v=v, vehicles=tuple(vehicles),
         awareness_range=settings.awareness_range,
     )  # fmt: skip
-    slowing = replace(speed, b_comfort=limits.b_comfort)
-    profile = squared_speed_limit(road.path, cruise, limits.curve, slowing)
+    slowing = replace(speed, b_comfort=setup.limits.b_comfort)
+    profile = squared_speed_limit(road.path, cruise, setup.limits.curve, slowing)
     return Deliberation(setup, PlannerState(), observation, profile, cruise).decide()
 
 

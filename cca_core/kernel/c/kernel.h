@@ -207,63 +207,6 @@ int cca_measure_band(BandBatch *q, BandWork *w, Equilibrium *e, int n, const dou
 void cca_join_cubics(int segments, const double *nodes, const double *moments, double start, double
     *breaks, double *cubics);
 
-/* A path. The kernel only reads it, so threads may share it. */
-typedef struct Curve {
-    int segments;
-    double *breaks; /* [segments + 1] */
-    double *powers; /* [segments][8] */
-} Curve;
-
-/* Points of a path from its first to its last one, for the search of the nearest one. */
-typedef struct CurveSamples {
-    int count;
-    int stride;
-    double max_gap;
-    double *s; /* [count] */
-    double *x; /* [count] */
-    double *y; /* [count] */
-} CurveSamples;
-
-typedef struct cca_dddddd { double item0; double item1; double item2; double item3; double item4; double item5; } cca_dddddd;
-
-/* Position x, y [m], first and second derivative by arc length. */
-cca_dddddd cca_curve_point(const Curve *curve, double s);
-
-/* Positions, first and second derivatives at n arc lengths.
-   s[n], position[n][2], first[n][2], second[n][2] */
-void cca_curve_points(const Curve *curve, int n, const double *s, double *position, double *first, double
-    *second);
-
-/* Signed curvature at an arc length [1/m]. */
-double cca_curvature_at(const Curve *curve, double s);
-
-typedef struct cca_dddd { double item0; double item1; double item2; double item3; } cca_dddd;
-
-/* Foot point by Newton's method from an initial guess: s, d [m], heading [rad] and curvature [1/m]. */
-cca_dddd cca_foot_point(const Curve *curve, double x, double y, double s_guess);
-
-typedef struct cca_dd { double item0; double item1; } cca_dd;
-
-/* Foot point s, d of a position that is nearest on the whole path. */
-cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double x, double y);
-
-/* Foot points of n positions from initial guesses.
-   x[n], y[n], s_guess[n], s[n], d[n], heading[n], curvature[n] */
-void cca_foot_points(const Curve *curve, int n, const double *x, const double *y, const double *s_guess,
-    double *s, double *d, double *heading, double *curvature);
-
-/* Nearest points of n positions on the whole path; those that follow each other are found sooner.
-   x[n], y[n], s[n], d[n] */
-void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x,
-    const double *y, double *s, double *d);
-
-/* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts.
-   stiffness[bands][5], lower[bands][n], upper[bands][n], lower_difference[bands][n],
-       upper_difference[bands][n], u[bands][n], solves[bands], converged[bands] */
-void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
-    const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
-    double *u, int *solves, int *converged);
-
 /* Route, candidate paths, other vehicles, the ego and its motions of one decision. */
 typedef struct Scene {
     int n;
@@ -271,6 +214,7 @@ typedef struct Scene {
     int max_paths;
     int max_rows;
     int steps;
+    int max_lanes;
     double *x; /* [n] */
     double *y; /* [n] */
     double *psi; /* [n] */
@@ -278,11 +222,15 @@ typedef struct Scene {
     double *cap; /* [n] */
     double lane_right;
     double lane_left;
+    double *other_lanes; /* [max_lanes][2] */
     double *d; /* [max_paths][n] */
     double *path_cap; /* [max_paths][n] */
+    double *path_low; /* [max_paths] */
+    double *path_high; /* [max_paths] */
     double *overtakes; /* [max_paths][max_m] */
     double *t; /* [steps] */
     int m;
+    double *seen; /* [max_m][22] */
     double *s_o; /* [max_m][steps] */
     double *v_o; /* [max_m][steps] */
     double *d_o; /* [max_m][steps] */
@@ -296,6 +244,15 @@ typedef struct Scene {
     double *low_passed; /* [max_m][steps] */
     double *right; /* [max_m][steps] */
     double *left; /* [max_m][steps] */
+    double *d_low; /* [max_m] */
+    double *d_high; /* [max_m] */
+    int *order; /* [max_m] */
+    int *leads; /* [max_m] */
+    int crossing;
+    double *s_enter; /* [max_m] */
+    double *s_exit; /* [max_m] */
+    double *t_enter; /* [max_m] */
+    double *t_exit; /* [max_m] */
     int *crosses; /* [max_m] */
     int *stands; /* [max_m] */
     double *passing_distance; /* [max_m] */
@@ -309,6 +266,18 @@ typedef struct Scene {
     double *half_w_w; /* [max_m][steps] */
     int *adjacent; /* [max_m] */
     int *assumed; /* [max_m] */
+    double v_limit;
+    double a_other;
+    double a_passed;
+    double b_crossing;
+    double a_crossing;
+    double min_pet;
+    double braking_time;
+    double acceleration_time;
+    bool keeps;
+    double entry_tolerance;
+    double queue_gap;
+    double passing_gap;
     int stops;
     double *stop_s; /* [8] */
     double *stop_until; /* [8] */
@@ -342,15 +311,25 @@ typedef struct Scene {
     double *offset_at; /* [max_rows][steps] */
     int *limited_by; /* [max_rows] */
     double *terms; /* [max_rows][9] */
+    double *turn; /* [steps] */
+    double *scale; /* [steps] */
+    double *wide; /* [steps] */
+    double *x_e; /* [steps] */
+    double *y_e; /* [steps] */
+    double *c_e; /* [steps] */
+    double *s_e; /* [steps] */
+    double *x_p; /* [n] */
+    double *y_p; /* [n] */
+    double *c_p; /* [n] */
+    double *s_p; /* [n] */
+    double *x_b; /* [n] */
+    double *y_b; /* [n] */
+    double *r_b; /* [n] */
     double min_margin;
     double gap;
     int which;
     int when;
     double impact;
-    double s_enter;
-    double s_exit;
-    double t_enter;
-    double t_exit;
     double zone_from;
     double begin_from;
     int zone_side;
@@ -371,8 +350,7 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
 /* Integrals over a time of what a motion costs, and its peak lateral acceleration. */
 void cca_sum_costs(Scene *w, int row, int p, double until);
 
-/* Find the stations of a path that a crossing vehicle passes over, and when. */
-bool cca_find_conflict_stations(Scene *w, int p, int j, int reach, double until, double margin);
+typedef struct cca_dddd { double item0; double item1; double item2; double item3; } cca_dddd;
 
 /* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
 void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet);
@@ -384,6 +362,64 @@ ego keeps that distance along the road to vehicles of the adjacent lane until it
 it enters that lane, or from when the maneuver begins if the vehicle comes nearer. */
 bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
     double x_safety, int which);
+
+/* Find the stations of a path that each crossing vehicle passes over, and when; infinite if none. */
+void cca_find_conflicts(Scene *w, int p, int reach, double margin);
+
+/* A path. The kernel only reads it, so threads may share it. */
+typedef struct Curve {
+    int segments;
+    double *breaks; /* [segments + 1] */
+    double *powers; /* [segments][8] */
+} Curve;
+
+/* Points of a path from its first to its last one, for the search of the nearest one. */
+typedef struct CurveSamples {
+    int count;
+    int stride;
+    double max_gap;
+    double *s; /* [count] */
+    double *x; /* [count] */
+    double *y; /* [count] */
+} CurveSamples;
+
+typedef struct cca_dddddd { double item0; double item1; double item2; double item3; double item4; double item5; } cca_dddddd;
+
+/* Position x, y [m], first and second derivative by arc length. */
+cca_dddddd cca_curve_point(const Curve *curve, double s);
+
+/* Positions, first and second derivatives at n arc lengths.
+   s[n], position[n][2], first[n][2], second[n][2] */
+void cca_curve_points(const Curve *curve, int n, const double *s, double *position, double *first, double
+    *second);
+
+/* Signed curvature at an arc length [1/m]. */
+double cca_curvature_at(const Curve *curve, double s);
+
+/* Foot point by Newton's method from an initial guess: s, d [m], heading [rad] and curvature [1/m]. */
+cca_dddd cca_foot_point(const Curve *curve, double x, double y, double s_guess);
+
+typedef struct cca_dd { double item0; double item1; } cca_dd;
+
+/* Foot point s, d of a position that is nearest on the whole path. */
+cca_dd cca_nearest_point(const Curve *curve, const CurveSamples *samples, double x, double y);
+
+/* Foot points of n positions from initial guesses.
+   x[n], y[n], s_guess[n], s[n], d[n], heading[n], curvature[n] */
+void cca_foot_points(const Curve *curve, int n, const double *x, const double *y, const double *s_guess,
+    double *s, double *d, double *heading, double *curvature);
+
+/* Nearest points of n positions on the whole path; those that follow each other are found sooner.
+   x[n], y[n], s[n], d[n] */
+void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x,
+    const double *y, double *s, double *d);
+
+/* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts.
+   stiffness[bands][5], lower[bands][n], upper[bands][n], lower_difference[bands][n],
+       upper_difference[bands][n], u[bands][n], solves[bands], converged[bands] */
+void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
+    const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
+    double *u, int *solves, int *converged);
 
 typedef struct cca_ddd { double item0; double item1; double item2; } cca_ddd;
 
@@ -551,6 +587,9 @@ cca_dd cca_find_passed(IdealCar *car, double s);
 /* Road-wheel angle for this cycle; `law.s` becomes the station of the vehicle. */
 double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_guess, double x, double y,
     double psi, double v_x, double v_y, double r, double dt);
+
+/* Predict the vehicles in `seen`, the first of which are real, the others assumed. */
+void cca_locate_vehicles(Scene *w, int seen);
 
 #ifdef __cplusplus
 }

@@ -314,6 +314,255 @@ static PyObject *call_join_cubics(PyObject *self_, PyObject *const *given_, Py_s
     Py_RETURN_NONE;
 }
 
+static PyObject *call_limit_path_speed(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("limit_path_speed", 3, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int p;
+    double a_y;
+    if (!lend_whole(given_[1], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &a_y)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_limit_path_speed(w, p, a_y);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_roll_out(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("roll_out", 9, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    bool follows;
+    bool passes;
+    int yields;
+    double braking;
+    double tail;
+    bool kept;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_flag(given_[3], &follows)) {
+        return NULL;
+    }
+    if (!lend_flag(given_[4], &passes)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[5], &yields)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &braking)) {
+        return NULL;
+    }
+    if (!lend_real(given_[7], &tail)) {
+        return NULL;
+    }
+    if (!lend_flag(given_[8], &kept)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_roll_out(w, row, p, follows, passes, yields, braking, tail, kept);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_sum_costs(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("sum_costs", 4, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    double until;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &until)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_sum_costs(w, row, p, until);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_check_nominal(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("check_nominal", 7, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    double touch;
+    double clearance;
+    double wait;
+    double pet;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &touch)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &clearance)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &wait)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &pet)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_check_nominal(w, row, p, touch, clearance, wait, pet);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_check_worst_case(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("check_worst_case", 8, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    double touch;
+    double clearance;
+    double wait;
+    double x_safety;
+    int which;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &touch)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &clearance)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &wait)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &x_safety)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[7], &which)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_check_worst_case(w, row, p, touch, clearance, wait, x_safety, which);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
+}
+
+static PyObject *call_find_conflicts(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_conflicts", 4, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int p;
+    int reach;
+    double margin;
+    if (!lend_whole(given_[1], &p)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &reach)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &margin)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_find_conflicts(w, p, reach, margin);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
 static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -328,7 +577,7 @@ static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_s
     }
     Lent lent_[1];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -358,7 +607,7 @@ static PyObject *call_curve_points(PyObject *self_, PyObject *const *given_, Py_
     }
     Lent lent_[5];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -404,7 +653,7 @@ static PyObject *call_curvature_at(PyObject *self_, PyObject *const *given_, Py_
     }
     Lent lent_[1];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -437,7 +686,7 @@ static PyObject *call_foot_point(PyObject *self_, PyObject *const *given_, Py_ss
     }
     Lent lent_[1];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -468,12 +717,12 @@ static PyObject *call_nearest_point(PyObject *self_, PyObject *const *given_, Py
     }
     Lent lent_[2];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 5, 0);
+    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 6, 0);
     if (samples == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -506,7 +755,7 @@ static PyObject *call_foot_points(PyObject *self_, PyObject *const *given_, Py_s
     }
     Lent lent_[8];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -572,12 +821,12 @@ static PyObject *call_nearest_points(PyObject *self_, PyObject *const *given_, P
     }
     Lent lent_[6];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
     }
-    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 5, 0);
+    samples = lend_workspace("samples", given_[1], &lent_[held_], &held_, sizeof(CurveSamples), 6, 0);
     if (samples == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -689,264 +938,6 @@ static PyObject *call_find_equilibria(PyObject *self_, PyObject *const *given_, 
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     Py_RETURN_NONE;
-}
-
-static PyObject *call_limit_path_speed(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("limit_path_speed", 3, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int p;
-    double a_y;
-    if (!lend_whole(given_[1], &p)) {
-        return NULL;
-    }
-    if (!lend_real(given_[2], &a_y)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_limit_path_speed(w, p, a_y);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
-}
-
-static PyObject *call_roll_out(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("roll_out", 9, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int row;
-    int p;
-    bool follows;
-    bool passes;
-    int yields;
-    double braking;
-    double tail;
-    bool kept;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &p)) {
-        return NULL;
-    }
-    if (!lend_flag(given_[3], &follows)) {
-        return NULL;
-    }
-    if (!lend_flag(given_[4], &passes)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[5], &yields)) {
-        return NULL;
-    }
-    if (!lend_real(given_[6], &braking)) {
-        return NULL;
-    }
-    if (!lend_real(given_[7], &tail)) {
-        return NULL;
-    }
-    if (!lend_flag(given_[8], &kept)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_roll_out(w, row, p, follows, passes, yields, braking, tail, kept);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
-}
-
-static PyObject *call_sum_costs(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("sum_costs", 4, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int row;
-    int p;
-    double until;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &p)) {
-        return NULL;
-    }
-    if (!lend_real(given_[3], &until)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_sum_costs(w, row, p, until);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
-}
-
-static PyObject *call_find_conflict_stations(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("find_conflict_stations", 6, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int p;
-    int j;
-    int reach;
-    double until;
-    double margin;
-    if (!lend_whole(given_[1], &p)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &j)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[3], &reach)) {
-        return NULL;
-    }
-    if (!lend_real(given_[4], &until)) {
-        return NULL;
-    }
-    if (!lend_real(given_[5], &margin)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    bool result_;
-    Py_BEGIN_ALLOW_THREADS
-    result_ = cca_find_conflict_stations(w, p, j, reach, until, margin);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    return PyBool_FromLong(result_);
-}
-
-static PyObject *call_check_nominal(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("check_nominal", 7, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int row;
-    int p;
-    double touch;
-    double clearance;
-    double wait;
-    double pet;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &p)) {
-        return NULL;
-    }
-    if (!lend_real(given_[3], &touch)) {
-        return NULL;
-    }
-    if (!lend_real(given_[4], &clearance)) {
-        return NULL;
-    }
-    if (!lend_real(given_[5], &wait)) {
-        return NULL;
-    }
-    if (!lend_real(given_[6], &pet)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_check_nominal(w, row, p, touch, clearance, wait, pet);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
-}
-
-static PyObject *call_check_worst_case(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("check_worst_case", 8, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int row;
-    int p;
-    double touch;
-    double clearance;
-    double wait;
-    double x_safety;
-    int which;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &p)) {
-        return NULL;
-    }
-    if (!lend_real(given_[3], &touch)) {
-        return NULL;
-    }
-    if (!lend_real(given_[4], &clearance)) {
-        return NULL;
-    }
-    if (!lend_real(given_[5], &wait)) {
-        return NULL;
-    }
-    if (!lend_real(given_[6], &x_safety)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[7], &which)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 6, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    bool result_;
-    Py_BEGIN_ALLOW_THREADS
-    result_ = cca_check_worst_case(w, row, p, touch, clearance, wait, x_safety, which);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    return PyBool_FromLong(result_);
 }
 
 static PyObject *call_distances_driven(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
@@ -1169,7 +1160,7 @@ static PyObject *call_occupancy_boxes(PyObject *self_, PyObject *const *given_, 
     }
     Lent lent_[7];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1235,7 +1226,7 @@ static PyObject *call_vehicle_boxes(PyObject *self_, PyObject *const *given_, Py
     }
     Lent lent_[7];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1561,7 +1552,7 @@ static PyObject *call_squared_speed_limits(PyObject *self_, PyObject *const *giv
     }
     Lent lent_[3];
     int held_ = 0;
-    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[0], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1815,7 +1806,7 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
         lend_end(lent_, held_);
         return NULL;
     }
-    curve = lend_workspace("curve", given_[2], &lent_[held_], &held_, sizeof(Curve), 4, 0);
+    curve = lend_workspace("curve", given_[2], &lent_[held_], &held_, sizeof(Curve), 5, 0);
     if (curve == NULL) {
         lend_end(lent_, held_);
         return NULL;
@@ -1828,6 +1819,32 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
     return PyFloat_FromDouble(result_);
 }
 
+static PyObject *call_locate_vehicles(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("locate_vehicles", 2, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int seen;
+    if (!lend_whole(given_[1], &seen)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_locate_vehicles(w, seen);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
 static PyMethodDef methods[] = {
     {"oriented_box_gap", (PyCFunction)(void (*)(void))call_oriented_box_gap, METH_FASTCALL, NULL},
     {"box_gap", (PyCFunction)(void (*)(void))call_box_gap, METH_FASTCALL, NULL},
@@ -1835,6 +1852,12 @@ static PyMethodDef methods[] = {
     {"relax_bands", (PyCFunction)(void (*)(void))call_relax_bands, METH_FASTCALL, NULL},
     {"measure_band", (PyCFunction)(void (*)(void))call_measure_band, METH_FASTCALL, NULL},
     {"join_cubics", (PyCFunction)(void (*)(void))call_join_cubics, METH_FASTCALL, NULL},
+    {"limit_path_speed", (PyCFunction)(void (*)(void))call_limit_path_speed, METH_FASTCALL, NULL},
+    {"roll_out", (PyCFunction)(void (*)(void))call_roll_out, METH_FASTCALL, NULL},
+    {"sum_costs", (PyCFunction)(void (*)(void))call_sum_costs, METH_FASTCALL, NULL},
+    {"check_nominal", (PyCFunction)(void (*)(void))call_check_nominal, METH_FASTCALL, NULL},
+    {"check_worst_case", (PyCFunction)(void (*)(void))call_check_worst_case, METH_FASTCALL, NULL},
+    {"find_conflicts", (PyCFunction)(void (*)(void))call_find_conflicts, METH_FASTCALL, NULL},
     {"curve_point", (PyCFunction)(void (*)(void))call_curve_point, METH_FASTCALL, NULL},
     {"curve_points", (PyCFunction)(void (*)(void))call_curve_points, METH_FASTCALL, NULL},
     {"curvature_at", (PyCFunction)(void (*)(void))call_curvature_at, METH_FASTCALL, NULL},
@@ -1843,12 +1866,6 @@ static PyMethodDef methods[] = {
     {"foot_points", (PyCFunction)(void (*)(void))call_foot_points, METH_FASTCALL, NULL},
     {"nearest_points", (PyCFunction)(void (*)(void))call_nearest_points, METH_FASTCALL, NULL},
     {"find_equilibria", (PyCFunction)(void (*)(void))call_find_equilibria, METH_FASTCALL, NULL},
-    {"limit_path_speed", (PyCFunction)(void (*)(void))call_limit_path_speed, METH_FASTCALL, NULL},
-    {"roll_out", (PyCFunction)(void (*)(void))call_roll_out, METH_FASTCALL, NULL},
-    {"sum_costs", (PyCFunction)(void (*)(void))call_sum_costs, METH_FASTCALL, NULL},
-    {"find_conflict_stations", (PyCFunction)(void (*)(void))call_find_conflict_stations, METH_FASTCALL, NULL},
-    {"check_nominal", (PyCFunction)(void (*)(void))call_check_nominal, METH_FASTCALL, NULL},
-    {"check_worst_case", (PyCFunction)(void (*)(void))call_check_worst_case, METH_FASTCALL, NULL},
     {"distances_driven", (PyCFunction)(void (*)(void))call_distances_driven, METH_FASTCALL, NULL},
     {"reachable_intervals", (PyCFunction)(void (*)(void))call_reachable_intervals, METH_FASTCALL, NULL},
     {"occupied_intervals", (PyCFunction)(void (*)(void))call_occupied_intervals, METH_FASTCALL, NULL},
@@ -1868,6 +1885,7 @@ static PyMethodDef methods[] = {
     {"advance", (PyCFunction)(void (*)(void))call_advance, METH_FASTCALL, NULL},
     {"find_passed", (PyCFunction)(void (*)(void))call_find_passed, METH_FASTCALL, NULL},
     {"steer", (PyCFunction)(void (*)(void))call_steer, METH_FASTCALL, NULL},
+    {"locate_vehicles", (PyCFunction)(void (*)(void))call_locate_vehicles, METH_FASTCALL, NULL},
     {NULL, NULL, 0, NULL},
 };
 
@@ -1875,13 +1893,13 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "caabf9321f3a1995b2f4b82d1456f57f2bd7aed22d2156b062f86a0a896bbdfa") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "8b49b333538587263b3c062ab4d545f724bcee4d2856490c1fce259317e7dc6d") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
-    failed = failed || lend_describe(structures, "Curve", 4, sizeof(Curve)) < 0;
-    failed = failed || lend_describe(structures, "CurveSamples", 5, sizeof(CurveSamples)) < 0;
-    failed = failed || lend_describe(structures, "Scene", 6, sizeof(Scene)) < 0;
+    failed = failed || lend_describe(structures, "Scene", 4, sizeof(Scene)) < 0;
+    failed = failed || lend_describe(structures, "Curve", 5, sizeof(Curve)) < 0;
+    failed = failed || lend_describe(structures, "CurveSamples", 6, sizeof(CurveSamples)) < 0;
     failed = failed || lend_describe(structures, "RssReaction", 7, sizeof(RssReaction)) < 0;
     failed = failed || lend_describe(structures, "SingleTrackCar", 8, sizeof(SingleTrackCar)) < 0;
     failed = failed || lend_describe(structures, "IdealCar", 9, sizeof(IdealCar)) < 0;
