@@ -10,6 +10,7 @@ import pytest
 
 from cca_core import RemoteVehicle, VehicleState
 from cca_core.path import Lane, Path, Road, fit_path
+from cca_core.planner import CostSettings
 from cca_core.sim import Log, Scenario, SingleTrackPlant, make_planner, overtaking, simulate
 from cca_core.sim.loop import CYCLE_TIME
 from cca_core.sim.world.traffic import Traffic
@@ -155,14 +156,15 @@ def test_mirrored_world_waits_for_oncoming_car() -> None:
 
 
 def test_cheaper_side_is_mirrored() -> None:
-    """Three lanes, a slow car off the middle of its lane: the ego passes on the wider side."""
+    """Three lanes, no preferred side, a slow car off its lane's middle: the ego passes on the wider side."""
     seen = []
     for sign in (1.0, -1.0):
         path = path_of(waypoints("straight"))
         base = scenario_on(path)
         lanes = (Lane(d=-3.5), Lane(d=0.0), Lane(d=3.5))
         user = replace(base.road_users[0], d=0.5 * sign)
-        log = simulate(replace(base, road=Road(path, lanes), road_users=(user,)))
+        evasion = replace(base.evasion, cost=CostSettings(right=0.0))
+        log = simulate(replace(base, road=Road(path, lanes), road_users=(user,), evasion=evasion))
         seen.append((log.actions, log.command))
     assert seen[0][0] == ["KEEP", "EVADE_RIGHT", "KEEP"]
     assert seen[1][0] == ["KEEP", "EVADE_LEFT", "KEEP"]

@@ -160,6 +160,27 @@ class FrenetVehicle:
             half_length=along + self.added_length, half_width=across + self.added_width,
         )  # fmt: skip
 
+    def since_measurement(self) -> "FrenetVehicle":
+        """Return the vehicle without the growth of its uncertainty bound along the road while it was stale.
+
+        Returns
+        -------
+        vehicle : FrenetVehicle
+            For motions that begin at the measurement, as of `occupied_interval`: they contain that growth.
+        """
+        remote, late = self.remote, self.remote.age - STALE_AGE
+        if late <= 0.0:
+            return self
+        measured = abs(remote.v_x - remote.a_x * STALE_AGE)
+        growth = min(0.5 * _STALE_BRAKING * late * late, max(measured, STANDSTILL_SPEED) * late)
+        if 2.0 * remote.sigma_along < growth:  # not the bound of a tracker
+            return self
+        along, across = _half_extents(growth, 0.0, self.angle)
+        return replace(
+            self, remote=replace(remote, sigma_along=remote.sigma_along - 0.5 * growth),
+            half_length=self.half_length - along, half_width=self.half_width - across,
+        )  # fmt: skip
+
     def occupied_interval(self, t: Array, *, braking: float, acceleration: float) -> tuple[Array, Array]:
         """Return the stations that its body may cover.
 

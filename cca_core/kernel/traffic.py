@@ -110,11 +110,11 @@ def reach_along(w: Scene, j: Int, passed: Flag) -> None:
             high_last = high
             low = low_0 + sum_low
             high = high_0 + sum_high
-            if abs(v) < STANDSTILL_SPEED:  # what stands does not reverse
+            if abs(v) < STANDSTILL_SPEED:  # what stands does not reverse, nor has it since its report
                 if w.seen[j, AHEAD] > 0.0:
-                    low = max(low, low_0)
+                    low = max(low, 0.0)
                 else:
-                    high = min(high, high_0)
+                    high = min(high, 0.0)
         if passed:
             if v >= 0.0:  # a reported acceleration is believed for a while
                 distance, _ = travel(w, abs(v), w.seen[j, NOMINAL_RATE], w.t[k])

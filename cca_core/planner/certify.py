@@ -14,6 +14,7 @@ from cca_core.planner.candidates import Stop, adjacent_lane, lane_refusal
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.records import Branch, Certificate, Grade, LateralPath, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
+from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED
 
 _TAIL = N_ROWS - 1  # row of the braking tail
 _BISECTIONS = 3
@@ -110,18 +111,23 @@ class Certifier:
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
         k = int(np.searchsorted(TIMES, self._settings.reaction_time + limits.b_comfort / self._around.jerk))
+        plan.silence = self._silence(plan.decides)
+        response = limits.b_comfort + (limits.b_max - limits.b_comfort) * plan.silence
+        stands = float(plan.v[:k].max()) < STANDSTILL_SPEED
+        responds = stands or float(plan.a[:k].min()) <= -response + 0.05
         if plan.braking <= self._settings.comfortable_braking:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
             plan.grade = Grade.FULL
-        elif (
-            float(plan.a[:k].min()) <= -limits.b_comfort + 0.05
-            and not plan.path.kind.is_evasive
-            and not out_now
-        ):
+        elif responds and not plan.path.kind.is_evasive and not out_now:
             plan.grade, plan.braking = Grade.RESPONSE, limits.b_max
         else:
             plan.grade = Grade.NOMINAL
+
+    def _silence(self, name: str) -> float:
+        """Part of the time of silence that asks for full braking [-]; 0 for a vehicle that is not stale."""
+        age = next((n.remote.age for n in self._around.traffic.vehicles if n.id == name), 0.0)
+        return min(max(age - STALE_AGE, 0.0) / self._settings.silence_time, 1.0)
 
     def _certify_maneuver(self, plan: Plan, out: Mask, touch: float, clearance: float) -> None:
         """Certify a plan that leaves its lane: gap acceptance, and one safe end for all vehicles."""

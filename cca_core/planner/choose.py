@@ -75,7 +75,8 @@ def choose(plans: Sequence[Plan], certifier: Certifier, around: Surroundings) ->
             certifier.certify(plan)
         if plan.grade <= Grade.RESPONSE and plan.braking > soft:
             excess = (plan.braking - soft) / max(limits.b_max - soft, 0.1)
-            plan.costs = plan.costs._replace(safe_end=settings.cost.safe_end * excess * excess)
+            weight = settings.cost.safe_end + settings.cost.silence * plan.silence
+            plan.costs = plan.costs._replace(safe_end=weight * excess * excess)
         if _goes_on(plan, around.s):
             plan.costs = plan.costs._replace(safe_end=settings.cost.uncertified)
         if not best.is_certified or _key(plan, around.s) < _key(best, around.s):

@@ -100,6 +100,9 @@ class CertificateSettings:
         Distance along the road that a new plan keeps beyond the worst case [m].
     duty_delay : float
         Time after the return from which on vehicles behind the ego keep their distance [s].
+    silence_time : float
+        Time from which on a stale vehicle is answered by full braking, if no comfortable end is safe [s]; the
+        answer grows from comfort, because one or two lost messages more are no danger yet.
     look_time : float
         Time for which a vehicle is followed before it is in the path [s].
     lag : float
@@ -122,6 +125,7 @@ class CertificateSettings:
     foresight: float = 2.0
     margin: float = 1.0
     duty_delay: float = 1.0
+    silence_time: float = 2.0
     look_time: float = 1.6
     lag: float = 0.15
     side_speed: float = 0.3
@@ -130,7 +134,7 @@ class CertificateSettings:
     braking_time: float = 4.0
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("lag", "foresight"))
+        check_fields(self, positive=("lag", "foresight", "silence_time"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,6 +167,9 @@ class CostSettings:
         it aims; of the square of the excess [s], [-].
     safe_end : float
         Of a safe end that needs full braking [s]; it grows with the square of the deceleration.
+    silence : float
+        The same of a safe end behind a vehicle that has been silent for `CertificateSettings.silence_time`
+        [s], in addition: what it does will not be seen in time to begin later.
     uncertified : float
         Of going on with a maneuver that has lost its certificate but not its nominal one [s].
     astray : float
@@ -197,6 +204,7 @@ class CostSettings:
     sharp: float = 15.0
     sharp_from: float = 1.2
     safe_end: float = 1.5
+    silence: float = 40.0
     uncertified: float = 4.0
     astray: float = 2.0
     risk: float = 0.5

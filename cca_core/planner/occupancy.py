@@ -42,7 +42,7 @@ class Traffic:
 def relevant_vehicles(observation: Observation, settings: EvasionSettings) -> list[FrenetVehicle]:
     """Return the vehicles near the ego's part of the route."""
     near = []
-    for n in observation.vehicles:
+    for n in (vehicle.since_measurement() for vehicle in observation.vehicles):
         if is_crossing(n):
             if abs(n.d) <= settings.crossing.range and abs(n.s - observation.s) < settings.crossing.range:
                 near.append(n)

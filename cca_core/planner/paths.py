@@ -30,6 +30,10 @@ _MIN_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
 _MIN_OFFSET = 0.3  # of which the length of a return is computed at least [m]
 _TIGHTEST = 0.1  # largest curvature that a return aims at [1/m]
 _VEHICLE_SHARE = 0.5  # of the free space, kept to the vehicle; the rest to the edge [-]
+_TIME_TO_CLEAR = 1.0  # in which a body that is beyond an edge comes back inside [s]
+_EDGE_MARGIN = 0.15  # kept to an edge for the error of steering, where there is room [m]
+_EDGE_TOLERANCE = 0.05  # by which the committed part of a path may be closer to an edge [m]
+_JOINED = 4  # nodes of the path before and after a band with which it is interpolated
 _MIN_CLEARANCE = 0.2  # of the narrowest path [m]
 
 
@@ -135,6 +139,7 @@ class _Window:
     last: float
     required: float
     clearance: float
+    margin: float  # kept to the edges, if there is room [m]
     lead_distances: tuple[float, ...]
     intervals: tuple[tuple[Array, Array], ...]
 
@@ -178,9 +183,9 @@ def plan_path(
     limit = around.limits.a_y_limit if level is Level.COMFORT else around.limits.a_y_max
     obstacles, names = _obstacles(around, group, window, stations, t)
     ego_lane = road.ego_lane
-    right = min(ego_lane.right, ego_lane.right if lane is None else lane.right)
-    left = max(ego_lane.left, ego_lane.left if lane is None else lane.left)
-    slack = np.where(t < 1.0, 0.3, 0.0) if ongoing else 0.0
+    right = min(ego_lane.right, ego_lane.right if lane is None else lane.right) + window.margin
+    left = max(ego_lane.left, ego_lane.left if lane is None else lane.left) - window.margin
+    slack = np.where(t < _TIME_TO_CLEAR, _excess(around, right, left), 0.0) if ongoing else 0.0
     half = 0.5 * spacing
     band = relax_band(
         path.position(stations), obstacles, side=side, vehicle=around.vehicle, clearance=window.clearance,
@@ -192,18 +197,43 @@ def plan_path(
     )  # fmt: skip
     if band.status is not Status.OK:
         return _reject(band, side, names, window)
-    from scipy.interpolate import CubicSpline  # slow to import
-
-    grid = state.base + np.arange(float(len(state.d)))
-    d = state.d.copy() if ongoing else np.zeros(len(grid))
-    inside = (grid >= stations[0]) & (grid <= stations[-1])
-    d[inside] = band.displacement if spacing == 1 else CubicSpline(stations, band.displacement)(grid[inside])
-    d[grid > stations[-1]] = 0.0
+    d = _on_grid(band, stations, spacing, state, ongoing=ongoing)
     return LateralPath(
         kind=PathKind.LEFT if side == "left" else PathKind.RIGHT, base=state.base, d=d,
         begin=float(window.start if last is None else last.begin), end=float(stations[-1]), level=level,
         overtaken=frozenset(around.traffic.ids[j] for j in group), clearance=window.clearance, band=band,
     )  # fmt: skip
+
+
+def _excess(around: Surroundings, right: float, left: float) -> float:
+    """Return by how much the ego's body is beyond the edges of a corridor now [m]."""
+    state, vehicle = around.lateral, around.vehicle
+    half = 0.5 * vehicle.width + 0.5 * vehicle.length * abs(state.slope)
+    return max(state.offset + half - left, right - state.offset + half, 0.0) + _EDGE_TOLERANCE
+
+
+def _on_grid(band: Band, stations: Array, spacing: int, state: LateralState, *, ongoing: bool) -> Array:
+    """Return a band at stations a meter apart, with the path that it leaves and the route behind it."""
+    from scipy.interpolate import CubicSpline  # slow to import
+
+    grid = state.base + np.arange(float(len(state.d)))
+    d = state.d.copy() if ongoing else np.zeros(len(grid))
+    inside = (grid >= stations[0]) & (grid <= stations[-1])
+    d[grid > stations[-1]] = 0.0
+    if spacing == 1:
+        d[inside] = band.displacement
+        return d
+    # nodes of both neighbors: the spline of the band alone swings at its ends
+    beyond = spacing * np.arange(1.0, _JOINED + 1.0)
+    before = stations[0] - beyond[::-1]
+    nodes = np.concatenate((before, stations, stations[-1] + beyond))
+    left = d[np.clip(before - state.base, 0, len(d) - 1).astype(int)]
+    values = np.concatenate((left, band.displacement, np.zeros(_JOINED)))
+    d[inside] = CubicSpline(nodes, values)(grid[inside])
+    # the curvature of a band begins at once; a mean over 2 m, which moves it by a millimeter, ramps it up
+    i = np.flatnonzero(inside)
+    d[i] = 0.25 * (d[i - 1] + 2.0 * d[i] + d[i + 1])
+    return d
 
 
 def reference_of(lateral: LateralPath, road: Road, s: float) -> Path:
@@ -272,6 +302,7 @@ def _window(
         end = math.ceil(last.end) if end < last.end + 2.0 else end
     return _Window(
         start=start, end=end, first=first, last=stop, required=required, clearance=clearance,
+        margin=0.0 if narrow else min(_EDGE_MARGIN, 0.5 * max(space - clearance, 0.0)),
         lead_distances=tuple(s.lead for s in spans), intervals=tuple((s.rear, s.front) for s in spans),
     )  # fmt: skip
 

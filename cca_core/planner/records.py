@@ -168,6 +168,7 @@ class Plan:
     costs: Costs = field(default_factory=Costs)
     grade: Grade = Grade.SEVERITY
     braking: float = math.inf  # deceleration that its safe end needs [m/s^2]
+    silence: float = 0.0  # of that vehicle, as a part of the time that asks for full braking [-]
     decides: str = ""  # vehicle to which the certificate leaves least, or that prevents it
     gap: float = math.inf  # least nominal gap [m]
     severity: float = 0.0

@@ -126,7 +126,7 @@ def test_known_vehicles_stay_whenever_list_fails(fault: str, begin: float) -> No
 @pytest.mark.parametrize("fault", LOST)
 def test_ego_waits_behind_last_known_vehicle(fault: str) -> None:
     """The list fails for as long as the drive lasts."""
-    run = Drive(fault, 1.0, 30.0, far=0.0, until=14.0)
+    run = Drive(fault, 1.0, 30.0, far=0.0, until=16.0)
     assert run.min_gap > 0.3
     assert run.speeds[-1] < 0.2
 

@@ -46,10 +46,12 @@ from cca_core.path import FitReport, Waypoints, clean_route
 from cca_core.planner import (
     AbortSettings,
     ActuationSettings,
+    Certificate,
     CertificateSettings,
     CostSettings,
     DecisionSettings,
     EvasionSettings,
+    Grade,
     LastResortSettings,
     LeadSettings,
     ReplanSettings,
@@ -144,8 +146,11 @@ def examples() -> dict[str, Any]:
             reason="",
         ),
         EvasionSettings(awareness_range=math.inf),
-        rejection, SafeStop(t=np.arange(3.0), delta=np.zeros(3), a_x=np.zeros(3)), CertificateSettings(),
-        CostSettings(),
+        SafeStop(
+            t=np.arange(3.0), delta=np.zeros(3), a_x=np.zeros(3), v=np.zeros(3), poses=np.zeros((3, 3))
+        ),
+        Certificate(grade=Grade.FULL, braking=4.0, gap=2.5, vehicle_id="A", passed=frozenset({"B"})),
+        rejection, CertificateSettings(), CostSettings(),
         AbortSettings(), ActuationSettings(), DecisionSettings(), LastResortSettings(), LeadSettings(),
         ReplanSettings(), YieldSettings(),
         ego, frenet_vehicle,

@@ -3932,9 +3932,9 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
             high = high_0 + sum_high;
             if (fabs(v) < CONSTANTS_STANDSTILL_SPEED) {
                 if (w->seen[j * 22 + TRAFFIC_AHEAD] > 0.0) {
-                    low = real_max(low, low_0);
+                    low = real_max(low, 0.0);
                 } else {
-                    high = real_min(high, high_0);
+                    high = real_min(high, 0.0);
                 }
             }
         }

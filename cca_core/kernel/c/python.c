@@ -1893,7 +1893,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "8b49b333538587263b3c062ab4d545f724bcee4d2856490c1fce259317e7dc6d") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "8dfab0b77f9712b4bb6363803f150f65a1810b07a1f59b5487f4b0d520dd5eb5") < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
