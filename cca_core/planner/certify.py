@@ -145,7 +145,8 @@ class Certifier:
         here = Branch(plan.path, plan.path_row, settings.reaction_time, around.limits.b_max)
         ends = here._replace(react=max(back, settings.reaction_time))
         side: Side = "left" if plan.path.kind is PathKind.LEFT else "right"
-        refusal = lane_refusal(around, adjacent_lane(around.road, side), side) if self._inside else None
+        begins_later = self._inside and not (plan.path.is_last and plan.path.begin <= around.s)
+        refusal = lane_refusal(around, adjacent_lane(around.road, side), side) if begins_later else None
         if refusal is not None:
             plan.grade, plan.rejection = Grade.REFUSED, refusal
             return
