@@ -11,7 +11,7 @@ from pathlib import Path
 from cca_core.codegen.binding import binding
 from cca_core.codegen.kinds import TranslationError as TranslationError
 from cca_core.codegen.program import Program
-from cca_core.kernel import digest, sources
+from cca_core.kernel.digests import digest, sources
 
 NOTE = "/* Made from the Python of cca_core/kernel by `make kernel`: edit that. */"
 # Python's max and min give the first of equals, and the first if the second is not a number; its // and %

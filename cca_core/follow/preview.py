@@ -1,6 +1,7 @@
 """Preview steering: PD control of the lateral error ahead, and feedforward of curvature."""
 
-from typing import Literal
+from copy import copy
+from typing import Literal, Self
 
 from cca_core._checks import check_real, formula
 from cca_core.errors import InputError
@@ -76,6 +77,11 @@ class PreviewController:
             self._law.arrays[name][:] = getattr(self.gains, name)
         self._path: Path | None = None
         self._position = 0j
+
+    def __copy__(self) -> Self:
+        twin = object.__new__(type(self))
+        twin.__dict__ |= self.__dict__ | {"_inverse": copy(self._inverse), "_law": copy(self._law)}
+        return twin
 
     def __repr__(self) -> str:
         return f"PreviewController(gains at {len(self.gains.speeds)} speeds, delay={self.delay:g} s)"

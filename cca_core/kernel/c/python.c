@@ -5,6 +5,12 @@
 
 #include "kernel.h"
 
+#ifndef CCA_C_DIGEST /* that of these files, given by who compiles them */
+#define CCA_C_DIGEST none
+#endif
+#define TEXT(token) #token
+#define TEXT_OF(macro) TEXT(macro)
+
 static PyObject *call_oriented_box_gap(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1611,7 +1617,8 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "b28279e6b59cd2a0ec59899aba0024019b9a34871ac6ab7f87997fe9e3f8c7bf") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "2c320816d04734f6bdc897cc252c6ff591e8d02ba3ba176e50572ad1e3acdd70") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;
