@@ -14,7 +14,7 @@ from cca_core.path.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
 
 _steer = bind(steer)
-_MAX_JUMP = 50.0  # within a cycle, beyond which the vehicle is searched on the whole path [m]
+MAX_JUMP = 50.0  # within a cycle, beyond which the vehicle is searched on the whole path [m]
 
 
 class PreviewController:
@@ -111,7 +111,7 @@ class PreviewController:
         """
         law = self._law.workspace
         position, travel = complex(state.x, state.y), max(state.v_x, 0.0) * dt
-        if path is self._path and 0.0 <= travel < _MAX_JUMP and abs(position - self._position) < _MAX_JUMP:
+        if path is self._path and 0.0 <= travel < MAX_JUMP and abs(position - self._position) < MAX_JUMP:
             s_guess = law.s + travel
         elif path is self._path or s_guess is None:
             s_guess = float(path.project((state.x, state.y))[0])
