@@ -182,7 +182,8 @@ def test_settings_are_read_from_toml(tmp_path: Path) -> None:
     [
         ("speed = 3", "speed"), ("radio_to_plant = 'nowhere'", "radio_to_plant"), ("bus = 3", "bus"),
         ("radio_wrapper = 'paper'", "radio_wrapper"), ("steering_ratio = -1", "ratio"), ("[[", "TOML"),
-        ("sensor_address = 'a:99999'", "sensor_address"), ("monitor_port = 70000", "monitor_port"),
+        ("sensor_address = 'a:99999'", "sensor_address"), ("plant_control = 'x'", "plant_control"),
+        ("monitor_port = 70000", "monitor_port"),
         ("steering_map = [[1, 2], [0, 1]]", "points"), ("steering_map = 'x'", "steering_map"),
     ],
 )  # fmt: skip
@@ -194,7 +195,9 @@ def test_wrong_settings_raise(tmp_path: Path, text: str, named: str) -> None:
 
 
 def test_settings_of_further_rigs_have_other_ports() -> None:
-    first, second = RigSettings(), RigSettings().shifted(1)
+    first = RigSettings(vehicle_control="127.0.0.1:26794")
+    second = first.shifted(1)
+    assert (second.plant_control, second.vehicle_control) == ("", "127.0.0.1:26804")
     assert second.bus["port"] == first.bus["port"] + 10
     assert second.radio_to_vehicle == "239.74.163.3:26799"
     assert second.steering_ratio == first.steering_ratio
