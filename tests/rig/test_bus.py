@@ -42,6 +42,20 @@ def test_drain_is_limited(name: dict[str, Any]) -> None:
     there.close()
 
 
+def test_foreign_frames_do_not_end_a_drain(name: dict[str, Any]) -> None:
+    """Frames with long identifiers, and requests, between those of the rig: none has to wait for a cycle."""
+    can, there = import_module("can"), BusLink(name)
+    sender = can.Bus(**name)
+    for frame in FRAMES:
+        sender.send(can.Message(arbitration_id=0x18FEF100, data=b"12345678", is_extended_id=True))
+        sender.send(can.Message(arbitration_id=frame.id, is_remote_frame=True, is_extended_id=False))
+        sender.send(can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=False))
+    assert plain(there.drain()) == plain(FRAMES)
+    assert there.counts["foreign"] == 2 * len(FRAMES)
+    sender.shutdown()
+    there.close()
+
+
 def test_multicast_bus_counts_garbage_and_continues() -> None:
     here, there = BusLink(BUS), BusLink(BUS)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as garbage:
