@@ -11,8 +11,9 @@ from pathlib import Path
 from cca_core.codegen.binding import binding
 from cca_core.codegen.kinds import TranslationError as TranslationError
 from cca_core.codegen.program import Program
-from cca_core.kernel import digest, sources
+from cca_core.kernel.digests import digest, sources
 
+FOLDER = Path(__file__).resolve().parents[1] / "kernel"
 NOTE = "/* Made from the Python of cca_core/kernel by `make kernel`: edit that. */"
 # Python's max and min give the first of equals, and the first if the second is not a number; its // and %
 # of a positive number are rounded down
@@ -74,11 +75,11 @@ def wrapped(line: str) -> str:
     return "\n".join(indents[i > 0] + part.replace("\0", " ") for i, part in enumerate(lines))
 
 
-def translate(folder: Path) -> dict[str, str]:
-    """Translate the modules of a folder to the texts of kernel.h, kernel.c and python.c."""
+def translate(folder: Path, *modules: str) -> dict[str, str]:
+    """Translate a folder, or some modules and what they need, to texts of kernel.h, kernel.c and python.c."""
     program = Program(folder)
-    for path in sources(folder):
-        program.add(path.stem)
+    for module in modules or [path.stem for path in sources(folder)]:
+        program.add(module)
     lines = [wrapped(line) for line in program.lines]
     used = set(re.findall(r"\w+(?=\()", "\n".join(lines)))
     helpers = [text for name, text in HELPERS.items() if name in used]

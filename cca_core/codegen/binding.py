@@ -15,7 +15,13 @@ HEAD = """#include <stdbool.h>
 
 #include "lend.h"
 
-#include "kernel.h\""""
+#include "kernel.h"
+
+#ifndef CCA_C_DIGEST /* that of these files, given by who compiles them */
+#define CCA_C_DIGEST none
+#endif
+#define TEXT(token) #token
+#define TEXT_OF(macro) TEXT(macro)"""
 # names that end in an underscore are free: no argument has one
 WRAPPER = """
 static PyObject *call_{name}(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
@@ -34,6 +40,7 @@ static int fill(PyObject *module)
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
     failed = failed || PyModule_AddStringConstant(module, "digest", "{digest}") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
 {entries}
     Py_XDECREF(structures);
     return failed ? -1 : 0;

@@ -1,6 +1,7 @@
 """Compile the kernel's C to a module in the folder of its Python. Needs setuptools and a compiler."""
 
 import os
+import runpy
 import sys
 import tempfile
 from pathlib import Path
@@ -16,11 +17,13 @@ def compile_kernel(folder: Path = KERNEL, target: Path = KERNEL) -> Path:
     from setuptools import Distribution, Extension
     from setuptools.command.build_ext import build_ext
 
+    c_digest = runpy.run_path(str(KERNEL / "digests.py"))["c_digest"]
     flags = WINDOWS if os.name == "nt" else UNIX
     extension = Extension(
         "_compiled",
         [str(folder / "c" / name) for name in ("python.c", "kernel.c")],
         extra_compile_args=flags + os.environ.get("CFLAGS", "").split(),  # the last one wins
+        define_macros=[("CCA_C_DIGEST", c_digest(folder / "c"))],
         py_limited_api=True,
     )
     command = build_ext(Distribution({"ext_modules": [extension]}))

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from xml.sax.saxutils import quoteattr
 
-from cca_core.fmi.model import Model, Variable
+from cca_core.codegen.export.model import Model, Variable
 
 _UNITS = {
     "m": "m='1'",

@@ -10,9 +10,11 @@ from importlib.resources import files
 from pathlib import Path as FilePath
 
 from cca_core._checks import check_real
+from cca_core.codegen.export.model import Model
+from cca_core.codegen.export.steering import steering_model
 from cca_core.errors import InputError
 from cca_core.fmi.description import SOURCES, build_description, model_description
-from cca_core.fmi.model import Model, plant_model, steering_model
+from cca_core.fmi.plant import plant_model
 from cca_core.follow import PreviewGains
 from cca_core.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
@@ -60,9 +62,9 @@ def export_steering(
 
     Notes
     -----
-    Inputs are the motion of the center of gravity and the station at the start; the output is the road-wheel
-    angle. The results equal those of `PreviewController` with the same inputs. The FMU holds its sources, and
-    a library for this machine if a C compiler is found.
+    Inputs are the motion of the center of gravity, and the distance on the path at the start: by default it
+    is searched. The output is the road-wheel angle. The results equal those of `PreviewController` with the
+    same inputs. The FMU holds its sources, and a library for this machine if a C compiler is found.
     """
     check_real("a_y_max", a_y_max, gt=0.0)
     model = steering_model(vehicle, path, gains, delay=check_real("delay", delay, ge=0.0), a_y_max=a_y_max)
@@ -114,14 +116,10 @@ def _write(file: FilePath, model: Model, version: str, step: float) -> None:
         raise InputError(f"version must be one of {', '.join(VERSIONS)}, was {version!r}")
     check_real("step", step, gt=0.0)
     adapter = f"fmi{version[0]}.c"
-    kernel = files("cca_core.kernel").joinpath("c")
-    source = model.c_source()
-    token = "{" + hashlib.sha256(source.encode()).hexdigest()[:32] + "}"
-    sources = {
-        "model.c": source, "model.h": model.c_header(token),
-        adapter: files("cca_core.fmi").joinpath(adapter).read_text(encoding="utf-8"),
-        **{name: kernel.joinpath(name).read_text(encoding="utf-8") for name in ("kernel.c", "kernel.h")},
-    }  # fmt: skip
+    token = "{" + hashlib.sha256(model.c_sources()["model.c"].encode()).hexdigest()[:32] + "}"
+    sources = model.c_sources(token) | {
+        name: files("cca_core.fmi").joinpath(name).read_text(encoding="utf-8") for name in (adapter, "fmi.h")
+    }
     if version == "3.0":
         sources["buildDescription.xml"] = build_description(model)
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:

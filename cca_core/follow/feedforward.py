@@ -1,5 +1,8 @@
 """Feedforward of curvature: the single-track model inverted along a path."""
 
+from copy import copy
+from typing import Self
+
 from cca_core.kernel import bind
 from cca_core.kernel.memory import lend, put
 from cca_core.kernel.steering import IdealCar, advance, find_passed, front_slip
@@ -41,14 +44,28 @@ class InverseSteering:
         """The ideal car in the kernel, for its calls."""
         return self._lent.workspace
 
+    @property
+    def held(self) -> bool:
+        """Whether the last call of `advance` was given what is no number, and its angle is the one before."""
+        return self.car.held
+
+    def __copy__(self) -> Self:
+        twin = object.__new__(type(self))
+        twin.__dict__ |= self.__dict__ | {"_lent": copy(self._lent)}
+        return twin
+
     def __repr__(self) -> str:
         car = self.car
         if not car.started:
             return "InverseSteering(not started)"
-        return f"InverseSteering(s={car.s:.1f} m, kappa={car.kappa:.4f} 1/m, r={car.r:.3f} rad/s)"
+        held = ", held" if car.held else ""
+        return f"InverseSteering(s={car.s:.1f} m, kappa={car.kappa:.4f} 1/m, r={car.r:.3f} rad/s{held})"
 
     def advance(self, s: float, kappa: float, v_x: float, dt: float) -> float:
         """Integrate to the next station and return the steering angle there.
+
+        An argument that is not finite drops the call: the ideal car stays where it is, the last angle is
+        returned (0 before the first), and `held` is true until the next call.
 
         Parameters
         ----------

@@ -1,6 +1,7 @@
 """Preview steering: PD control of the lateral error ahead, and feedforward of curvature."""
 
-from typing import Literal
+from copy import copy
+from typing import Literal, Self
 
 from cca_core._checks import check_real, formula
 from cca_core.errors import InputError
@@ -13,7 +14,7 @@ from cca_core.path.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
 
 _steer = bind(steer)
-_MAX_JUMP = 50.0  # within a cycle, beyond which the vehicle is searched on the whole path [m]
+MAX_JUMP = 50.0  # within a cycle, beyond which the vehicle is searched on the whole path [m]
 
 
 class PreviewController:
@@ -77,6 +78,11 @@ class PreviewController:
         self._path: Path | None = None
         self._position = 0j
 
+    def __copy__(self) -> Self:
+        twin = object.__new__(type(self))
+        twin.__dict__ |= self.__dict__ | {"_inverse": copy(self._inverse), "_law": copy(self._law)}
+        return twin
+
     def __repr__(self) -> str:
         return f"PreviewController(gains at {len(self.gains.speeds)} speeds, delay={self.delay:g} s)"
 
@@ -105,7 +111,7 @@ class PreviewController:
         """
         law = self._law.workspace
         position, travel = complex(state.x, state.y), max(state.v_x, 0.0) * dt
-        if path is self._path and 0.0 <= travel < _MAX_JUMP and abs(position - self._position) < _MAX_JUMP:
+        if path is self._path and 0.0 <= travel < MAX_JUMP and abs(position - self._position) < MAX_JUMP:
             s_guess = law.s + travel
         elif path is self._path or s_guess is None:
             s_guess = float(path.project((state.x, state.y))[0])

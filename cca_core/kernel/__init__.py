@@ -29,10 +29,10 @@ merge conflict in `c/`, run it again. `tests/support/kernel_forms.py` compares t
 them in threads, each with a workspace of its own.
 
 **Backends.** `CCA_KERNEL=python` or `c` chooses. By default it is C, if it has been compiled from the Python
-that is here; `backend()` returns the choice and `backend_reason()` its reason. Both give the same bits.
+and the C that are here; `backend()` returns the choice and `backend_reason()` its reason. Both give the same
+bits.
 """
 
-import hashlib
 import importlib
 import math
 import os
@@ -42,22 +42,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
+from cca_core.kernel.digests import c_digest, digest
+
 __all__ = ["backend", "backend_reason"]
 
 F = TypeVar("F", bound=Callable[..., Any])
-HOST = frozenset({"__init__", "types", "memory", "batches"})
-"""Modules of this folder that are no kernels."""
-
-
-def sources(folder: Path) -> list[Path]:
-    """Files of a folder that hold kernels."""
-    return sorted(path for path in folder.glob("*.py") if path.stem not in HOST)
-
-
-def digest(folder: Path) -> str:
-    """SHA-256 of the kernels in a folder."""
-    texts = (path.read_bytes().replace(b"\r\n", b"\n") for path in sources(folder))
-    return hashlib.sha256(b"".join(texts)).hexdigest()
 
 
 def _choose() -> tuple[ModuleType | None, str]:
@@ -73,7 +62,8 @@ def _choose() -> tuple[ModuleType | None, str]:
     except ImportError as error:
         reason = f"the kernel is not compiled ({error})"
     else:
-        if module.digest == digest(Path(__file__).parent):
+        folder = Path(__file__).parent
+        if module.digest == digest(folder) and module.c_digest == c_digest(folder / "c"):
             return module, "the kernel is compiled"
         reason = "the kernel has been changed since it was compiled: run `make kernel`"
     if wish == "c":

@@ -74,7 +74,7 @@ def min_between(w: BandWork, o: Int, i: Int) -> Real:
         here = gap[k + 1] - gap[k]
         after = gap[k + 2] - gap[k + 1]
         if before < 0.0 and after > 0.0:
-            bound = min(bound, gap[k] + before * (here - after) / (after - before))
+            bound = min(bound, gap[k] + before * (here - after) / (before - after))
     return bound
 
 
@@ -175,7 +175,9 @@ def bound_between(w: BandWork) -> None:
         after = sampled[k + 2] - sampled[k + 1]
         if before < 0.0 and after > 0.0 and w.pair_node[k + 2] - w.pair_node[k - 1] == 3:
             dip = sampled[k] + before * (sampled[k + 1] - sampled[k] - after) / (before - after)
-            bound[k] = min(bound[k], dip - bulge[k])
+            # the secants suppose that the curvature at all four nodes makes no difference
+            allowance = max(bulge[k - 1], bulge[k], bulge[k + 1], bulge[k + 2])
+            bound[k] = min(bound[k], dip - allowance)
     change = max_change(w)
     for k in range(count - 1):
         i = w.pair_node[k]

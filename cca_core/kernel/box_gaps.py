@@ -11,10 +11,26 @@ Row = Annotated[Reals, "n"]
 Boxes = Annotated[Grid, "n", 5]
 EgoBoxes = Annotated[Grid, "k", 5]
 
+SMALL = 1e-280  # squares that have all digits
+LARGE = 1e300
+
+
+def scaled_norm(x: Real, y: Real) -> Real:
+    """Length of a vector whose square overflows or has lost its digits."""
+    if not abs(x) + abs(y) > 0.0:
+        return abs(x) + abs(y)
+    scale = max(abs(x), abs(y))
+    if scale == math.inf:
+        return scale
+    a = x / scale
+    b = y / scale
+    return scale * math.sqrt(a * a + b * b)
+
 
 def norm(x: Real, y: Real) -> Real:
     """Length of a vector; `math.hypot` has other bits in Python than in C."""
-    return math.sqrt(x * x + y * y)
+    squared = x * x + y * y
+    return math.sqrt(squared) if SMALL < squared < LARGE else scaled_norm(x, y)
 
 
 def squared_distance(x: Real, y: Real, half_length: Real, half_width: Real) -> Real:
@@ -73,7 +89,19 @@ def oriented_box_gap(
         return separation
     of_b = nearest_corner(x_b, y_b, turn_c, turn_s, length_b, width_b, length_a, width_a)
     of_a = nearest_corner(x_a, y_a, turn_c, -turn_s, length_a, width_a, length_b, width_b)
-    return math.sqrt(min(of_b, of_a))
+    squared = min(of_b, of_a)
+    if squared < LARGE:
+        return math.sqrt(squared)
+    unit = 1.0 / separation
+    of_b = nearest_corner(
+        x_b * unit, y_b * unit, turn_c, turn_s,
+        length_b * unit, width_b * unit, length_a * unit, width_a * unit,
+    )  # fmt: skip
+    of_a = nearest_corner(
+        x_a * unit, y_a * unit, turn_c, -turn_s,
+        length_a * unit, width_a * unit, length_b * unit, width_b * unit,
+    )  # fmt: skip
+    return separation * math.sqrt(min(of_b, of_a))
 
 
 def box_gap(

@@ -42,6 +42,8 @@ class IdealCar:
     kappa: Real
     v_y: Real
     r: Real
+    delta: Real  # last steering angle
+    held: Flag  # whether the last input was dropped
     first: Int  # of the ring of passed points
     count: Int
     trace_s: Trace
@@ -109,6 +111,9 @@ def start_steady(car: IdealCar, kappa: Real, v: Real) -> None:
     car.r = v * kappa
     rolling = 0.0 if v < ROLLING_SPEED else car.l_f * car.m * v * v / (car.c_r * (car.l_f + car.l_r))
     car.v_y = v * kappa * (car.l_r - rolling)
+    if not abs(car.r) + abs(car.v_y) < MAX_MOTION:  # of a speed or curvature that no road has
+        car.r = 0.0
+        car.v_y = 0.0
 
 
 def ring_index(car: IdealCar, i: Int) -> Int:
@@ -118,7 +123,15 @@ def ring_index(car: IdealCar, i: Int) -> Int:
 
 
 def advance(car: IdealCar, s: Real, kappa: Real, v_x: Real, dt: Real) -> Real:
-    """Move the ideal car along the path; return the steering angle that it needs there."""
+    """Move the ideal car along the path; return the steering angle that it needs there.
+
+    An input that is no number is dropped: the car stays, and the last angle is held.
+    """
+    size = abs(s) + abs(kappa) + abs(v_x) + abs(dt)
+    finite = size < math.inf
+    car.held = not finite
+    if not finite:
+        return car.delta
     v = max(v_x, 0.0)
     follows = car.started and abs(s - car.s) <= MAX_JUMP and 0.0 <= dt <= MAX_CYCLE
     if follows and v >= ROLLING_SPEED:
@@ -138,17 +151,22 @@ def advance(car: IdealCar, s: Real, kappa: Real, v_x: Real, dt: Real) -> Real:
     car.trace_beta[last] = math.atan2(car.v_y, max(v, 0.1))
     car.trace_r[last] = car.r
     car.count += 1
-    if v < ROLLING_SPEED:
-        return math.atan((car.l_f + car.l_r) * kappa)
-    rest = car.m * v * v * kappa - rear_force(car, v)
-    grip = car.mu * GRAVITY * car.m * car.l_r / (car.l_f + car.l_r)
-    return math.atan2(car.v_y + car.l_f * car.r, v) + front_slip(car, rest / grip)
+    delta = math.atan((car.l_f + car.l_r) * kappa)
+    if v >= ROLLING_SPEED:
+        rest = car.m * v * v * kappa - rear_force(car, v)
+        grip = car.mu * GRAVITY * car.m * car.l_r / (car.l_f + car.l_r)
+        delta = math.atan2(car.v_y + car.l_f * car.r, v) + front_slip(car, rest / grip)
+    if not abs(delta) < math.inf:
+        car.held = True
+        return car.delta
+    car.delta = delta
+    return delta
 
 
 def find_passed(car: IdealCar, s: Real) -> tuple[Real, Real]:
     """Sideslip and yaw rate of the ideal car at a station that it has passed; older ones are dropped."""
     for _ in range(TRACE):
-        if car.count < 2 or car.trace_s[ring_index(car, 1)] > s:
+        if car.count < 2 or not car.trace_s[ring_index(car, 1)] <= s:
             break
         car.first = ring_index(car, 1)
         car.count -= 1

@@ -152,7 +152,7 @@ class Cubics:
         """Foot points s, d of positions, shape (n, 2), nearest on the whole curve."""
         x, y = np.ascontiguousarray(xy[:, 0]), np.ascontiguousarray(xy[:, 1])
         s, d = np.empty((2, len(x)))
-        _nearest_points(self.curve, self._samples, len(x), x, y, s, d)
+        _nearest_points(self.curve, self.samples, len(x), x, y, s, d)
         return s, d
 
     @cached_property
@@ -172,7 +172,8 @@ class Cubics:
         return float(s.ravel()[i]), float(kappa[i])
 
     @cached_property
-    def _samples(self) -> CurveSamples:
+    def samples(self) -> CurveSamples:
+        """Points for the search of the nearest one, in the kernel."""
         whole = self._breaks[-1] - self._breaks[0]
         spacing = max(_SPACING, whole / _MAX_SAMPLES)
         s = np.linspace(self._breaks[0], self._breaks[-1], max(2, math.ceil(whole / spacing) + 1))

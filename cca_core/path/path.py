@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_real
-from cca_core.kernel.curve import Curve
+from cca_core.kernel.curve import Curve, CurveSamples
 from cca_core.path.cubics import Cubics, check_cubics
 from cca_core.path.fit_report import FitReport
 
@@ -63,6 +63,11 @@ class Path:
     def curve(self) -> Curve:
         """The path in the kernel, for its calls."""
         return self._cubics.curve
+
+    @property
+    def samples(self) -> CurveSamples:
+        """Points of the path in the kernel, for the search of the nearest one."""
+        return self._cubics.samples
 
     def __repr__(self) -> str:
         radius, report = self.min_radius, self._fit_report

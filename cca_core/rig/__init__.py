@@ -3,6 +3,7 @@
 from cca_core.rig.bus import BusLink
 from cca_core.rig.bus_log import LOG_ENDINGS, BusRecorder, read_bus_log, replay_bus
 from cca_core.rig.clocks import ClockMap, RigClock
+from cca_core.rig.control import ControlPort
 from cca_core.rig.detections import decode_detections, encode_detections
 from cca_core.rig.figure import plot_links
 from cca_core.rig.frames import Frame, KitStatus
@@ -53,6 +54,7 @@ __all__ = [
     "ClockMap",
     "Codec",
     "CommandReceiver",
+    "ControlPort",
     "DriveByWireKit",
     "Frame",
     "KitSettings",

@@ -2,7 +2,7 @@
 
 ``python -m cca_core.rig run`` drives the scenarios through the processes. It writes report.html,
 summary.json, links.png and the bus logs. ``plant``, ``vehicle`` and ``monitor`` run one computer each.
-``replay`` sends a recorded bus log.
+``replay`` sends a recorded bus log, ``control`` a line to the control port of a process.
 """
 
 import argparse
@@ -20,6 +20,7 @@ from cca_core.rig.clocks import RigClock
 from cca_core.rig.processes import find_scenario, run_plant, run_vehicle, scenario_id
 from cca_core.rig.records import write_record
 from cca_core.rig.run import RigOptions, run_scenarios, write_summary
+from cca_core.rig.udp import UdpLink
 from cca_core.sim import paper_scenarios
 
 
@@ -54,6 +55,9 @@ def _parser() -> argparse.ArgumentParser:
         node.add_argument("--record", type=Path, help="file for its record")
     monitor = commands.add_parser("monitor", parents=[shared], help="serve a live page on this machine")
     monitor.add_argument("scenario")
+    control = commands.add_parser("control", help="send a line to the control port of a process")
+    control.add_argument("address")
+    control.add_argument("line", nargs="+", help="driver on, driver off, utc OFFSET, drift RATE")
     replay = commands.add_parser("replay", parents=[shared], help="send a recorded bus log")
     replay.add_argument("log", type=Path)
     return parser
@@ -139,6 +143,13 @@ def _monitor(given: argparse.Namespace) -> int:
     return 0
 
 
+def _control(given: argparse.Namespace) -> int:
+    link = UdpLink(None, [given.address])
+    link.send(" ".join(given.line).encode("utf-8"))
+    link.close()
+    return 0
+
+
 def _replay(given: argparse.Namespace) -> int:
     link = BusLink(_options(given).settings.bus)
     n = replay_bus(read_bus_log(given.log), link, rate=given.rate)
@@ -148,7 +159,8 @@ def _replay(given: argparse.Namespace) -> int:
 
 
 _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
-    "run": _run, "plant": _plant, "vehicle": _vehicle, "monitor": _monitor, "replay": _replay
+    "run": _run, "plant": _plant, "vehicle": _vehicle, "monitor": _monitor, "control": _control,
+    "replay": _replay
 }  # fmt: skip
 
 if __name__ == "__main__":

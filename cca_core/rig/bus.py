@@ -110,7 +110,7 @@ class BusLink:
         if message is None:
             return None
         if message.is_error_frame or message.is_remote_frame or message.is_extended_id:
-            self.counts["error_frames"] += message.is_error_frame
+            self.counts["error_frames" if message.is_error_frame else "foreign"] += 1
             return None
         self.counts["received"] += 1
         return Frame(message.arbitration_id, bytes(message.data), message.timestamp)
@@ -130,11 +130,11 @@ class BusLink:
         """
         frames = []
         for _ in range(limit):
-            before = self.counts["unreadable"] + self.counts["error_frames"]
+            before = self.counts.total()
             frame = self.receive()
             if frame is not None:
                 frames.append(frame)
-            elif self.counts["unreadable"] + self.counts["error_frames"] == before:
+            elif self.counts.total() == before:  # nothing has come, not even what is no frame of this rig
                 break
         return frames
 

@@ -146,7 +146,8 @@ class DriveByWireKit:
         self._acceleration: tuple[float, AccelerationCommand] | None = None
         self._stop = StoredStop()
         self._is_plan_new = False  # received since the state was entered
-        self._was_disabled = self._was_not_clear = False  # seen since the state was entered
+        self._seen_disabled: set[str] = set()  # commands without enable since the state was entered
+        self._was_not_clear = False  # since then
         self._last: tuple[float, float] | None = None  # time and road-wheel angle of the last actuation
 
     @property
@@ -167,7 +168,7 @@ class DriveByWireKit:
         if math.isfinite(command.delta) and command.delta_rate > 0.0:
             self._steering = t, command
             self._was_not_clear = self._was_not_clear or not command.clear
-            self._note_disabled(command.enable)
+            self._seen_disabled |= set() if command.enable else {"steering"}
 
     def accelerate(self, t: float, command: AccelerationCommand) -> None:
         """Take an acceleration command.
@@ -181,7 +182,7 @@ class DriveByWireKit:
         """
         if math.isfinite(command.a_x):
             self._acceleration = t, command
-            self._note_disabled(command.enable)
+            self._seen_disabled |= set() if command.enable else {"acceleration"}
 
     def load(self, t: float, plan: StopProfile) -> None:
         """Store a safe stop that begins at the present position.
@@ -230,7 +231,8 @@ class DriveByWireKit:
 
     def _next_state(self, t: float, driver_override: bool) -> KitState:
         if self.state is KitState.DISABLED:
-            enabled = self._is_fresh(t) and self._has_enable() and self._was_disabled and not driver_override
+            has_edge = self._has_enable() and len(self._seen_disabled) == 2
+            enabled = self._is_fresh(t) and has_edge and not driver_override
             return KitState.ENABLED if enabled else KitState.DISABLED
         if driver_override:
             return KitState.OVERRIDE
@@ -247,7 +249,8 @@ class DriveByWireKit:
     def _enter(self, state: KitState) -> None:
         if state is not self.state:
             self.has_timed_out = state is KitState.SAFE_STOP
-            self._was_disabled = self._was_not_clear = self._is_plan_new = False
+            self._seen_disabled = set()
+            self._was_not_clear = self._is_plan_new = False
             self.state = state
 
     def _is_fresh(self, t: float) -> bool:
@@ -260,9 +263,6 @@ class DriveByWireKit:
 
     def _is_cleared(self) -> bool:
         return self._was_not_clear and self._steering is not None and self._steering[1].clear
-
-    def _note_disabled(self, enable: bool) -> None:
-        self._was_disabled = self._was_disabled or not enable
 
     def _limited(self, delta: float, a_x: float, dt: float, rate: float = math.inf) -> Actuation:
         """Return what is asked for within the limits."""

@@ -10,6 +10,7 @@ from cca_core.decide import Action, Decision
 from cca_core.errors import InputError, Status
 from cca_core.planner.command import Command
 from cca_core.real_time import DurationHistogram
+from cca_core.rig.messages import N_CYCLES
 from cca_core.rig.records import PlantRow, VehicleRow
 from cca_core.sim.log import Log
 from cca_core.sim.recorder import LogBuilder
@@ -147,7 +148,7 @@ def measure_links(
     links: dict[str, dict[str, Any]] = {
         name: {"count": histogram.count} | histogram.summary() for name, histogram in found.items()
     }
-    behind = [(row.cycle - row.answered) % 65536 for row in plant_rows[1:]]
+    behind = [(row.cycle - row.answered) % N_CYCLES for row in plant_rows[1:]]
     links["commands"] = {"cycles": len(plant_rows), "late": sum(each > 1 for each in behind)}
     return links
 

@@ -22,6 +22,9 @@ STATE_MESSAGES = ("EGO_POSE", "EGO_MOTION", "EGO_DYNAMICS", "KIT_STATUS")
 COMMAND_MESSAGES = ("STEERING_COMMAND", "ACCELERATION_COMMAND", "SAFE_STOP")
 """Messages to the kit."""
 
+N_CYCLES = 65_536
+"""Numbers of states are sent modulo this."""
+
 
 class Codec:
     """Conversion of records to CAN frames and back.
@@ -71,6 +74,22 @@ class Codec:
         """
         return self._names.get(frame_id, "")
 
+    def content(self, frame: Frame) -> bytes:
+        """Return the data of a frame that has the length of its message.
+
+        Parameters
+        ----------
+        frame : Frame
+            Frame of a message in the DBC.
+
+        Returns
+        -------
+        data : bytes
+            Its data; empty if the length is another one, so that no check accepts it.
+        """
+        length = self._messages[self._names[frame.id]].length
+        return frame.data if len(frame.data) == length else b""
+
     def state_frames(self, state: VehicleState, status: KitStatus, counter: int) -> list[Frame]:
         """Frames of one state of the vehicle.
 
@@ -95,7 +114,7 @@ class Codec:
         dynamics = {"SteeringWheelAngle": angle, "SpeedY": state.v_y, "AccelerationX": state.a_x}
         report = {
             "State": status.state.value, "TimedOut": status.has_timed_out,
-            "HasSafeStop": status.has_safe_stop, "Cycle": status.cycle % 65536,
+            "HasSafeStop": status.has_safe_stop, "Cycle": status.cycle % N_CYCLES,
             "WrongCrc": status.wrong_crc % 65536, "WrongCounter": status.wrong_counter % 65536,
         }  # fmt: skip
         return [
@@ -128,12 +147,12 @@ class Codec:
         """
         rate = steering.delta_rate
         turn = {
-            "Enable": steering.enable, "Clear": steering.clear, "Cycle": cycle % 65536,
+            "Enable": steering.enable, "Clear": steering.clear, "Cycle": cycle % N_CYCLES,
             "SteeringWheelAngle": self._steering.to_steering_wheel(steering.delta),
             "SteeringWheelRate": self._steering.to_steering_wheel(rate) if math.isfinite(rate) else math.inf,
         }  # fmt: skip
         brake = {
-            "Enable": acceleration.enable, "Acceleration": acceleration.a_x, "Cycle": cycle % 65536
+            "Enable": acceleration.enable, "Acceleration": acceleration.a_x, "Cycle": cycle % N_CYCLES
         }  # fmt: skip
         return [
             self._frame("STEERING_COMMAND", counter, turn),

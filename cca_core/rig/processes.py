@@ -8,6 +8,7 @@ from cca_core.errors import InputError
 from cca_core.real_time import RealTimeLoop, RealTimeSettings, real_time_process
 from cca_core.rig.bus import BusLink
 from cca_core.rig.clocks import ClockMap, RigClock
+from cca_core.rig.control import ControlPort
 from cca_core.rig.kit import KitSettings
 from cca_core.rig.messages import Codec
 from cca_core.rig.plant import PlantNode
@@ -118,7 +119,7 @@ def run_plant(
     car = scenario.vehicle
     bus = BusLink(settings.bus)
     radio = UdpLink(settings.radio_to_plant, [settings.radio_to_vehicle])
-    sensor = UdpLink(None, [settings.sensor_address])
+    sensor, control = UdpLink(None, [settings.sensor_address]), ControlPort(settings.plant_control)
     node = PlantNode(
         scenario, bus, radio, sensor, Codec(settings.steering), plant=plant, seed=seed,
         wrapper=settings.radio_wrapper, records=records,
@@ -132,9 +133,10 @@ def run_plant(
             t = clock.now()
             if not node.is_running and t - begin > start_within:
                 break
-            node.cycle(t, lambda: clocks.utc(clock.now()), steps=steps)
+            control.poll(t)
+            node.cycle(t, lambda: clocks.utc(clock.now()), steps=steps, driver_override=control.has_driver)
             steps = 1 + loop.wait()
-    for link in (bus, radio, sensor):
+    for link in (bus, radio, sensor, control):
         link.close()
     counts = {
         "bus": dict(bus.counts), "commands": dict(node.receiver.counts),
@@ -187,7 +189,7 @@ def run_vehicle(
     bus = BusLink(settings.bus)
     radio = UdpLink(settings.radio_to_vehicle, [settings.radio_to_plant])
     sensor, telemetry = UdpLink(settings.sensor_address), UdpLink(None, [settings.telemetry_address])
-    clocks = ClockMap(clock.now(), clock.utc())
+    control, clocks = ControlPort(settings.vehicle_control), ClockMap(clock.now(), clock.utc())
     node = VehicleNode(
         scenario, bus, radio, sensor, Codec(settings.steering), clocks, wrapper=settings.radio_wrapper,
         settings=vehicle, records=records,
@@ -216,9 +218,11 @@ def run_vehicle(
                 node.watch(t)
             if t - t_reported >= 0.1:
                 t_reported = t
-                clocks.compare(t, clock.utc())
+                control.poll(t)
+                now = clock.now()  # the work of this cycle took time
+                clocks.compare(now, clock.utc() + control.utc_error(now))
                 telemetry.send(encode_telemetry(node, t, loop))
-    for link in (bus, radio, sensor, telemetry):
+    for link in (bus, radio, sensor, telemetry, control):
         link.close()
     counts.update(node.counts)
     counts["clock_steps"] = clocks.steps

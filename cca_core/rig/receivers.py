@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from cca_core._checks import check_real
 from cca_core.rig.frames import Frame, KitStatus
 from cca_core.rig.kit import DriveByWireKit, KitState, SteeringCommand
-from cca_core.rig.messages import COMMAND_MESSAGES, STATE_MESSAGES, Codec
+from cca_core.rig.messages import COMMAND_MESSAGES, N_CYCLES, STATE_MESSAGES, Codec
 from cca_core.rig.protection import CheckStatus, LinkState, ProtectedReceiver, ProtectionSettings
 from cca_core.rig.safe_stop import SAFE_STOP_POINTS
 from cca_core.vehicle import VehicleState
@@ -85,7 +85,7 @@ class StateReceiver:
         self._codec = codec
         self._names = {codec.ids[name]: name for name in STATE_MESSAGES}
         self._links = {name: ProtectedReceiver(codec.ids[name], protection) for name in STATE_MESSAGES}
-        self._parts: dict[str, Frame] = {}
+        self._parts: dict[str, tuple[float, Frame]] = {}  # with times of reception
         self._history: deque[tuple[int, float, float, float]] = deque(maxlen=self.settings.frozen_cycles + 1)
 
     def take(self, frame: Frame, t: float) -> bool:
@@ -106,16 +106,18 @@ class StateReceiver:
         name = self._names.get(frame.id)
         if name is None:
             return False
-        status = self._links[name].check(frame.data)
+        status = self._links[name].check(self._codec.content(frame))
         if not status.is_usable or self._links[name].state is not LinkState.VALID:
             self.counts[status.name.lower()] += 1
             self._parts.pop(name, None)
             return False
-        self._parts[name] = frame
-        counters = {part.data[1] & 0x0F for part in self._parts.values()}
-        if name != STATE_MESSAGES[-1] or len(self._parts) < len(STATE_MESSAGES) or len(counters) > 1:
+        self._parts[name] = t, frame
+        # fifteen cycles later the counters are the same again
+        parts = [part for at, part in self._parts.values() if t - at <= self.settings.timeout]
+        counters = {part.data[1] & 0x0F for part in parts}
+        if name != STATE_MESSAGES[-1] or len(parts) < len(STATE_MESSAGES) or len(counters) > 1:
             return False
-        state, kit = self._codec.state(self._parts.values())
+        state, kit = self._codec.state(parts)
         self._parts.clear()
         if self._is_frozen(state, kit):
             self.counts["frozen"] += 1
@@ -165,7 +167,7 @@ class StateReceiver:
         cycle, x, y, _ = history[0]
         if len(history) <= self.settings.frozen_cycles:
             return False
-        elapsed = (kit.cycle - cycle) % 65536 * self.settings.period
+        elapsed = (kit.cycle - cycle) % N_CYCLES * self.settings.period
         speeds = [each[3] for each in history]
         expected = elapsed * sum(speeds) / len(speeds)
         moved = math.hypot(state.x - x, state.y - y)
@@ -245,7 +247,7 @@ class CommandReceiver:
             if name is None:
                 continue
             arrived.add(name)
-            status = self._links[name].check(frame.data)
+            status = self._links[name].check(self._codec.content(frame))
             if not status.is_usable or self._links[name].state is not LinkState.VALID:
                 self.counts[status.name.lower()] += 1
                 continue
@@ -263,8 +265,8 @@ class CommandReceiver:
 
     def _is_late(self, frame: Frame, cycle: int) -> bool:
         """Return whether a command answers a state of another time; a vehicle without states counts on."""
-        behind = (cycle - int(self._codec.decode(frame)["Cycle"]) + 32768) % 65536 - 32768
-        return abs(behind) > self._max_cycle_age
+        behind = (cycle - int(self._codec.decode(frame)["Cycle"])) % N_CYCLES
+        return min(behind, N_CYCLES - behind) > self._max_cycle_age
 
     def _act(self, frame: Frame, t: float) -> None:
         command = self._codec.command(frame)

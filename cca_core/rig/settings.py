@@ -107,6 +107,8 @@ class RigSettings:
         Address and port at which the vehicle receives the detections of its sensor.
     telemetry_address : str
         Address and port to which the vehicle reports what it does, for the monitor.
+    plant_control, vehicle_control : str
+        Address and port at which a process takes lines of `ControlPort`; empty for none.
     monitor_port : int
         Port of the monitor's page on this machine [-].
 
@@ -124,6 +126,8 @@ class RigSettings:
     radio_wrapper: str = "unsecured"
     sensor_address: str = "127.0.0.1:26791"
     telemetry_address: str = "239.74.163.3:26792"
+    plant_control: str = ""
+    vehicle_control: str = ""
     monitor_port: int = 8765
 
     def __post_init__(self) -> None:
@@ -133,6 +137,9 @@ class RigSettings:
         SteeringMap(self.steering_ratio, self.steering_map or None)
         for name in ("radio_to_vehicle", "radio_to_plant", "sensor_address", "telemetry_address"):
             parse_address(name, getattr(self, name))
+        for name in ("plant_control", "vehicle_control"):
+            if getattr(self, name) != "":
+                parse_address(name, getattr(self, name))
         if self.radio_wrapper not in WRAPPERS:
             raise InputError(
                 f"radio_wrapper must be one of {', '.join(WRAPPERS)}, was {self.radio_wrapper!r}"
@@ -159,6 +166,8 @@ class RigSettings:
         """
 
         def moved(address: str) -> str:
+            if not address:
+                return ""
             host, port = parse_address("address", address)
             return f"{host}:{port + 10 * number}"
 
@@ -169,7 +178,8 @@ class RigSettings:
             bus=bus, steering_ratio=self.steering_ratio, steering_map=self.steering_map,
             radio_to_vehicle=moved(self.radio_to_vehicle), radio_to_plant=moved(self.radio_to_plant),
             radio_wrapper=self.radio_wrapper, sensor_address=moved(self.sensor_address),
-            telemetry_address=moved(self.telemetry_address), monitor_port=self.monitor_port + 10 * number,
+            telemetry_address=moved(self.telemetry_address), plant_control=moved(self.plant_control),
+            vehicle_control=moved(self.vehicle_control), monitor_port=self.monitor_port + 10 * number,
         )  # fmt: skip
 
 

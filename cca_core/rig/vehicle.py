@@ -172,11 +172,12 @@ class VehicleNode:
         is_ready = self._stop.plan is not None and self._plan_state is status.state
         enable, clear = self._takeover.next(status.state, is_ready=is_ready)
         delta, a_x, reference = state.delta, 0.0, self._scenario.road.path
-        if status.cycle > 0 and status.state in (KitState.ENABLED, KitState.SAFE_STOP):
+        has_begun = status.cycle > 0 or self.last is not None  # the number begins anew after 22 minutes
+        if has_begun and status.state in (KitState.ENABLED, KitState.SAFE_STOP):
             row = self._plan_cycle(t, now, state, status.cycle, messages, received)
             delta, a_x, reference = row.command.delta, row.a_x, row.command.reference
         self._send(delta, a_x, enable, clear, status.cycle, t)
-        if status.cycle > 0 and self.last is not None:
+        if self.last is not None:
             self._record_sent(utc())
         self.counts["answered"] += 1
         due = self.counts["answered"] % self.settings.safe_stop_cycles == 0
@@ -184,7 +185,7 @@ class VehicleNode:
             plan = plan_safe_stop(self._scenario.vehicle, reference, state, self._safe_stop)
             self._send_plan(plan, t)
             self._plan_state = status.state
-        message = self._unit.poll(self._clocks.senders(t), state) if status.cycle > 0 else None
+        message = self._unit.poll(self._clocks.senders(t), state) if has_begun else None
         if message is not None:
             self._radio.send(wrap_message(message, self._wrapper))
             self.counts["ego_sent"] += 1

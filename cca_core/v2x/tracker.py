@@ -7,6 +7,7 @@ from cca_core._checks import check_real
 from cca_core.errors import InputError
 from cca_core.path.local_frame import LocalFrame
 from cca_core.v2x._intake import Intake
+from cca_core.v2x._own_messages import EgoMotion
 from cca_core.v2x._plain import plain_bsm
 from cca_core.v2x._tracks import is_expired
 from cca_core.v2x.bsm import Bsm, decode_frame
@@ -73,6 +74,7 @@ class Tracker:
         self._intake = Intake(frame, self.settings, None if height is None else check_real("height", height))
         self._rates = MessageRates()
         self._rejected: deque[UpdateResult] = deque(maxlen=100)
+        self._ego_motion = EgoMotion()
         self._top_speed = 0.0, 0.0  # recent one of the ego, and its time
 
     def __len__(self) -> int:
@@ -212,12 +214,13 @@ class Tracker:
             intake.ego = ego.x, ego.y
             decayed = self._top_speed[0] - self.settings.speed_decay * max(t - self._top_speed[1], 0.0)
             self._top_speed = max(ego.v_x, decayed), t
+            self._ego_motion.add(t, ego)
         vehicles = []
         for track in tuple(intake.tracks.by_id.values()):
             vehicle = track.vehicle(t, _name(track.id, names), self.settings)
             gap, own = t - track.fix.t, False
             if ego is not None:
-                own = track.ego_likeness.compare(track.fix.t, ego, vehicle)
+                own = track.ego_likeness.compare(track.fix, ego, vehicle, self._ego_motion)
             if gap > STALE_AGE and (
                 (own and track.ego_likeness.is_certain)
                 or is_expired(vehicle, gap, ego, self._top_speed[0], self.settings)

@@ -5,6 +5,7 @@ Messages are read and written by their fields alone, so nothing of ROS is import
 
 import math
 from collections.abc import Iterable, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 from cca_core import Band, Command, RemoteVehicle, VehicleParams, VehicleState
@@ -77,6 +78,12 @@ def fill_command(message: Any, command: Command, state: VehicleState, horizon: f
     message.acceleration = float(command.a_x)
     message.speed = max(state.v_x + horizon * command.a_x, 0.0)
     return message
+
+
+def to_numbers(command: Command, state: VehicleState) -> list[float]:
+    """Return steering angle [rad], acceleration [m/s^2] and speed [m/s], as `fill_command` writes them."""
+    drive = fill_command(SimpleNamespace(), command, state)
+    return [drive.steering_angle, drive.acceleration, drive.speed]
 
 
 def fill_band(marker: Any, band: Band | None, action: str, new_point: Any, frame: str = "map") -> Any:

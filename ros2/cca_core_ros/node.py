@@ -4,17 +4,22 @@ import time
 from pathlib import Path as FilePath
 
 import rclpy
-from ackermann_msgs.msg import AckermannDriveStamped
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Point
 from nav_msgs.msg import Odometry
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from std_msgs.msg import UInt8MultiArray
+from std_msgs.msg import Float64MultiArray, UInt8MultiArray
 from visualization_msgs.msg import Marker
 
 from cca_core import LocalFrame, Planner, Road, VehicleParams
 from cca_core.v2x import Tracker
-from cca_core_ros.conversions import diagnostics, fill_band, fill_command, to_bytes, to_state
+from cca_core_ros.conversions import diagnostics, fill_band, fill_command, to_bytes, to_numbers, to_state
+
+try:  # not a part of every installation
+    from ackermann_msgs.msg import AckermannDriveStamped
+except ImportError:
+    AckermannDriveStamped = None
 
 
 class PlannerNode(Node):
@@ -37,7 +42,7 @@ class PlannerNode(Node):
         self._tracker, self._odometry, self._delta, self._a_x = Tracker(frame), None, 0.0, 0.0
         self.create_subscription(Odometry, "odometry", self._take_odometry, 1)
         self.create_subscription(UInt8MultiArray, "bsm", self._take_bsm, 100)
-        self._commands = self.create_publisher(AckermannDriveStamped, "command", 1)
+        self._commands = self.create_publisher(AckermannDriveStamped or Float64MultiArray, "command", 1)
         self._markers = self.create_publisher(Marker, "band", 1)
         self._status = self.create_publisher(DiagnosticArray, "/diagnostics", 1)
         self.create_timer(0.02, self._cycle)
@@ -63,10 +68,14 @@ class PlannerNode(Node):
         health = self._tracker.health(utc)
         command = self._planner.step(t, state, self._tracker.vehicles(utc, state), radio=health)
         self._delta, self._a_x = command.delta, command.a_x
-        stamped = AckermannDriveStamped()
-        stamped.header.stamp = self.get_clock().now().to_msg()
-        fill_command(stamped.drive, command, state)
-        self._commands.publish(stamped)
+        stamp = self.get_clock().now().to_msg()
+        if AckermannDriveStamped is None:
+            self._commands.publish(Float64MultiArray(data=to_numbers(command, state)))
+        else:
+            stamped = AckermannDriveStamped()
+            stamped.header.stamp = stamp
+            fill_command(stamped.drive, command, state)
+            self._commands.publish(stamped)
         self._markers.publish(fill_band(Marker(), command.band, command.decision.action.value, Point))
         level, text, values = diagnostics(command, health.reason, 1e3 * (time.perf_counter() - begin))
         status = DiagnosticStatus(
@@ -74,7 +83,7 @@ class PlannerNode(Node):
             values=[KeyValue(key=key, value=value) for key, value in values],
         )  # fmt: skip
         array = DiagnosticArray(status=[status])
-        array.header.stamp = stamped.header.stamp
+        array.header.stamp = stamp
         self._status.publish(array)
 
 
@@ -84,6 +93,8 @@ def main() -> None:
     node = PlannerNode()
     try:
         rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
     finally:
         node.destroy_node()
-        rclpy.shutdown()
+        rclpy.try_shutdown()

@@ -12,6 +12,7 @@ from cca_core.band import Band
 from cca_core.errors import InfeasibleError, Status
 from cca_core.geometry import boxes
 from tests.support.band_cases import Case
+from tests.support.band_cases import case as random_case
 from tests.support.band_measure import remeasure
 from tests.support.band_scenes import CAR, assert_certified, bend, moving, on, relax, scene, straight
 
@@ -72,6 +73,13 @@ def test_curved_route_with_a_coarse_mesh(seed: int) -> None:
     assert band.status is Status.OK, band.message
     assert_certified(band, case)
     assert_tight(band, case)
+
+
+@pytest.mark.parametrize(("count", "number"), [(2, 137), (3, 81), (3, 197), (5, 129)])
+def test_dip_within_part_of_a_step_is_certified(count: int, number: int) -> None:
+    """A gap that falls steeply and then rises slowly, closest between two samples of a step."""
+    case = random_case(np.random.default_rng([4, count, number]), count)
+    assert_certified(relax(case), case)
 
 
 @given(

@@ -1,11 +1,13 @@
 """The single track solved backwards: exact for a linear car, steady in a steady turn, never undefined."""
 
+import copy
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cca_core.follow import InverseSteering, single_track, steady_sideslip, steady_steering
@@ -70,6 +72,65 @@ def test_steering_is_always_finite(points: list[tuple[float, float]], car: Vehic
         s += dt * v
         assert abs(inverse.advance(s, kappa, v, dt)) < math.pi
         assert all(map(math.isfinite, inverse.motion_at(s - 5.0)))
+
+
+@pytest.mark.parametrize("field", range(4))
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("v", [1.0, 20.0])
+def test_input_that_is_no_number_holds_last_angle(field: int, bad: float, v: float) -> None:
+    """In that call, which says so; the next one goes on as if it had not been."""
+    inverse, sound = InverseSteering(CARS[0]), InverseSteering(CARS[0])
+    for k in range(20):
+        for each in (inverse, sound):
+            last = each.advance(0.02 * v * k, 1e-3 * k, v, 0.02)
+    given = [0.4 * v, 0.02, v, 0.02]
+    given[field] = bad
+    assert inverse.advance(*given) == last
+    assert inverse.held
+    assert repr(inverse).endswith("held)")
+    assert inverse.motion_at(0.39 * v) == sound.motion_at(0.39 * v)
+    assert inverse.advance(0.4 * v, 0.02, v, 0.02) == sound.advance(0.4 * v, 0.02, v, 0.02)
+    assert not inverse.held
+
+
+def test_first_input_that_is_no_number_holds_zero() -> None:
+    inverse = InverseSteering(CARS[0])
+    assert inverse.advance(0.0, math.nan, 20.0, 0.02) == 0.0
+    assert repr(inverse) == "InverseSteering(not started)"
+
+
+@given(
+    st.lists(st.tuples(st.floats(), st.floats(), st.floats(), st.floats(), st.floats()), max_size=10),
+    st.sampled_from(CARS),
+)
+@example([(0.0, 1e200, 1e200, 0.02, 0.0), (0.0, 0.0, 1e200, 0.02, 0.0)], CARS[0])
+def test_steering_is_finite_whatever_is_given(calls: list[tuple[float, ...]], car: VehicleParams) -> None:
+    inverse = InverseSteering(car)
+    for s, kappa, v, dt, passed in calls:
+        assert abs(inverse.advance(s, kappa, v, dt)) < math.pi
+        assert all(map(math.isfinite, inverse.motion_at(passed)))
+
+
+def test_station_that_is_no_number_keeps_what_has_passed() -> None:
+    inverse, sound = InverseSteering(CARS[0]), InverseSteering(CARS[0])
+    for k in range(50):
+        for each in (inverse, sound):
+            each.advance(0.4 * k, 1e-3 * k, 20.0, 0.02)
+    assert all(map(math.isfinite, inverse.motion_at(math.nan)))
+    assert inverse.motion_at(9.9) == sound.motion_at(9.9)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy])
+def test_copy_shares_no_state(copied: Callable[[InverseSteering], InverseSteering]) -> None:
+    inverse, alone = InverseSteering(CARS[0]), InverseSteering(CARS[0])
+    for k in range(20):
+        for each in (inverse, alone):
+            each.advance(0.4 * k, 1e-3 * k, 20.0, 0.02)
+    twin = copied(inverse)
+    twin.advance(8.0, -0.01, 5.0, 0.5)
+    assert repr(inverse) == repr(alone)
+    assert inverse.advance(8.0, 0.02, 20.0, 0.02) == alone.advance(8.0, 0.02, 20.0, 0.02)
+    assert inverse.motion_at(7.9) == alone.motion_at(7.9)
 
 
 def test_motion_is_stored_by_station() -> None:

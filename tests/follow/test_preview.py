@@ -1,7 +1,9 @@
 """Preview steering, alone and in a closed loop with the friction-limited plant."""
 
+import copy
 import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -251,6 +253,23 @@ def assert_recovery(name: str, value: float) -> None:
         for _ in range(60):
             angle = controller.steer(VehicleState(**sound), LEFT)
         assert angle == pytest.approx(expected, abs=2e-3)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy])
+def test_copy_of_controller_shares_no_state(
+    copied: Callable[[PreviewController], PreviewController],
+) -> None:
+    """Neither steers the other's wheels, integral or ideal car."""
+    controller, alone = PreviewController(CAR), PreviewController(CAR)
+    here, there = (VehicleState(x=20.0, y=y, psi=0.07, v_x=20.0) for y in (0.6, 0.9))
+    for _ in range(5):
+        for each in (controller, alone):
+            each.steer(here, LEFT)
+    twin = copied(controller)
+    assert copied(twin).steer(there, LEFT) == copied(controller).steer(there, LEFT)
+    for _ in range(50):
+        twin.steer(VehicleState(x=30.0, y=-2.0, psi=-0.1, v_x=9.0), RIGHT)
+    assert controller.steer(there, LEFT) == alone.steer(there, LEFT)
 
 
 def test_standstill_with_error_does_not_wind_up() -> None:

@@ -8,9 +8,12 @@ import pytest
 from cca_core import geometry
 from cca_core.geometry import boxes
 from cca_core.kernel import bind
+from cca_core.kernel.band_cubics import join_cubics
 from cca_core.kernel.box_gaps import box_gap, box_gaps, oriented_box_gap
 from tests.support import numpy_forms
 from tests.support.kernel_forms import FULL, QUICK, check_forms, needs_c
+
+FORMS = [pytest.param("c", marks=needs_c), "python"]
 
 
 def pair(random: np.random.Generator) -> tuple[float, ...]:
@@ -32,6 +35,34 @@ def test_gap_in_c_equals_python(count: int) -> None:
     check_forms(oriented_box_gap, pair, count)
     check_forms(box_gaps, lambda random: many(random, int(random.integers(0, 9))), count)
     check_forms(box_gap, lambda random: tuple(random.uniform(0.2, 9.0, 10).tolist()), count)
+
+
+@needs_c
+def test_gap_of_huge_numbers_in_c_equals_python() -> None:
+    def huge(random: np.random.Generator) -> tuple[float, ...]:
+        given = np.array(pair(random))
+        given[[0, 1, 6, 7, 8, 9]] *= 10.0 ** random.uniform(-320.0, 300.0, 6)
+        return tuple(given.tolist())
+
+    check_forms(oriented_box_gap, huge)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e140, 1e154, 1e200, 1e300])
+@pytest.mark.parametrize(("x", "y", "gap"), [(7.0, 9.0, math.hypot(4.0, 7.0)), (7.0, 1.0, 4.0)])
+def test_gap_of_far_boxes_is_finite(scale: float, x: float, y: float, gap: float) -> None:
+    a = 0.0, 0.0, 0.0, 4.0 * scale, 2.0 * scale
+    b = x * scale, y * scale, 0.0, 2.0 * scale, 2.0 * scale
+    assert bind(box_gap)(*a, *b) == pytest.approx(gap * scale, rel=1e-14)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("scale", [5e-324, 1e-300, 1e-160, 1.0, 1e153, 1e155, 1e300])
+def test_length_of_vector_of_any_size_has_its_digits(scale: float, form: str) -> None:
+    """A segment of a path from (0, 0) to (3, 4) times the scale."""
+    breaks, cubics = np.zeros(2), np.zeros((1, 8))
+    nodes = np.array([[0.0, 0.0], [3.0 * scale, 4.0 * scale]])
+    bind(join_cubics, form)(1, nodes, np.zeros((2, 2)), 0.0, breaks, cubics)
+    assert breaks[1] == pytest.approx(5.0 * scale, rel=1e-15)
 
 
 def test_gap_equals_numpy_form() -> None:

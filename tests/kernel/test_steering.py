@@ -21,7 +21,7 @@ def car(random: np.random.Generator) -> Filled:
     numbers = {
         "started": bool(random.integers(2)) and count > 0, "s": float(random.uniform(0.0, 60.0)),
         "kappa": float(random.normal(0.0, 0.02)), "v_y": float(random.normal()),
-        "r": float(random.normal(0.0, 0.3)),
+        "r": float(random.normal(0.0, 0.3)), "delta": float(random.normal(0.0, 0.1)),
         "first": int(random.integers(KEPT)), "count": count,
     }  # fmt: skip
     trace = np.roll(np.sort(random.uniform(0.0, 80.0, KEPT)), numbers["first"])
@@ -65,7 +65,10 @@ def steered(random: np.random.Generator) -> tuple[object, ...]:
 
 
 def advanced(random: np.random.Generator) -> tuple[object, ...]:
-    return car(random), float(random.uniform(0, 70)), float(random.normal(0, 0.05)), speed(random), 0.02
+    given = [float(random.uniform(0, 70)), float(random.normal(0, 0.05)), speed(random), 0.02]
+    if random.random() < 0.2:  # what is absurd, or no number
+        given[random.integers(4)] = float(random.choice([math.nan, math.inf, -math.inf, 1e160, -1e308]))
+    return car(random), *given
 
 
 @needs_c

@@ -42,6 +42,20 @@ def test_drain_is_limited(name: dict[str, Any]) -> None:
     there.close()
 
 
+def test_foreign_frames_do_not_end_a_drain(name: dict[str, Any]) -> None:
+    """Frames with long identifiers, and requests, between those of the rig: none has to wait for a cycle."""
+    can, there = import_module("can"), BusLink(name)
+    sender = can.Bus(**name)
+    for frame in FRAMES:
+        sender.send(can.Message(arbitration_id=0x18FEF100, data=b"12345678", is_extended_id=True))
+        sender.send(can.Message(arbitration_id=frame.id, is_remote_frame=True, is_extended_id=False))
+        sender.send(can.Message(arbitration_id=frame.id, data=frame.data, is_extended_id=False))
+    assert plain(there.drain()) == plain(FRAMES)
+    assert there.counts["foreign"] == 2 * len(FRAMES)
+    sender.shutdown()
+    there.close()
+
+
 def test_multicast_bus_counts_garbage_and_continues() -> None:
     here, there = BusLink(BUS), BusLink(BUS)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as garbage:
@@ -182,7 +196,8 @@ def test_settings_are_read_from_toml(tmp_path: Path) -> None:
     [
         ("speed = 3", "speed"), ("radio_to_plant = 'nowhere'", "radio_to_plant"), ("bus = 3", "bus"),
         ("radio_wrapper = 'paper'", "radio_wrapper"), ("steering_ratio = -1", "ratio"), ("[[", "TOML"),
-        ("sensor_address = 'a:99999'", "sensor_address"), ("monitor_port = 70000", "monitor_port"),
+        ("sensor_address = 'a:99999'", "sensor_address"), ("plant_control = 'x'", "plant_control"),
+        ("monitor_port = 70000", "monitor_port"),
         ("steering_map = [[1, 2], [0, 1]]", "points"), ("steering_map = 'x'", "steering_map"),
     ],
 )  # fmt: skip
@@ -194,7 +209,9 @@ def test_wrong_settings_raise(tmp_path: Path, text: str, named: str) -> None:
 
 
 def test_settings_of_further_rigs_have_other_ports() -> None:
-    first, second = RigSettings(), RigSettings().shifted(1)
+    first = RigSettings(vehicle_control="127.0.0.1:26794")
+    second = first.shifted(1)
+    assert (second.plant_control, second.vehicle_control) == ("", "127.0.0.1:26804")
     assert second.bus["port"] == first.bus["port"] + 10
     assert second.radio_to_vehicle == "239.74.163.3:26799"
     assert second.steering_ratio == first.steering_ratio

@@ -1,10 +1,5 @@
 """Records of plant and vehicle to a log, its links and figure; options; the monitor."""
 
-import json
-import socket
-import threading
-import urllib.request
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,34 +7,21 @@ import numpy as np
 import pytest
 
 from cca_core import InputError, RemoteVehicle
-from cca_core.real_time import RealTimeLoop
 from cca_core.rig import (
-    BusLink,
-    Codec,
-    KitState,
-    KitStatus,
-    Monitor,
     ProcessRecord,
     RigOptions,
-    RigSettings,
-    SteeringMap,
-    UdpLink,
     decode_detections,
     encode_detections,
-    encode_telemetry,
     find_scenario,
     measure_links,
     merge_log,
     plot_links,
     read_record,
     scenario_id,
-    serve,
-    wrap_message,
     write_record,
 )
 from cca_core.rig.__main__ import main
 from cca_core.sim import Log, paper_scenarios, replay, simulate
-from cca_core.v2x import Bsm, encode_bsm
 from tests.support.rig_world import RigWorld
 
 pytestmark = [pytest.mark.requires("cantools"), pytest.mark.requires("can")]
@@ -142,79 +124,3 @@ def test_detections_return() -> None:
 )
 def test_unreadable_detections_are_none(data: bytes) -> None:
     assert decode_detections(data) is None
-
-
-MONITORED = RigSettings(
-    bus={"interface": "virtual", "channel": "monitor"}, radio_to_vehicle="239.74.163.3:43301",
-    radio_to_plant="239.74.163.3:43302", telemetry_address="239.74.163.3:43303", monitor_port=43304,
-)  # fmt: skip
-
-
-@pytest.fixture
-def senders(world: RigWorld) -> Iterator[None]:
-    """A bus with a state and a spoiled frame, a readable and an unreadable message, and telemetry."""
-    codec, bus = Codec(SteeringMap()), BusLink(MONITORED.bus)
-    frames = codec.state_frames(world.state, KitStatus(state=KitState.ENABLED, cycle=5), 1)
-    message = wrap_message(encode_bsm(Bsm(msg_count=1, id="00c0ffee")), "wsmp")
-    links = [UdpLink(None, [a]) for a in (MONITORED.radio_to_vehicle, MONITORED.telemetry_address)]
-    stop = threading.Event()
-
-    def send() -> None:
-        while not stop.wait(0.05):
-            bus.send([*frames, frames[0]._replace(data=b"\x00" * 8)])
-            links[0].send(message)
-            links[0].send(b"garbage")
-            links[1].send(encode_telemetry(world.vehicle, world.t, RealTimeLoop(0.02)))
-
-    thread = threading.Thread(target=send)
-    thread.start()
-    yield
-    stop.set()
-    thread.join()
-    for link in (bus, *links):
-        link.close()
-
-
-def test_monitor_shows_rates_and_telemetry(senders: None) -> None:
-    monitor, t = Monitor(SCENARIO, MONITORED), 0.0
-    pause = threading.Event()
-    while not monitor.snapshot(t)["vehicle"] or "wrong CRC" not in monitor.snapshot(t)["rates"]:
-        pause.wait(0.02)
-        t += 0.02
-        monitor.poll(t)
-        assert t < 20.0
-    shown = monitor.snapshot(t)
-    assert {"EGO_POSE", "KIT_STATUS", "wrong CRC"} <= shown["rates"].keys()
-    assert {"radio to_vehicle: BSM", "radio to_vehicle: unreadable"} <= shown["rates"].keys()
-    assert shown["vehicle"]["kit"] == "ENABLED"
-    assert shown["vehicle"]["action"] in {"KEEP", "FOLLOW", "BRAKE"}
-    assert monitor.snapshot(t + 2.0)["rates"] == {}
-    monitor.close()
-
-
-def test_page_is_served_and_ends(senders: None) -> None:
-    stop = threading.Event()
-    thread = threading.Thread(target=serve, args=(SCENARIO, MONITORED), kwargs={"is_stopped": stop.is_set})
-    thread.start()
-    url = f"http://127.0.0.1:{MONITORED.monitor_port}"
-    for _ in range(100):
-        try:
-            socket.create_connection(("127.0.0.1", MONITORED.monitor_port), 1.0).close()
-            break
-        except OSError:
-            stop.wait(0.05)
-    with urllib.request.urlopen(f"{url}/", timeout=20.0) as answer:
-        page = answer.read().decode("utf-8")
-    with urllib.request.urlopen(f"{url}/road", timeout=20.0) as answer:
-        road = json.loads(answer.read())
-    with urllib.request.urlopen(f"{url}/events", timeout=20.0) as answer:
-        event = answer.readline().decode("utf-8")
-    with pytest.raises(urllib.error.HTTPError, match="404"):
-        urllib.request.urlopen(f"{url}/secret", timeout=20.0)
-    stop.set()
-    thread.join(20.0)
-    assert not thread.is_alive()
-    assert "EventSource" in page
-    assert "http:" not in page
-    assert len(road["lines"]) == 2
-    assert event.startswith("data: {")

@@ -1,6 +1,8 @@
 """Single-track plant: closed forms, the friction limit, symmetry and convergence."""
 
+import copy
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -231,3 +233,14 @@ class TestFiala:
 def test_invalid_lag_raises() -> None:
     with pytest.raises(InputError, match="drive_lag"):
         plant(10.0, drive_lag=-0.1)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy])
+def test_copy_of_plant_shares_no_state(copied: Callable[[SingleTrackPlant], SingleTrackPlant]) -> None:
+    original = plant(20.0)
+    twin = copied(original)
+    before = original.state
+    assert twin.state == before
+    twin.step(0.1, -3.0, 0.02)
+    assert twin.state != before
+    assert original.state == before

@@ -169,7 +169,7 @@ class NumpyBand:
             bound = min(sampled[i], sampled[i + 1]) - max(bulge[i], bulge[i + 1])
             if {i - 1, i + 2} <= set(at) and change[i - 1] < 0.0 < change[i + 1]:
                 dip = change[i - 1] * (change[i] - change[i + 1]) / (change[i - 1] - change[i + 1])
-                bound = min(bound, sampled[i] + dip - bulge[i])
+                bound = min(bound, sampled[i] + dip - bulge[i - 1 : i + 3].max())
             if i in (0, self.n - 2):
                 bound -= 0.5 * moves
             low = min(sampled[i], sampled[i + 1])
@@ -207,7 +207,7 @@ class NumpyBand:
         else:
             bound = min(gap.min(), gap[1] - max(change[1], 0.0), gap[-2] + min(change[-2], 0.0))
         for k in np.flatnonzero((change[:-2] < 0.0) & (change[2:] > 0.0)):
-            dip = change[k] * (change[k + 1] - change[k + 2]) / (change[k + 2] - change[k])
+            dip = change[k] * (change[k + 1] - change[k + 2]) / (change[k] - change[k + 2])
             bound = min(bound, gap[k + 1] + dip)
         return float(bound)
 

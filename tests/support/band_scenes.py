@@ -14,7 +14,7 @@ from tests.support.band_measure import curvature_excess, edge_excess, remeasure
 
 CAR = VehicleParams.bmw_320i()
 SOFT = BandStiffness()
-BETWEEN = 5e-4  # by which a clearance may exceed the measured one, due to the cubic between nodes [m]
+BETWEEN = 1e-5  # by which a clearance may exceed the measured one, due to the cubic between nodes [m]
 SHORTFALL = 1e-3  # of clearance, allowed for OK bands [m]
 
 

@@ -134,6 +134,23 @@ class Browser:
         while not any(message.get("method") == method for message in self.messages):
             self.messages.append(self._next())
 
+    def evaluate(self, expression: str) -> Any:
+        """Return the value of an expression in the page, or of its promise."""
+        answer = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        if "exceptionDetails" in answer:
+            raise RuntimeError(str(answer["exceptionDetails"]))
+        return answer["result"].get("value")
+
+    def picture(self, file: Path, **options: Any) -> None:
+        """Write a screenshot."""
+        data = self.call("Page.captureScreenshot", format="png", **options)["data"]
+        file.write_bytes(base64.b64decode(data))
+
+    @property
+    def errors(self) -> list[dict[str, Any]]:
+        """Messages about errors in the console and on the network."""
+        return [message for message in self.messages if message.get("method") in ERRORS]
+
     def _next(self) -> dict[str, Any]:
         while b"\0" not in self._buffer:
             if not select([self._in], [], [], TIMEOUT)[0]:
@@ -152,6 +169,30 @@ def find_browser() -> str | None:
     return next(filter(None, map(shutil.which, BROWSERS)), None)
 
 
+def open_page(
+    browser: Browser, url: str, size: tuple[int, int], *, dark: bool = False, still: bool = False,
+    offline: bool = False,
+) -> None:  # fmt: skip
+    """Load a page in a window of a size."""
+    width, height = size
+    for domain in ("Page", "Runtime", "Log", "Network"):
+        browser.call(f"{domain}.enable")
+    none = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
+    browser.call("Network.emulateNetworkConditions", offline=offline, **none)
+    phone = width < 600
+    browser.call(
+        "Emulation.setDeviceMetricsOverride", width=width, height=height,
+        deviceScaleFactor=2 if phone else 1, mobile=phone,
+    )  # fmt: skip
+    features = [
+        {"name": "prefers-color-scheme", "value": "dark" if dark else "light"},
+        {"name": "prefers-reduced-motion", "value": "reduce" if still else "no-preference"},
+    ]
+    browser.call("Emulation.setEmulatedMedia", features=features)
+    browser.call("Page.navigate", url=url)
+    browser.wait_for("Page.loadEventFired")
+
+
 def inspect_page(
     program: str,
     page: Path,
@@ -162,34 +203,18 @@ def inspect_page(
     still: bool = False,
 ) -> dict[str, Any]:
     """Open a page offline in a window of a size; return its state and its errors."""
-    width, height = size
+    width = size[0]
     with Browser(program) as browser:
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            browser.call(f"{domain}.enable")
-        none = {"latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
-        browser.call("Network.emulateNetworkConditions", offline=True, **none)
-        phone = width < 600
-        browser.call(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height,
-            deviceScaleFactor=2 if phone else 1, mobile=phone,
-        )  # fmt: skip
-        features = [
-            {"name": "prefers-color-scheme", "value": "dark" if dark else "light"},
-            {"name": "prefers-reduced-motion", "value": "reduce" if still else "no-preference"},
-        ]
-        browser.call("Emulation.setEmulatedMedia", features=features)
-        browser.call("Page.navigate", url=page.resolve().as_uri())
-        browser.wait_for("Page.loadEventFired")
-        answer = browser.call("Runtime.evaluate", expression=PROBE, awaitPromise=True, returnByValue=True)
-        found: dict[str, Any] = answer["result"].get("value", {"probe": answer})
+        open_page(browser, page.resolve().as_uri(), size, dark=dark, still=still, offline=True)
+        found: dict[str, Any] = browser.evaluate(PROBE)
         if pictures is not None:
             name = f"{page.stem}_{width}{'_dark' if dark else ''}"
-            _picture(browser, pictures / f"{name}.png")
-            tall = min(int(found["height"]), 16000 // (2 if phone else 1))
+            browser.picture(pictures / f"{name}.png")
+            tall = min(int(found["height"]), 16000 // (2 if width < 600 else 1))
             clip = {"x": 0, "y": 0, "width": width, "height": tall, "scale": 1}
-            _picture(browser, pictures / f"{name}_page.png", clip=clip, captureBeyondViewport=True)
+            browser.picture(pictures / f"{name}_page.png", clip=clip, captureBeyondViewport=True)
         found["still"] = still
-        found["errors"] = [message for message in browser.messages if message.get("method") in ERRORS]
+        found["errors"] = browser.errors
     return found
 
 
@@ -208,11 +233,6 @@ def faults(found: dict[str, Any]) -> list[str]:
         "starts by itself": found["starts"] and found["still"],
     }
     return [name for name, is_wrong in checks.items() if is_wrong]
-
-
-def _picture(browser: Browser, file: Path, **options: Any) -> None:
-    data = browser.call("Page.captureScreenshot", format="png", **options)["data"]
-    file.write_bytes(base64.b64decode(data))
 
 
 def main() -> int:

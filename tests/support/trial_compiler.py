@@ -9,6 +9,7 @@ from types import ModuleType
 
 from cca_core.codegen import translate
 from cca_core.codegen.build import KERNEL, UNIX
+from cca_core.kernel.digests import c_digest
 from tests.support.load_module import load
 
 TRIAL = Path(__file__).parent / "trial_kernel"
@@ -21,6 +22,7 @@ def compile_to(folder: Path, sources: Path, *flags: str, compiler: str = "") -> 
     """Compile the C in a folder to a module of Python in another; the last flags win."""
     target = folder / f"_compiled{sysconfig.get_config_var('SHLIB_SUFFIX')}"
     command = [compiler or str(COMPILER), "-shared", "-fPIC", f"-I{HEADERS.parent}", *UNIX, *flags]
+    command.append(f"-DCCA_C_DIGEST={c_digest(sources)}")
     command += [str(sources / "python.c"), str(sources / "kernel.c"), "-lm", "-o", str(target)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
     assert done.returncode == 0, done.stderr

@@ -62,11 +62,29 @@ static inline int floor_within(double value, int low, int high)
 #define BAND_WORKSPACE_CODES 6
 
 /* box_gaps.py: Distances of oriented boxes. */
+#define BOX_GAPS_SMALL 1e-280
+#define BOX_GAPS_LARGE 1e+300
+
+/* Length of a vector whose square overflows or has lost its digits. */
+static double box_gaps_scaled_norm(double x, double y)
+{
+    if (!(fabs(x) + fabs(y) > 0.0)) {
+        return fabs(x) + fabs(y);
+    }
+    double scale = real_max(fabs(x), fabs(y));
+    if (scale == HUGE_VAL) {
+        return scale;
+    }
+    double a = x / scale;
+    double b = y / scale;
+    return scale * sqrt(a * a + b * b);
+}
 
 /* Length of a vector; `math.hypot` has other bits in Python than in C. */
 static double box_gaps_norm(double x, double y)
 {
-    return sqrt(x * x + y * y);
+    double squared = x * x + y * y;
+    return BOX_GAPS_SMALL < squared && squared < BOX_GAPS_LARGE ? sqrt(squared) : box_gaps_scaled_norm(x, y);
 }
 
 /* Squared distance of a point from a box around the origin. */
@@ -115,7 +133,16 @@ double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double b
     }
     double of_b = box_gaps_nearest_corner(x_b, y_b, turn_c, turn_s, length_b, width_b, length_a, width_a);
     double of_a = box_gaps_nearest_corner(x_a, y_a, turn_c, -turn_s, length_a, width_a, length_b, width_b);
-    return sqrt(real_min(of_b, of_a));
+    double squared = real_min(of_b, of_a);
+    if (squared < BOX_GAPS_LARGE) {
+        return sqrt(squared);
+    }
+    double unit = 1.0 / separation;
+    of_b = box_gaps_nearest_corner(x_b * unit, y_b * unit, turn_c, turn_s, length_b * unit, width_b
+        * unit, length_a * unit, width_a * unit);
+    of_a = box_gaps_nearest_corner(x_a * unit, y_a * unit, turn_c, -turn_s, length_a * unit, width_a
+        * unit, length_b * unit, width_b * unit);
+    return separation * sqrt(real_min(of_b, of_a));
 }
 
 /* Signed distance of two boxes from centers, headings and full extents [m]; NaN if one is not finite. */
@@ -232,7 +259,7 @@ static double band_gaps_min_between(BandWork *w, int o, int i)
         double here = gap[k + 1] - gap[k];
         double after = gap[k + 2] - gap[k + 1];
         if (before < 0.0 && after > 0.0) {
-            bound = real_min(bound, gap[k] + before * (here - after) / (after - before));
+            bound = real_min(bound, gap[k] + before * (here - after) / (before - after));
         }
     }
     return bound;
@@ -353,7 +380,9 @@ static void band_gaps_bound_between(BandWork *w)
         double after = sampled[k + 2] - sampled[k + 1];
         if (before < 0.0 && after > 0.0 && w->pair_node[k + 2] - w->pair_node[k - 1] == 3) {
             double dip = sampled[k] + before * (sampled[k + 1] - sampled[k] - after) / (before - after);
-            bound[k] = real_min(bound[k], dip - bulge[k]);
+            double allowance = real_max(real_max(real_max(bulge[k - 1], bulge[k]), bulge[k + 1]), bulge[k
+                + 2]);
+            bound[k] = real_min(bound[k], dip - allowance);
         }
     }
     double change = band_gaps_max_change(w);
@@ -3659,6 +3688,10 @@ static void steering_start_steady(IdealCar *car, double kappa, double v)
     double rolling = v < STEERING_ROLLING_SPEED ? 0.0 : car->l_f * car->m * v * v / (car->c_r * (car->l_f
         + car->l_r));
     car->v_y = v * kappa * (car->l_r - rolling);
+    if (!(fabs(car->r) + fabs(car->v_y) < STEERING_MAX_MOTION)) {
+        car->r = 0.0;
+        car->v_y = 0.0;
+    }
 }
 
 /* Where entry i of the trace lies in its ring. */
@@ -3668,9 +3701,17 @@ static int steering_ring_index(const IdealCar *car, int i)
     return at >= STEERING_TRACE ? at - STEERING_TRACE : at;
 }
 
-/* Move the ideal car along the path; return the steering angle that it needs there. */
+/* Move the ideal car along the path; return the steering angle that it needs there.
+
+An input that is no number is dropped: the car stays, and the last angle is held. */
 double cca_advance(IdealCar *car, double s, double kappa, double v_x, double dt)
 {
+    double size = fabs(s) + fabs(kappa) + fabs(v_x) + fabs(dt);
+    bool finite = size < HUGE_VAL;
+    car->held = !finite;
+    if (!finite) {
+        return car->delta;
+    }
     double v = real_max(v_x, 0.0);
     bool follows = car->started && fabs(s - car->s) <= STEERING_MAX_JUMP && (0.0 <= dt && dt
         <= STEERING_MAX_CYCLE);
@@ -3694,19 +3735,25 @@ double cca_advance(IdealCar *car, double s, double kappa, double v_x, double dt)
     car->trace_beta[last] = atan2(car->v_y, real_max(v, 0.1));
     car->trace_r[last] = car->r;
     car->count += 1;
-    if (v < STEERING_ROLLING_SPEED) {
-        return atan((car->l_f + car->l_r) * kappa);
+    double delta = atan((car->l_f + car->l_r) * kappa);
+    if (v >= STEERING_ROLLING_SPEED) {
+        double rest = car->m * v * v * kappa - steering_rear_force(car, v);
+        double grip = car->mu * CONSTANTS_GRAVITY * car->m * car->l_r / (car->l_f + car->l_r);
+        delta = atan2(car->v_y + car->l_f * car->r, v) + cca_front_slip(car, rest / grip);
     }
-    double rest = car->m * v * v * kappa - steering_rear_force(car, v);
-    double grip = car->mu * CONSTANTS_GRAVITY * car->m * car->l_r / (car->l_f + car->l_r);
-    return atan2(car->v_y + car->l_f * car->r, v) + cca_front_slip(car, rest / grip);
+    if (!(fabs(delta) < HUGE_VAL)) {
+        car->held = true;
+        return car->delta;
+    }
+    car->delta = delta;
+    return delta;
 }
 
 /* Sideslip and yaw rate of the ideal car at a station that it has passed; older ones are dropped. */
 cca_dd cca_find_passed(IdealCar *car, double s)
 {
     for (int turn1_ = 0, turn1__end_ = STEERING_TRACE; turn1_ < turn1__end_; turn1_ += 1) {
-        if (car->count < 2 || car->trace_s[steering_ring_index(car, 1)] > s) {
+        if (car->count < 2 || !(car->trace_s[steering_ring_index(car, 1)] <= s)) {
             break;
         }
         car->first = steering_ring_index(car, 1);

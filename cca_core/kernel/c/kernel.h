@@ -548,6 +548,8 @@ typedef struct IdealCar {
     double kappa;
     double v_y;
     double r;
+    double delta;
+    bool held;
     int first;
     int count;
     double *trace_s; /* [1024] */
@@ -578,7 +580,9 @@ typedef struct Steering {
 /* Slip angle at which the front tires carry a fraction of their grip. */
 double cca_front_slip(const IdealCar *car, double fraction);
 
-/* Move the ideal car along the path; return the steering angle that it needs there. */
+/* Move the ideal car along the path; return the steering angle that it needs there.
+
+An input that is no number is dropped: the car stays, and the last angle is held. */
 double cca_advance(IdealCar *car, double s, double kappa, double v_x, double dt);
 
 /* Sideslip and yaw rate of the ideal car at a station that it has passed; older ones are dropped. */

@@ -5,6 +5,12 @@
 
 #include "kernel.h"
 
+#ifndef CCA_C_DIGEST /* that of these files, given by who compiles them */
+#define CCA_C_DIGEST none
+#endif
+#define TEXT(token) #token
+#define TEXT_OF(macro) TEXT(macro)
+
 static PyObject *call_oriented_box_gap(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1893,7 +1899,8 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "8dfab0b77f9712b4bb6363803f150f65a1810b07a1f59b5487f4b0d520dd5eb5") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "2f2c448d0def00932b007e637ac4cb9080086013161309d82d1e0911a70bc65c") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
     failed = failed || lend_describe(structures, "BandBatch", 3, sizeof(BandBatch)) < 0;

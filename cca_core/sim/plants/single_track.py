@@ -1,6 +1,8 @@
 """A single-track car on tires that can slide, as plant."""
 
 import math
+from copy import copy
+from typing import Self
 
 from cca_core._checks import check_real
 from cca_core.kernel import bind
@@ -49,6 +51,11 @@ class SingleTrackPlant:
             x=state.x, y=state.y, psi=state.psi, delta=state.delta,
             v_x=state.v_x, v_y=state.v_y, r=state.r, a_x=state.a_x,
         )  # fmt: skip
+
+    def __copy__(self) -> Self:
+        twin = object.__new__(type(self))
+        twin.__dict__ |= self.__dict__ | {"_lent": copy(self._lent)}
+        return twin
 
     @property
     def state(self) -> VehicleState:
