@@ -138,7 +138,7 @@ def test_inputs_of_scenario_give_same_outputs(
     count = sum(map(len, runs))
     assert count > 250
     if scenario.name == "maneuver" and scenario.ego_type == "v2v":
-        assert len({id(call.path) for run in runs for call in run}) > 3
+        assert len({id(call.path) for run in runs for call in run}) >= 3  # route and two maneuvers
     export_c(tmp_path, scenario.vehicle, scenario.road.path, cases=1)
     write_cases(tmp_path / "cases.txt", scenario.road.path, runs)
     build(tmp_path, "-O2")
