@@ -143,8 +143,16 @@ def check_array(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> A
     return array
 
 
+def is_finite(array: Array) -> bool:
+    """Whether all numbers of an array are finite; three times as fast as `all` for a hundred."""
+    return int(np.count_nonzero(np.isfinite(array))) == array.size
+
+
 def check_any(name: str, value: ArrayLike, ends_with: tuple[int, ...] = ()) -> Array:
     """Return `value` as finite float64 array of any shape that ends with the given lengths."""
+    given: object = value  # may be anything
+    if type(given) is float and math.isfinite(given) and not ends_with:
+        return np.array(given)
     try:
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError, RecursionError):
@@ -152,7 +160,7 @@ def check_any(name: str, value: ArrayLike, ends_with: tuple[int, ...] = ()) -> A
     if array.shape[array.ndim - len(ends_with) :] != ends_with or array.ndim < len(ends_with):
         wanted = ", ".join(["...", *map(str, ends_with)])
         raise InputError(f"{name} must have shape ({wanted}), had {array.shape}")
-    if not np.isfinite(array).all():
+    if not is_finite(array):
         raise InputError(f"{name} must be finite, was {array[~np.isfinite(array)][0]}")
     return array
 

@@ -202,6 +202,10 @@ class Band:
 
 def assemble_band(problem: BandProblem, batch_shape: tuple[int, ...], found: Relaxed) -> Band:
     """Return the bands that the kernel has found."""
+    found.reals.setflags(write=False)
+    found.passes_left.setflags(write=False)
+    if not batch_shape:
+        return _assemble_one(problem, found)
     arrays: dict[str, Any] = {
         "nodes": found.points(0).reshape(*batch_shape, -1, 2),
         "moment_over_6": found.points(2).reshape(*batch_shape, -1, 2),
@@ -209,16 +213,8 @@ def assemble_band(problem: BandProblem, batch_shape: tuple[int, ...], found: Rel
         "lower": found.row(5).reshape(*batch_shape, -1), "upper": found.row(6).reshape(*batch_shape, -1),
         "passes_left": found.passes_left.reshape(-1, *batch_shape),
     }  # fmt: skip
-    for array in arrays.values():
-        array.setflags(write=False)
     reals, codes = found.reals[:, :REALS].tolist(), found.codes.tolist()
     results = [outcome_of(*rows, problem.clearance) for rows in zip(reals, codes, strict=True)]
-    if not batch_shape:
-        clearance, edge_clearance, curvature, spacing = reals[0][:4]
-        return Band(
-            problem=problem, clearance=clearance, edge_clearance=edge_clearance, curvature=curvature,
-            spacing=spacing, n_solves=codes[0][5], **results[0]._asdict(), **arrays,
-        )  # fmt: skip
     shaped: dict[str, Any] = {
         name: np.array(column, dtype=object).reshape(batch_shape)
         for name, column in zip(Outcome._fields, zip(*results, strict=True), strict=True)
@@ -227,3 +223,24 @@ def assemble_band(problem: BandProblem, batch_shape: tuple[int, ...], found: Rel
         shaped[name] = found.reals[:, i].reshape(batch_shape)
     shaped["n_solves"] = found.codes[:, 5].astype(np.intp).reshape(batch_shape)
     return Band(problem=problem, **shaped, **arrays)
+
+
+def _assemble_one(problem: BandProblem, found: Relaxed) -> Band:
+    """Return a band that is no batch."""
+    n, row, codes = found.n, found.reals[0], found.codes[0].tolist()
+    reals = row[:REALS].tolist()
+    status, message, active_constraint, active_obstacle = outcome_of(reals, codes, problem.clearance)
+    nodes, moments, displacement, lower, upper = (
+        REALS,
+        REALS + 2 * n,
+        REALS + 4 * n,
+        REALS + 5 * n,
+        REALS + 6 * n,
+    )
+    return Band(
+        nodes=row[nodes:moments].reshape(n, 2), moment_over_6=row[moments:displacement].reshape(n, 2),
+        displacement=row[displacement:lower], lower=row[lower:upper], upper=row[upper:],
+        passes_left=found.passes_left.reshape(-1), clearance=reals[0], edge_clearance=reals[1],
+        curvature=reals[2], spacing=reals[3], n_solves=codes[5], status=status, message=message,
+        active_constraint=active_constraint, active_obstacle=active_obstacle, problem=problem,
+    )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array
+from cca_core._checks import Array, is_finite
 from cca_core.errors import InputError
 from cca_core.geometry import Boxes
 
@@ -16,26 +16,33 @@ Side = Literal["left", "right"]
 
 
 def stack_boxes(obstacles: Sequence[Boxes], shape: tuple[int, ...]) -> Array:
-    """Return position, heading and extents of all obstacles, shape (5, m, bands, n), checked."""
+    """Return position, heading and extents of all obstacles, shape (5, m, bands, n).
+
+    Their numbers are checked by the kernel, which reads them anyway; `refuse_boxes` says what is wrong.
+    """
     boxes: object = obstacles
     if not isinstance(boxes, (list, tuple)) or not all(isinstance(o, Boxes) for o in boxes):
         raise InputError(
             f"obstacles must be a list of Boxes, as made by cca_core.geometry.boxes, was {str(boxes)[:60]}"
         )
-    fields = np.empty((5, len(obstacles), *shape))
-    x, y, psi, length, width = fields
+    m = len(obstacles)
+    fields = np.empty((5, m, *shape))
     for i, o in enumerate(obstacles):
+        one = fields[:, i]
         try:
-            x[i], y[i], psi[i], length[i], width[i] = o.x, o.y, o.psi, o.length, o.width
+            one[0], one[1], one[2], one[3], one[4] = o.x, o.y, o.psi, o.length, o.width
         except (TypeError, ValueError, OverflowError):
             raise InputError(
                 f"obstacles must have fields of real numbers with shape () or {shape}, was obstacle {i}"
             ) from None
-    if not np.isfinite(fields).all():
+    return fields.reshape(5, m, math.prod(shape[:-1]), shape[-1])
+
+
+def refuse_boxes(boxes: Array) -> None:
+    """Raise for obstacles that no vehicle can be."""
+    if not is_finite(boxes):
         raise InputError("obstacles must be finite")
-    if fields[3:].min(initial=0.0) < 0.0:
-        raise InputError("obstacles must have lengths and widths that are not negative")
-    return fields.reshape(5, len(obstacles), math.prod(shape[:-1]), shape[-1])
+    raise InputError("obstacles must have lengths and widths that are not negative")
 
 
 def check_edges(edges: tuple[ArrayLike, ArrayLike], shape: tuple[int, ...]) -> Array:

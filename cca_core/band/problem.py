@@ -1,12 +1,14 @@
 """A band problem: the checked arguments of `relax_band`."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, Index, check_any, check_real
+from cca_core._checks import Array, Index, check_any, check_real, is_finite
 from cca_core.band.corridor import check_edges, stack_boxes
 from cca_core.band.settings import BandSettings
 from cca_core.band.stiffness import BandStiffness
@@ -68,27 +70,24 @@ def make_problem(
     settings: BandSettings,
 ) -> tuple[BandProblem, tuple[int, ...]]:
     """Check the arguments of `relax_band`; return the problem and the batch shape of `nodes`."""
-    checked = _check_nodes(nodes)
-    for name, value, kind in (
-        ("stiffness", stiffness, BandStiffness),
-        ("vehicle", vehicle, VehicleParams),
-        ("settings", settings, BandSettings),
-    ):
-        if not isinstance(value, kind):
-            raise InputError(f"{name} must be {kind.__name__}, was {type(value).__name__}")
+    checked = _parse_nodes(nodes)
+    _check_kind("stiffness", stiffness, BandStiffness)
+    _check_kind("vehicle", vehicle, VehicleParams)
+    _check_kind("settings", settings, BandSettings)
     clearance = check_real("clearance", clearance, ge=0.0)
     shape, n = checked.shape[:-1], checked.shape[-2]
+    given: object = curvature_limit  # may be anything
+    limit = np.empty(shape)
     try:
-        limit = np.empty(shape)
         limit[...] = curvature_limit
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"curvature_limit must have shape () or {shape}") from None
-    if not limit.min() > 0.0:
+    if not (given > 0.0 if isinstance(given, float) else (limit > 0.0).all()):
         raise InputError("curvature_limit must be greater than 0")
     boxes = stack_boxes(obstacles, shape)
     lead = check_any("lead_distance", lead_distance)
     m = len(obstacles)
-    if lead.shape not in ((), (m,)) or lead.min(initial=0.0) < 0.0:
+    if lead.shape not in ((), (m,)) or np.count_nonzero(lead < 0.0):
         raise InputError(
             f"lead_distance must have shape () or ({m},) and not be negative, was {lead_distance!r}"
         )
@@ -100,28 +99,42 @@ def make_problem(
     ), shape[:-1]  # fmt: skip
 
 
-def _check_nodes(nodes: ArrayLike) -> Array:
-    """Return finite nodes of shape (..., n, 2)."""
+def _check_kind(name: str, value: object, kind: type) -> None:
+    """Raise for an object of another class."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name} must be {kind.__name__}, was {type(value).__name__}")
+
+
+def _parse_nodes(nodes: ArrayLike) -> Array:
+    """Return nodes of shape (..., n, 2)."""
     try:
         checked = np.array(nodes, dtype=np.float64, order="C")
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"nodes must be an array of real numbers, was {type(nodes).__name__}") from None
     if checked.ndim < 2 or checked.shape[-1] != 2 or checked.shape[-2] < 5 or not checked.size:
         raise InputError(f"nodes must have shape (..., n, 2) with at least 5 nodes, had {checked.shape}")
-    if not np.isfinite(checked).all():
-        index = np.argwhere(~np.isfinite(checked))[0]
-        raise InputError(f"nodes must be finite, was {checked[tuple(index)]} at {index.tolist()}")
+    if checked.ndim > 2:  # those of one band are checked by the kernel, which refuses their spacing
+        check_nodes(checked)
     return checked
+
+
+def check_nodes(nodes: Array) -> None:
+    """Raise for nodes that are not finite."""
+    if not is_finite(nodes):
+        index = np.argwhere(~np.isfinite(nodes))[0]
+        raise InputError(f"nodes must be finite, was {nodes[tuple(index)]} at {index.tolist()}")
 
 
 def _fixed_start(start: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Return the displacement before the first node and at the first two, shape (bands, 3), checked."""
+    fixed, given = np.zeros((math.prod(shape[:-1]), 3)), cast(object, start)
+    if isinstance(given, float) and given == 0.0:
+        return fixed
     checked = check_any("start", start)
-    fixed = np.empty((*shape[:-1], 3))
     try:
-        fixed[...] = checked
+        fixed.reshape(*shape[:-1], 3)[...] = checked
     except ValueError:
         raise InputError(f"start must have shape {(*shape[:-1], 3)}, had {checked.shape}") from None
-    if checked.any() and np.abs(fixed).max() > MAX_DISPLACEMENT:
+    if np.abs(fixed).max() > MAX_DISPLACEMENT:
         raise InputError(f"start must be within {MAX_DISPLACEMENT:g} m, was {np.abs(fixed).max():g}")
-    return fixed.reshape(-1, 3)
+    return fixed

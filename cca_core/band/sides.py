@@ -20,8 +20,9 @@ def parse_sides(side: object, m: int, bands: int) -> tuple[int, Mask | None]:
         raise InputError(
             f"side must be 'left', 'right' or a list of {m}, one for each obstacle, was {side!r}"
         )
-    passes_left = np.array([each == "left" for each in side], dtype=np.bool_)
-    return GIVEN_SIDES, np.repeat(passes_left[:, None], bands, axis=1)
+    passes_left = np.empty((m, bands), dtype=np.bool_)
+    passes_left.T[...] = [each == "left" for each in side]
+    return GIVEN_SIDES, passes_left
 
 
 def former_sides(previous: Band | None, m: int, bands: int) -> Mask | None:

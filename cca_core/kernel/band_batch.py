@@ -3,6 +3,7 @@
 import math
 from typing import Annotated
 
+from cca_core.kernel.band_boxes import load_boxes
 from cca_core.kernel.band_certificate import certify
 from cca_core.kernel.band_corridor import set_bounds
 from cca_core.kernel.band_relaxation import prepare_band
@@ -26,27 +27,24 @@ def load_band(q: BandBatch, b: Int, w: BandWork) -> None:
     w.start_before = q.start[b, 0]
     w.start_0 = q.start[b, 1]
     w.start_1 = q.start[b, 2]
+    right_edge = w.right_edge
+    left_edge = w.left_edge
     for i in range(w.n):
         w.route_x[i] = q.nodes[b, 2 * i]
         w.route_y[i] = q.nodes[b, 2 * i + 1]
-        w.right_edge[i] = q.right_edge[b, i] if q.has_edges else -math.inf
-        w.left_edge[i] = q.left_edge[b, i] if q.has_edges else math.inf
+        right_edge[i] = -math.inf
+        left_edge[i] = math.inf
         w.curvature_limit[i] = q.curvature_limit[b, i]
+    if q.has_edges:
+        for i in range(w.n):
+            right_edge[i] = q.right_edge[b, i]
+            left_edge[i] = q.left_edge[b, i]
+    w.has_valid_boxes = True
     for o in range(w.m):
         w.lead_distance[o] = q.lead_distance[o]
         w.passes_left[o] = q.passes_left[o * q.bands + b]
         w.former[o] = q.former[o * q.bands + b] if q.has_former else 0
-        x = o * q.bands + b  # row of each quantity
-        y = (w.m + o) * q.bands + b
-        psi = (2 * w.m + o) * q.bands + b
-        length = (3 * w.m + o) * q.bands + b
-        width = (4 * w.m + o) * q.bands + b
-        for i in range(w.n):
-            w.box_x[o, i] = q.boxes[x, i]
-            w.box_y[o, i] = q.boxes[y, i]
-            w.box_psi[o, i] = q.boxes[psi, i]
-            w.half_length[o, i] = 0.5 * q.boxes[length, i]
-            w.half_width[o, i] = 0.5 * q.boxes[width, i]
+        load_boxes(q, b, w, o)
 
 
 def store_band(q: BandBatch, b: Int, w: BandWork, columns: Int, found: Found, codes: Codes) -> None:
@@ -59,15 +57,19 @@ def store_band(q: BandBatch, b: Int, w: BandWork, columns: Int, found: Found, co
     found[row + 3] = w.spacing
     found[row + 4] = w.value
     found[row + 5] = w.limit
+    points = row + REALS
+    moments = points + 2 * n
+    displacement = moments + 2 * n
+    lower = displacement + n
+    upper = lower + n
     for i in range(n):
-        at = row + REALS + 2 * i
-        found[at] = w.x[i]
-        found[at + 1] = w.y[i]
-        found[at + 2 * n] = w.moment_x[i]
-        found[at + 2 * n + 1] = w.moment_y[i]
-        found[row + REALS + 4 * n + i] = w.u[i]
-        found[row + REALS + 5 * n + i] = w.lower[i]
-        found[row + REALS + 6 * n + i] = w.upper[i]
+        found[points + 2 * i] = w.x[i]
+        found[points + 2 * i + 1] = w.y[i]
+        found[moments + 2 * i] = w.moment_x[i]
+        found[moments + 2 * i + 1] = w.moment_y[i]
+        found[displacement + i] = w.u[i]
+        found[lower + i] = w.lower[i]
+        found[upper + i] = w.upper[i]
     for o in range(w.m):
         q.passes_left[o * q.bands + b] = w.passes_left[o]
     codes[CODES * b + 1] = w.reason

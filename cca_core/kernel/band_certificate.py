@@ -11,14 +11,23 @@ from cca_core.kernel.types import Flag, Int, Real
 def measure_edges_at(w: BandWork, x: Real, ahead: Int) -> None:
     """Lower the margins to the distance of one cross section of the body from the edges there."""
     half = 0.5 * w.width
+    ahead_x = w.ahead_x
+    ahead_y = w.ahead_y
+    tangent_x = w.tangent_x
+    tangent_y = w.tangent_y
+    right_margin = w.right_margin
+    left_margin = w.left_margin
+    bulge = 0.125 * (w.spacing * w.spacing)
+    bent = 0.5 * (x * x)
+    last = w.n - 1
     for i in range(w.n):
-        turn_cos = w.ahead_x[i] * w.tangent_x[i] + w.ahead_y[i] * w.tangent_y[i]
-        turn_sin = w.ahead_y[i] * w.tangent_x[i] - w.ahead_x[i] * w.tangent_y[i]
-        reach = half * turn_cos + 0.125 * abs(w.curvature[i]) * (w.spacing * w.spacing)
-        middle = w.u[i] + x * turn_sin - 0.5 * w.route_curvature[i] * (x * x)
-        at = min(max(i + ahead, 0), w.n - 1)  # edges continue beyond the ends
-        w.right_margin[i] = min(w.right_margin[i], middle - reach - w.right_edge[at])
-        w.left_margin[i] = min(w.left_margin[i], w.left_edge[at] - middle - reach)
+        turn_cos = ahead_x[i] * tangent_x[i] + ahead_y[i] * tangent_y[i]
+        turn_sin = ahead_y[i] * tangent_x[i] - ahead_x[i] * tangent_y[i]
+        reach = half * turn_cos + bulge * abs(w.curvature[i])
+        middle = w.u[i] + x * turn_sin - bent * w.route_curvature[i]
+        at = min(max(i + ahead, 0), last)  # edges continue beyond the ends
+        right_margin[i] = min(right_margin[i], middle - reach - w.right_edge[at])
+        left_margin[i] = min(left_margin[i], w.left_edge[at] - middle - reach)
 
 
 def has_straight_edges(w: BandWork) -> Flag:
@@ -31,10 +40,12 @@ def has_straight_edges(w: BandWork) -> Flag:
 
 def measure_edges(w: BandWork) -> None:
     """Compute the distance of the body from both edges, over its length."""
+    right_margin = w.right_margin
+    left_margin = w.left_margin
     w.min_edge_clearance = math.inf
     for i in range(w.n):
-        w.right_margin[i] = math.inf
-        w.left_margin[i] = math.inf
+        right_margin[i] = math.inf
+        left_margin[i] = math.inf
     if not w.has_edges:
         return
     front = w.box_offset + 0.5 * w.length
@@ -49,7 +60,7 @@ def measure_edges(w: BandWork) -> None:
             if rear - h < k * h < front + h:
                 measure_edges_at(w, min(max(k * h, rear), front), k)
     for i in range(w.n):
-        margin = min(w.right_margin[i], w.left_margin[i])
+        margin = min(right_margin[i], left_margin[i])
         w.min_edge_clearance = min(w.min_edge_clearance, margin)
         if not margin > -math.inf:
             w.finite = False
@@ -60,15 +71,23 @@ def certify(w: BandWork) -> None:
     w.finite = True
     displace_nodes(w)
     fit_spline(w)
-    w.max_curvature = 0.0
-    w.curvature_ratio = 0.0
+    u = w.u
+    moment_x = w.moment_x
+    moment_y = w.moment_y
+    sharpest = 0.0
+    ratio = 0.0
+    size = 0.0  # of all, as a sum keeps what is no number
     for i in range(w.n):
         curvature = abs(w.curvature[i])
-        w.max_curvature = max(w.max_curvature, curvature)
-        w.curvature_ratio = max(w.curvature_ratio, curvature / w.curvature_limit[i])
-        size = abs(w.u[i]) + abs(w.moment_x[i]) + abs(w.moment_y[i]) + curvature
-        if not size < math.inf:
-            w.finite = False
+        if curvature > sharpest:
+            sharpest = curvature
+        if curvature / w.curvature_limit[i] > ratio:
+            ratio = curvature / w.curvature_limit[i]
+        size += abs(u[i]) + abs(moment_x[i]) + abs(moment_y[i]) + curvature
+    w.max_curvature = sharpest
+    w.curvature_ratio = ratio
+    if not size < math.inf:
+        w.finite = False
     measure_gaps(w)
     measure_edges(w)
 

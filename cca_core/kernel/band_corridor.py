@@ -12,64 +12,42 @@ END_SLOPE = 0.5  # at which bounds fall beyond the ends of an obstacle, steeper 
 MIN_DROP = 1e-9  # of an overlap from node to node [m]
 
 
-def set_heading(w: BandWork, o: Int, i: Int) -> None:
-    """Compute unit heading and radius of an obstacle, and how far a corner has moved since the last node."""
-    if i > 0 and w.box_psi[o, i] == w.box_psi[o, i - 1]:
-        w.box_ahead_x[o, i] = w.box_ahead_x[o, i - 1]
-        w.box_ahead_y[o, i] = w.box_ahead_y[o, i - 1]
-    else:
-        w.box_ahead_x[o, i] = math.cos(w.box_psi[o, i])
-        w.box_ahead_y[o, i] = math.sin(w.box_psi[o, i])
-    w.radius[o, i] = norm(w.half_length[o, i], w.half_width[o, i])
-    w.max_radius[o] = max(w.max_radius[o], w.radius[o, i])
-    if i > 0:
-        step = norm(w.box_x[o, i] - w.box_x[o, i - 1], w.box_y[o, i] - w.box_y[o, i - 1])
-        turn_x = w.box_ahead_x[o, i] - w.box_ahead_x[o, i - 1]
-        turn = norm(turn_x, w.box_ahead_y[o, i] - w.box_ahead_y[o, i - 1])
-        w.max_step[o] = max(w.max_step[o], step + turn * w.radius[o, i])
-
-
-def set_headings(w: BandWork) -> None:
-    """Compute headings, radii and steps of the obstacles."""
-    x = w.box_x
-    y = w.box_y
-    psi = w.box_psi
-    length = w.half_length
-    width = w.half_width
-    for o in range(w.m):
-        w.max_step[o] = 0.0
-        w.max_radius[o] = 0.0
-        set_heading(w, o, 0)
-        for i in range(1, w.n):
-            k = i - 1
-            if x[o, i] != x[o, k] or y[o, i] != y[o, k] or psi[o, i] != psi[o, k]:
-                set_heading(w, o, i)
-            elif length[o, i] != length[o, k] or width[o, i] != width[o, k]:
-                set_heading(w, o, i)
-            else:
-                w.box_ahead_x[o, i] = w.box_ahead_x[o, k]
-                w.box_ahead_y[o, i] = w.box_ahead_y[o, k]
-                w.radius[o, i] = w.radius[o, k]
-
-
 def measure_overlaps(w: BandWork) -> Flag:
     """Compute how far obstacles overlap the ego along the route; return whether all are parallel to it."""
     # the ego reaches from -reach to reach + lead
     reach = 0.5 * w.length
     clearance = w.clearance
+    offset = w.box_offset
+    route_x = w.route_x
+    route_y = w.route_y
+    tangent_x = w.tangent_x
+    tangent_y = w.tangent_y
     max_sine = 0.0
     for o in range(w.m):
+        lead = w.lead_distance[o]
+        changes = w.is_fixed[o] == 0
+        ax = w.box_ahead_x[o, 0]
+        ay = w.box_ahead_y[o, 0]
+        box_x = w.box_x[o, 0]
+        box_y = w.box_y[o, 0]
+        half_length = w.half_length[o, 0] + clearance
+        half_width = w.half_width[o, 0] + clearance
         for i in range(w.n):
-            tx = w.tangent_x[i]
-            ty = w.tangent_y[i]
-            ax = w.box_ahead_x[o, i]
-            ay = w.box_ahead_y[o, i]
-            x = (w.box_x[o, i] - w.route_x[i]) * tx + (w.box_y[o, i] - w.route_y[i]) * ty - w.box_offset
+            if changes:
+                ax = w.box_ahead_x[o, i]
+                ay = w.box_ahead_y[o, i]
+                box_x = w.box_x[o, i]
+                box_y = w.box_y[o, i]
+                half_length = w.half_length[o, i] + clearance
+                half_width = w.half_width[o, i] + clearance
+            tx = tangent_x[i]
+            ty = tangent_y[i]
+            x = (box_x - route_x[i]) * tx + (box_y - route_y[i]) * ty - offset
             cosine = abs(ax * tx + ay * ty)
             sine = abs(ay * tx - ax * ty)
-            max_sine = max(max_sine, sine)
-            half_x = (w.half_length[o, i] + clearance) * cosine + (w.half_width[o, i] + clearance) * sine
-            w.overlap[o, i] = half_x + reach - max(-x, x - w.lead_distance[o])
+            if sine > max_sine:
+                max_sine = sine
+            w.overlap[o, i] = half_length * cosine + half_width * sine + reach - max(-x, x - lead)
     return max_sine < ALIGNED
 
 
@@ -109,15 +87,17 @@ def measure_range(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
 def set_passing(w: BandWork) -> None:
     """Compute the displacements at which the ego passes obstacles; infinite where one is not alongside."""
     # bounds at the nodes with an overlap alone would jump by a node when an end moves past one
-    set_headings(w)
     aligned = measure_overlaps(w)
     slope = END_SLOPE * norm(w.route_x[1] - w.route_x[0], w.route_y[1] - w.route_y[0])
     last = w.n - 1
     for o in range(w.m):
+        overlap = w.overlap[o, 0]
+        after = overlap
         for i in range(w.n):
-            overlap = w.overlap[o, i]
-            before = w.overlap[o, i - 1] if i > 0 else overlap
-            after = w.overlap[o, i + 1] if i < last else overlap
+            before = overlap
+            overlap = after
+            if i < last:
+                after = w.overlap[o, i + 1]
             if before >= 0.0 or overlap >= 0.0 or after >= 0.0:
                 measure_range(w, o, i, aligned)
                 near = max(before, overlap, after)
@@ -132,19 +112,22 @@ def set_passing(w: BandWork) -> None:
 def set_bounds(w: BandWork) -> Int:
     """Compute the bounds for the sides; return the node where they overlap most, or -1."""
     half = 0.5 * w.width
+    lower = w.lower
+    upper = w.upper
     for i in range(w.n):
-        w.lower[i] = w.right_edge[i] + half
-        w.upper[i] = w.left_edge[i] - half
+        lower[i] = w.right_edge[i] + half
+        upper[i] = w.left_edge[i] - half
     for o in range(w.m):
+        left = w.passes_left[o] != 0
         for i in range(w.n):
-            if w.passes_left[o] != 0:
-                w.lower[i] = max(w.lower[i], w.passing_left[o, i])
+            if left:
+                lower[i] = max(lower[i], w.passing_left[o, i])
             else:
-                w.upper[i] = min(w.upper[i], w.passing_right[o, i])
+                upper[i] = min(upper[i], w.passing_right[o, i])
     worst = 0.0
     node = -1
     for i in range(w.n):
-        if w.lower[i] - w.upper[i] > worst:
-            worst = w.lower[i] - w.upper[i]
+        if lower[i] - upper[i] > worst:
+            worst = lower[i] - upper[i]
             node = i
     return node

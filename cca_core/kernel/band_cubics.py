@@ -17,14 +17,32 @@ def join_cubics(
     """Compute arc lengths, and a, b, c, d of x and then of y, from nodes and spline moments / 6."""
     s = 0.0
     breaks[0] = start
+    x = nodes[0, 0]
+    y = nodes[0, 1]
+    moment_x = moments[0, 0]
+    moment_y = moments[0, 1]
     for i in range(segments):
-        length = norm(nodes[i + 1, 0] - nodes[i, 0], nodes[i + 1, 1] - nodes[i, 1])
+        next_x = nodes[i + 1, 0]
+        next_y = nodes[i + 1, 1]
+        dx = next_x - x
+        dy = next_y - y
+        length = norm(dx, dy)
         s += length
         breaks[i + 1] = s + start
-        for k in range(2):
-            here = length * length * moments[i, k]
-            then = length * length * moments[i + 1, k]
-            cubics[i, 4 * k] = then - here
-            cubics[i, 4 * k + 1] = 3.0 * here
-            cubics[i, 4 * k + 2] = nodes[i + 1, k] - nodes[i, k] - (2.0 * here + then)
-            cubics[i, 4 * k + 3] = nodes[i, k]
+        squared = length * length
+        here = squared * moment_x
+        moment_x = moments[i + 1, 0]
+        then = squared * moment_x
+        cubics[i, 0] = then - here
+        cubics[i, 1] = 3.0 * here
+        cubics[i, 2] = dx - (2.0 * here + then)
+        cubics[i, 3] = x
+        here = squared * moment_y
+        moment_y = moments[i + 1, 1]
+        then = squared * moment_y
+        cubics[i, 4] = then - here
+        cubics[i, 5] = 3.0 * here
+        cubics[i, 6] = dy - (2.0 * here + then)
+        cubics[i, 7] = y
+        x = next_x
+        y = next_y

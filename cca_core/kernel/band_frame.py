@@ -4,7 +4,7 @@ import math
 
 from cca_core.kernel.band_workspace import OK, TOO_LONG, UNEVEN_SPACING, BandWork, Equilibrium
 from cca_core.kernel.box_gaps import norm
-from cca_core.kernel.circles import TINY, circle_curvature
+from cca_core.kernel.constants import TINY
 from cca_core.kernel.equilibrium import respond_to_start
 from cca_core.kernel.stiffness import set_stiffness
 from cca_core.kernel.types import Int, Real
@@ -24,9 +24,12 @@ def measure_route(w: BandWork) -> Int:
     longest = 0.0
     for i in range(n - 1):
         step = norm(x[i + 1] - x[i], y[i + 1] - y[i])
+        w.chord[i] = step
         total += step
-        shortest = min(shortest, step)
-        longest = max(longest, step)
+        if step < shortest:
+            shortest = step
+        if step > longest:
+            longest = step
     w.spacing = total / (n - 1)
     if not (shortest > MIN_EVENNESS * w.spacing and w.spacing > MIN_EVENNESS * longest):
         return UNEVEN_SPACING
@@ -42,8 +45,11 @@ def measure_route(w: BandWork) -> Int:
             return UNEVEN_SPACING
         w.tangent_x[i] = dx / length
         w.tangent_y[i] = dy / length
-    for i in range(1, n - 1):
-        w.route_curvature[i] = circle_curvature(x[i - 1], y[i - 1], x[i], y[i], x[i + 1], y[i + 1])
+        if 0 < i < n - 1:  # of the circle through three nodes
+            ax = x[i] - x[a]
+            ay = y[i] - y[a]
+            cross = ax * (y[b] - y[i]) - ay * (x[b] - x[i])
+            w.route_curvature[i] = 2.0 * cross / (w.chord[a] * w.chord[i] * length)
     w.route_curvature[0] = w.route_curvature[1]
     w.route_curvature[n - 1] = w.route_curvature[n - 2]
     return OK

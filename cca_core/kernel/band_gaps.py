@@ -4,7 +4,7 @@ import math
 
 from cca_core.kernel.band_workspace import BandWork
 from cca_core.kernel.box_gaps import norm, oriented_box_gap
-from cca_core.kernel.circles import TINY
+from cca_core.kernel.constants import TINY
 from cca_core.kernel.types import Flag, Int, Real, floor_within
 
 CURVE_ERROR = 2e-3  # by which cubics and headings between nodes may differ from those assumed [m]
@@ -23,17 +23,30 @@ def gap_at(w: BandWork, o: Int, i: Int) -> Real:
     )  # fmt: skip
 
 
-def sample_between(w: BandWork, o: Int, i: Int) -> None:
-    """Compute the gap to an obstacle at equal parts from a node to the next."""
+def sample_between(w: BandWork, o: Int, i: Int, first: Real, last: Real) -> None:
+    """Compute the gap to an obstacle at equal parts from a node to the next, whose gaps are given."""
     j = i + 1
-    cx = w.x[j] - w.x[i]
-    cy = w.y[j] - w.y[i]
+    x = w.x[i]
+    y = w.y[i]
+    cx = w.x[j] - x
+    cy = w.y[j] - y
     chord = norm(cx, cy)
     ax = w.ahead_x[i] * chord - cx
     ay = w.ahead_y[i] * chord - cy
     bx = cx - w.ahead_x[j] * chord
     by = cy - w.ahead_y[j] * chord
-    for k in range(PARTS + 1):
+    changes = w.is_fixed[o] == 0
+    box_x = w.box_x[o, i]
+    box_y = w.box_y[o, i]
+    heading_x = w.box_ahead_x[o, i]
+    heading_y = w.box_ahead_y[o, i]
+    box_length = w.half_length[o, i]
+    box_width = w.half_width[o, i]
+    length = 0.5 * w.length
+    width = 0.5 * w.width
+    w.parts[0] = first
+    w.parts[PARTS] = last
+    for k in range(1, PARTS):
         f = k / 16.0
         e = 1.0 - f
         tx = cx + e * (1.0 - 3.0 * f) * ax + f * (2.0 - 3.0 * f) * bx
@@ -41,25 +54,27 @@ def sample_between(w: BandWork, o: Int, i: Int) -> None:
         speed = max(norm(tx, ty), TINY)
         tx /= speed
         ty /= speed
-        hx = w.box_ahead_x[o, i] + f * (w.box_ahead_x[o, j] - w.box_ahead_x[o, i])
-        hy = w.box_ahead_y[o, i] + f * (w.box_ahead_y[o, j] - w.box_ahead_y[o, i])
-        heading = max(norm(hx, hy), TINY)
-        dx = w.box_x[o, i] + f * (w.box_x[o, j] - w.box_x[o, i])
-        dy = w.box_y[o, i] + f * (w.box_y[o, j] - w.box_y[o, i])
-        dx -= w.x[i] + f * cx + f * e * (e * ax + f * bx)
-        dy -= w.y[i] + f * cy + f * e * (e * ay + f * by)
-        half_length = w.half_length[o, i] + f * (w.half_length[o, j] - w.half_length[o, i])
-        half_width = w.half_width[o, i] + f * (w.half_width[o, j] - w.half_width[o, i])
+        if changes:
+            hx = w.box_ahead_x[o, i] + f * (w.box_ahead_x[o, j] - w.box_ahead_x[o, i])
+            hy = w.box_ahead_y[o, i] + f * (w.box_ahead_y[o, j] - w.box_ahead_y[o, i])
+            heading = max(norm(hx, hy), TINY)
+            heading_x = hx / heading
+            heading_y = hy / heading
+            box_x = w.box_x[o, i] + f * (w.box_x[o, j] - w.box_x[o, i])
+            box_y = w.box_y[o, i] + f * (w.box_y[o, j] - w.box_y[o, i])
+            box_length = w.half_length[o, i] + f * (w.half_length[o, j] - w.half_length[o, i])
+            box_width = w.half_width[o, i] + f * (w.half_width[o, j] - w.half_width[o, i])
+        dx = box_x - (x + f * cx + f * e * (e * ax + f * bx)) - w.box_offset * tx
+        dy = box_y - (y + f * cy + f * e * (e * ay + f * by)) - w.box_offset * ty
         w.parts[k] = oriented_box_gap(
-            dx - w.box_offset * tx, dy - w.box_offset * ty, tx, ty, hx / heading, hy / heading,
-            0.5 * w.length, 0.5 * w.width, half_length, half_width,
-        )  # fmt: skip
+            dx, dy, tx, ty, heading_x, heading_y, length, width, box_length, box_width
+        )
 
 
-def min_between(w: BandWork, o: Int, i: Int) -> Real:
-    """Return a lower bound of the gap to an obstacle from a node to the next, ends included."""
+def min_between(w: BandWork, o: Int, i: Int, first: Real, last: Real) -> Real:
+    """Return a lower bound of the gap to an obstacle from a node to the next, whose gaps are given."""
     gap = w.parts
-    sample_between(w, o, i)
+    sample_between(w, o, i, first, last)
     bound = gap[0]
     for k in range(1, PARTS + 1):
         bound = min(bound, gap[k])
@@ -85,13 +100,24 @@ def max_change(w: BandWork) -> Real:
 
 def set_centers(w: BandWork) -> Real:
     """Compute the center of the ego's box at each node; return the longest way from node to node."""
-    step = 0.0
+    center_x = w.center_x
+    center_y = w.center_y
+    offset = w.box_offset
+    longest = 0.0
+    last_x = 0.0
+    last_y = 0.0
     for i in range(w.n):
-        w.center_x[i] = w.x[i] + w.box_offset * w.ahead_x[i]
-        w.center_y[i] = w.y[i] + w.box_offset * w.ahead_y[i]
+        x = w.x[i] + offset * w.ahead_x[i]
+        y = w.y[i] + offset * w.ahead_y[i]
+        center_x[i] = x
+        center_y[i] = y
         if i > 0:
-            step = max(step, norm(w.center_x[i] - w.center_x[i - 1], w.center_y[i] - w.center_y[i - 1]))
-    return step
+            dx = x - last_x
+            dy = y - last_y
+            longest = max(longest, dx * dx + dy * dy)
+        last_x = x
+        last_y = y
+    return math.sqrt(longest)
 
 
 def find_near(w: BandWork) -> None:
@@ -200,7 +226,7 @@ def refine_between(w: BandWork) -> None:
             continue
         loose = bound[k] < min_sample - LOOSE and bound[k] < w.clearance + DECISIVE and w.max_step[o] == 0.0
         if bound[k] < w.clearance or loose:
-            bound[k] = min_between(w, o, i)
+            bound[k] = min_between(w, o, i, sampled[k], sampled[k + 1])
 
 
 def measure_gaps(w: BandWork) -> None:

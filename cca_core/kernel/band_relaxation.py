@@ -13,7 +13,7 @@ from cca_core.kernel.band_result import (
     report_stall,
 )
 from cca_core.kernel.band_tightening import solve_and_certify, tighten
-from cca_core.kernel.band_workspace import NO_CONSTRAINT, OK, BandWork, Equilibrium
+from cca_core.kernel.band_workspace import INVALID_BOXES, NO_CONSTRAINT, OK, BandWork, Equilibrium
 from cca_core.kernel.types import Int
 
 
@@ -21,7 +21,7 @@ def prepare_band(w: BandWork, e: Equilibrium) -> Int:
     """Put a band problem into the frame of each node; return a status."""
     e.n = w.n
     e.solves = 0
-    w.status = measure_route(w)
+    w.status = measure_route(w) if w.has_valid_boxes else INVALID_BOXES
     if w.status != OK:
         return w.status
     set_elasticity(w, e)

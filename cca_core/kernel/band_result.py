@@ -47,9 +47,11 @@ def closest_edge(w: BandWork) -> Int:
 
 def largest_displacement(w: BandWork) -> Real:
     """Return the largest displacement [m], without sign."""
+    u = w.u
     largest = 0.0
     for i in range(w.n):
-        largest = max(largest, abs(w.u[i]))
+        if abs(u[i]) > largest:
+            largest = abs(u[i])
     return largest
 
 

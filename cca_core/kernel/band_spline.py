@@ -2,7 +2,7 @@
 
 from cca_core.kernel.band_workspace import BandWork
 from cca_core.kernel.box_gaps import norm
-from cca_core.kernel.circles import TINY
+from cca_core.kernel.constants import TINY
 
 
 def displace_nodes(w: BandWork) -> None:
@@ -23,24 +23,25 @@ def solve_moments(w: BandWork) -> None:
     my[0] = w.moment_y0
     mx[n - 1] = w.moment_x1
     my[n - 1] = w.moment_y1
+    factor = h[0]  # of the row before, whose moment is x, y
+    x = mx[0]
+    y = my[0]
+    last = 0.0
     for i in range(1, n - 1):
-        mx[i] = w.ahead_x[i] - w.ahead_x[i - 1]
-        my[i] = w.ahead_y[i] - w.ahead_y[i - 1]
-        diagonal[i] = 2.0 * (h[i] + h[i - 1])
-    mx[1] -= h[0] * mx[0]
-    my[1] -= h[0] * my[0]
-    mx[n - 2] -= h[n - 2] * mx[n - 1]
-    my[n - 2] -= h[n - 2] * my[n - 1]
-    for i in range(2, n - 1):
-        factor = h[i - 1] / diagonal[i - 1]
-        diagonal[i] -= factor * h[i - 1]
-        mx[i] -= factor * mx[i - 1]
-        my[i] -= factor * my[i - 1]
-    mx[n - 2] /= diagonal[n - 2]
-    my[n - 2] /= diagonal[n - 2]
-    for i in range(n - 3, 0, -1):
-        mx[i] = (mx[i] - h[i] * mx[i + 1]) / diagonal[i]
-        my[i] = (my[i] - h[i] * my[i + 1]) / diagonal[i]
+        x = w.ahead_x[i] - w.ahead_x[i - 1] - factor * x
+        y = w.ahead_y[i] - w.ahead_y[i - 1] - factor * y
+        last = 2.0 * (h[i] + h[i - 1]) - (factor * h[i - 1] if i > 1 else 0.0)
+        mx[i] = x
+        my[i] = y
+        diagonal[i] = last
+        factor = h[i] / last
+    x = mx[n - 1]
+    y = my[n - 1]
+    for i in range(n - 2, 0, -1):
+        x = (mx[i] - h[i] * x) / diagonal[i]
+        y = (my[i] - h[i] * y) / diagonal[i]
+        mx[i] = x
+        my[i] = y
 
 
 def fit_spline(w: BandWork) -> None:
@@ -51,12 +52,15 @@ def fit_spline(w: BandWork) -> None:
     ay = w.ahead_y
     mx = w.moment_x
     my = w.moment_y
+    x = w.x
+    y = w.y
     for i in range(n - 1):
-        dx = w.x[i + 1] - w.x[i]
-        dy = w.y[i + 1] - w.y[i]
-        h[i] = max(norm(dx, dy), TINY)
-        ax[i] = dx / h[i]
-        ay[i] = dy / h[i]
+        dx = x[i + 1] - x[i]
+        dy = y[i + 1] - y[i]
+        chord = max(norm(dx, dy), TINY)
+        h[i] = chord
+        ax[i] = dx / chord
+        ay[i] = dy / chord
     solve_moments(w)
     # the last tangent first: it needs the last slope
     ax[n - 1] = ax[n - 2] + h[n - 2] * (2.0 * mx[n - 1] + mx[n - 2])
@@ -65,7 +69,11 @@ def fit_spline(w: BandWork) -> None:
         ax[i] -= h[i] * (2.0 * mx[i] + mx[i + 1])
         ay[i] -= h[i] * (2.0 * my[i] + my[i + 1])
     for i in range(n):
-        speed = max(norm(ax[i], ay[i]), TINY)
-        ax[i] /= speed
-        ay[i] /= speed
-        w.curvature[i] = 6.0 * (ax[i] * my[i] - ay[i] * mx[i]) / (speed * speed)
+        tx = ax[i]
+        ty = ay[i]
+        speed = max(norm(tx, ty), TINY)
+        tx /= speed
+        ty /= speed
+        ax[i] = tx
+        ay[i] = ty
+        w.curvature[i] = 6.0 * (tx * my[i] - ty * mx[i]) / (speed * speed)

@@ -16,7 +16,7 @@ Codes = Annotated[Ints, "max_certified"]
 Costs = Annotated[Reals, "max_certified"]
 BandNodes = Annotated[Grid, "max_bands", "max_n"]
 BandPoints = Annotated[Grid, "max_bands", "2 * max_n"]
-BandBoxes = Annotated[Grid, "5 * max_m * max_bands", "max_n"]
+BandBoxes = Annotated[Reals, "5 * max_m * max_bands * max_n"]
 BandStarts = Annotated[Grid, "max_bands", 3]
 BandSides = Annotated[Ints, "max_m * max_bands"]
 
@@ -26,6 +26,7 @@ INFEASIBLE = 1
 NOT_CONVERGED = 2
 UNEVEN_SPACING = 3
 TOO_LONG = 4  # for the digits of a double, where a band begins off its route
+INVALID_BOXES = 5  # not finite, or of negative size
 
 # reason of a status
 SATISFIED = 0
@@ -125,6 +126,7 @@ class BandWork:
     side_change_fraction: Real
     # problem
     has_edges: Flag
+    has_valid_boxes: Flag
     route_x: Nodes
     route_y: Nodes
     right_edge: Nodes
@@ -132,7 +134,6 @@ class BandWork:
     curvature_limit: Nodes
     box_x: ObstacleNodes
     box_y: ObstacleNodes
-    box_psi: ObstacleNodes
     half_length: ObstacleNodes
     half_width: ObstacleNodes
     lead_distance: ObstacleReals
@@ -160,6 +161,7 @@ class BandWork:
     box_ahead_y: ObstacleNodes
     radius: ObstacleNodes
     max_radius: ObstacleReals
+    is_fixed: ObstacleMarks  # whether its box is the same at all nodes
     max_step: ObstacleReals  # longest way of a corner from node to node
     overlap: ObstacleNodes  # of an obstacle and the ego along the route
     passing_right: ObstacleNodes  # displacement at which the ego passes on the right; infinite if far
@@ -233,7 +235,7 @@ class BandBatch:
     has_edges: Flag
     has_former: Flag
     nodes: BandPoints
-    boxes: BandBoxes  # x, y, heading, length and width: of each, rows (obstacle, band)
+    boxes: BandBoxes  # x, y, heading, length and width: of each, rows (obstacle, band) of max_n
     right_edge: BandNodes
     left_edge: BandNodes
     curvature_limit: BandNodes

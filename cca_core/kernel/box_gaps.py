@@ -35,24 +35,20 @@ def norm(x: Real, y: Real) -> Real:
 
 def squared_distance(x: Real, y: Real, half_length: Real, half_width: Real) -> Real:
     """Squared distance of a point from a box around the origin."""
-    dx = max(abs(x) - half_length, 0.0)
-    dy = max(abs(y) - half_width, 0.0)
-    return dx * dx + dy * dy
+    dx = abs(x) - half_length
+    dy = abs(y) - half_width
+    if dx > 0.0:
+        return dx * dx + dy * dy if dy > 0.0 else dx * dx
+    return dy * dy if dy > 0.0 else 0.0
 
 
 def nearest_corner(
-    x: Real, y: Real, c: Real, s: Real, length: Real, width: Real, own_length: Real, own_width: Real
+    near_x: Real, side_y: Real, side_x: Real, near_y: Real, half_length: Real, half_width: Real
 ) -> Real:
-    """Smallest squared distance of the corners of a turned box at x, y from a box around the origin."""
-    ax = c * length - s * width
-    ay = s * length + c * width
-    bx = c * length + s * width
-    by = s * length - c * width
+    """Smaller squared distance of the two corners that protrude most towards a box around the origin."""
     return min(
-        squared_distance(x + ax, y + ay, own_length, own_width),
-        squared_distance(x - ax, y - ay, own_length, own_width),
-        squared_distance(x + bx, y + by, own_length, own_width),
-        squared_distance(x - bx, y - by, own_length, own_width),
+        squared_distance(near_x, side_y, half_length, half_width),
+        squared_distance(side_x, near_y, half_length, half_width),
     )
 
 
@@ -73,34 +69,57 @@ def oriented_box_gap(
     turn_s = by * ax - bx * ay
     c = abs(turn_c)
     s = abs(turn_s)
-    # b in the frame of a, and a in the frame of b
+    # b in the frame of a, and a in the frame of b, each mirrored to lie ahead and to the left
     x_b = dx * ax + dy * ay
     y_b = dy * ax - dx * ay
-    x_a = -(dx * bx + dy * by)
-    y_a = -(dy * bx - dx * by)
-    along_a = abs(x_b) - length_a - (length_b * c + width_b * s)
-    across_a = abs(y_b) - width_a - (length_b * s + width_b * c)
-    along_b = abs(x_a) - length_b - (length_a * c + width_a * s)
-    across_b = abs(y_a) - width_b - (length_a * s + width_a * c)
+    x_a = dx * bx + dy * by
+    y_a = dy * bx - dx * by
+    turn = turn_c * turn_s
+    turn_b = 1.0 if turn * x_b * y_b >= 0.0 else -1.0
+    turn_a = -1.0 if turn * x_a * y_a >= 0.0 else 1.0
+    x_b = abs(x_b)
+    y_b = abs(y_b)
+    x_a = abs(x_a)
+    y_a = abs(y_a)
+    # each box protrudes most towards the other one, along and across, with one corner: its coordinate there
+    near_x_b = x_b - (length_b * c + width_b * s)
+    near_y_b = y_b - (length_b * s + width_b * c)
+    near_x_a = x_a - (length_a * c + width_a * s)
+    near_y_a = y_a - (length_a * s + width_a * c)
+    along_a = near_x_b - length_a
+    across_a = near_y_b - width_a
+    along_b = near_x_a - length_b
+    across_b = near_y_a - width_b
     separation = max(along_a, across_a, along_b, across_b)
     if not math.isfinite(along_a + across_a + along_b + across_b):  # NaN may be lost in a maximum
         return along_a + across_a + along_b + across_b
     if separation <= 0.0:
         return separation
-    of_b = nearest_corner(x_b, y_b, turn_c, turn_s, length_b, width_b, length_a, width_a)
-    of_a = nearest_corner(x_a, y_a, turn_c, -turn_s, length_a, width_a, length_b, width_b)
+    # and the other coordinate: if it lies next to that side, nothing is closer
+    side_y_b = y_b - turn_b * (length_b * s - width_b * c)
+    side_x_b = x_b - turn_b * (length_b * c - width_b * s)
+    side_y_a = y_a - turn_a * (length_a * s - width_a * c)
+    side_x_a = x_a - turn_a * (length_a * c - width_a * s)
+    if separation == along_a and abs(side_y_b) <= width_a:
+        return separation
+    if separation == across_a and abs(side_x_b) <= length_a:
+        return separation
+    if separation == along_b and abs(side_y_a) <= width_b:
+        return separation
+    if separation == across_b and abs(side_x_a) <= length_b:
+        return separation
+    of_b = nearest_corner(near_x_b, side_y_b, side_x_b, near_y_b, length_a, width_a)
+    of_a = nearest_corner(near_x_a, side_y_a, side_x_a, near_y_a, length_b, width_b)
     squared = min(of_b, of_a)
     if squared < LARGE:
         return math.sqrt(squared)
     unit = 1.0 / separation
     of_b = nearest_corner(
-        x_b * unit, y_b * unit, turn_c, turn_s,
-        length_b * unit, width_b * unit, length_a * unit, width_a * unit,
-    )  # fmt: skip
+        near_x_b * unit, side_y_b * unit, side_x_b * unit, near_y_b * unit, length_a * unit, width_a * unit
+    )
     of_a = nearest_corner(
-        x_a * unit, y_a * unit, turn_c, -turn_s,
-        length_a * unit, width_a * unit, length_b * unit, width_b * unit,
-    )  # fmt: skip
+        near_x_a * unit, side_y_a * unit, side_x_a * unit, near_y_a * unit, length_b * unit, width_b * unit
+    )
     return separation * math.sqrt(min(of_b, of_a))
 
 

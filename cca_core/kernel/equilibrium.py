@@ -40,8 +40,10 @@ def guess_active_set(e: Equilibrium) -> None:
     active = e.active
     violation = e.step
     for i in range(2, n - 2):
-        active[i] = side_of(0.0, e.lower[i], e.upper[i])
-        violation[i] = max(e.lower[i], 0.0) + min(e.upper[i], 0.0)
+        low = e.lower[i]
+        high = e.upper[i]
+        active[i] = side_of(0.0, low, high) if low > 0.0 or high < 0.0 else 0
+        violation[i] = max(low, 0.0) + min(high, 0.0)
     if e.bounded:
         for i in range(1, n - 1):
             e.sharp[i] = side_of(0.0, e.lower_difference[i], e.upper_difference[i])
@@ -63,11 +65,18 @@ def guess_active_set(e: Equilibrium) -> None:
 def update_active_set(e: Equilibrium, u: Nodes) -> Flag:
     """Take the bounds that a displacement violates; return whether they are those before."""
     same = True
+    active = e.active
+    lower = e.lower
+    upper = e.upper
     for i in range(2, e.n - 2):
-        now = side_of(u[i], e.lower[i], e.upper[i])
-        if now != e.active[i]:
+        now = 0
+        if u[i] < lower[i]:
+            now = -1
+        elif u[i] > upper[i]:
+            now = 1
+        if now != active[i]:
             same = False
-        e.active[i] = now
+            active[i] = now
     if e.bounded:
         for i in range(1, e.n - 1):
             now = side_of(second_difference(u, i), e.lower_difference[i], e.upper_difference[i])

@@ -77,22 +77,31 @@ def reuse(owner: type[T], **sizes: int) -> Lent[T]:
 
     No other call gets it until `give_back`: a signal handler may run within a call and make the same call.
     """
-    lent: Lent[T] | None = _kept().pop((owner, *sizes.items()), None)
+    lent: Lent[T] | None = pick((owner, *sizes.items()))
     return lend(owner, None, **sizes) if lent is None else lent
 
 
-def give_back(*spaces: Lent[Any]) -> None:
-    """Keep workspaces for the next calls of this thread."""
+def give_back(lent: Lent[Any]) -> None:
+    """Keep a workspace for the next calls of this thread."""
+    keep((lent.owner, *lent.sizes.items()), lent)
+
+
+def pick(key: object) -> Any:
+    """Return what this thread has kept with a key, or None; no other call gets it until it is kept again."""
+    return _kept().pop(key, None)
+
+
+def keep(key: object, memory: Any) -> None:
+    """Keep workspaces, or an object that holds some, for the next calls of this thread."""
     kept = _kept()
-    for lent in spaces:
-        kept[lent.owner, *lent.sizes.items()] = lent
-        while len(kept) > MAX_REUSED:
-            kept.popitem(last=False)
+    kept[key] = memory
+    if len(kept) > MAX_REUSED:
+        kept.popitem(last=False)
 
 
-def _kept() -> OrderedDict[Any, Lent[Any]]:
+def _kept() -> OrderedDict[Any, Any]:
     """Workspaces that this thread keeps; that of the latest call is the last."""
-    kept: OrderedDict[Any, Lent[Any]] | None = getattr(_thread, "kept", None)
+    kept: OrderedDict[Any, Any] | None = getattr(_thread, "kept", None)
     if kept is None:
         kept = _thread.kept = OrderedDict()
     return kept

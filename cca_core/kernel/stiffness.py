@@ -61,12 +61,20 @@ def factorize(e: Equilibrium) -> Flag:
     row_0 = row_diagonal(e)
     row_1 = -15.0 * e.rate - 4.0 * e.bending - e.tension
     row_2 = 6.0 * e.rate + e.bending
+    row_3 = -e.rate
+    contact = e.contact
     definite = True
+    # of the last three rows; before the first one all are zero
+    inverse_1 = 0.0
+    inverse_2 = 0.0
+    inverse_3 = 0.0
+    l1_1 = 0.0
+    l1_2 = 0.0
+    l2_1 = 0.0
     for i in range(2, n - 2):
-        d = row_0 if active[i] == 0 else row_0 + e.contact
+        d = row_0 if active[i] == 0 else row_0 + contact
         c1 = row_1
         c2 = row_2
-        c3 = -e.rate
         if e.bounded:
             before = e.curvature_contact if sharp[i - 1] != 0 else 0.0
             here = e.curvature_contact if sharp[i] != 0 else 0.0
@@ -74,29 +82,32 @@ def factorize(e: Equilibrium) -> Flag:
             d += 4.0 * here + before + after
             c1 -= 2.0 * (before + here)
             c2 += before
-        l1[i] = 0.0
-        l2[i] = 0.0
-        l3[i] = 0.0
-        if i > 4:
-            l3[i] = c3 * inverse[i - 3]
-            d -= c3 * l3[i]
-            c2 -= c3 * l1[i - 2]
-            c1 -= c3 * l2[i - 1]
-        if i > 3:
-            l2[i] = c2 * inverse[i - 2]
-            d -= c2 * l2[i]
-            c1 -= c2 * l1[i - 1]
-        if i > 2:
-            l1[i] = c1 * inverse[i - 1]
-            d -= c1 * l1[i]
+        l3_0 = row_3 * inverse_3
+        d -= row_3 * l3_0
+        c2 -= row_3 * l1_2
+        c1 -= row_3 * l2_1
+        l2_0 = c2 * inverse_2
+        d -= c2 * l2_0
+        c1 -= c2 * l1_1
+        l1_0 = c1 * inverse_1
+        d -= c1 * l1_0
         if not d > 0.0:
             definite = False
             d = 1.0
-        inverse[i] = 1.0 / d
+        l3[i] = l3_0
+        l2[i] = l2_0
+        l1[i] = l1_0
+        inverse_3 = inverse_2
+        inverse_2 = inverse_1
+        inverse_1 = 1.0 / d
+        inverse[i] = inverse_1
+        l1_2 = l1_1
+        l1_1 = l1_0
+        l2_1 = l2_0
     # beyond the last free node they meet zeros, which must not be times what is left from before
-    l1[n - 2] = 0.0
-    l2[n - 2] = 0.0
-    l2[n - 1] = 0.0
+    for i in range(n - 2, n):
+        l2[i] = 0.0
+        l3[i] = 0.0
     return definite
 
 
@@ -107,11 +118,22 @@ def substitute(e: Equilibrium, force: Nodes, to: Nodes) -> None:
     l2 = e.factor_2
     l3 = e.factor_3
     inverse = e.inverse
-    to[2] = force[2]
-    for i in range(3, n - 2):
-        to[i] = force[i] - l1[i] * to[i - 1] - l2[i] * to[i - 2] - l3[i] * to[i - 3]
-    to[n - 3] *= inverse[n - 3]
+    one = 0.0  # of the last rows; beyond the free nodes all are zero
+    two = 0.0
+    three = 0.0
+    for i in range(2, n - 2):
+        here = force[i] - l1[i] * one - l2[i] * two - l3[i] * three
+        to[i] = here
+        three = two
+        two = one
+        one = here
+    one *= inverse[n - 3]
+    two = 0.0
+    three = 0.0
+    to[n - 3] = one
     for i in range(n - 4, 1, -1):
-        to[i] = to[i] * inverse[i] - l1[i + 1] * to[i + 1] - l2[i + 2] * to[i + 2]
-        if i < n - 5:
-            to[i] -= l3[i + 3] * to[i + 3]
+        here = to[i] * inverse[i] - l1[i + 1] * one - l2[i + 2] * two - l3[i + 3] * three
+        to[i] = here
+        three = two
+        two = one
+        one = here

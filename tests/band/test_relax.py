@@ -1,6 +1,8 @@
 """Bands around obstacles in plain scenes, and invalid arguments."""
 
+import dataclasses
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -278,6 +280,27 @@ def test_number_of_solves_is_bounded() -> None:
         for d in np.linspace(-1.5, 1.5, 15)
     ]
     assert max(band.n_solves for band in solves) <= 160
+
+
+def test_settings_of_one_call_do_not_stay() -> None:
+    """Calls one after the other, of one size, with all that a call may change."""
+    problem = scene(straight(), [boxes(75.0, 0.2, 0.6, 4.5, 1.8)])
+    truck = dataclasses.replace(CAR, length=9.0, width=2.5, box_offset=-0.3)
+    settings = BandSettings(max_tightenings=1, clearance_margin=0.2)
+    changes: list[dict] = [
+        {}, {"clearance": 0.4}, {"vehicle": truck}, {"stiffness": BandStiffness(k_b=5.0)},
+        {"settings": settings}, {"lead_distance": 9.0}, {"corridor": (-9.0, 9.0)}, {"start": 0.4},
+        {"side": "left"},
+    ]  # fmt: skip
+    alone = []
+    for each in changes:
+        with ThreadPoolExecutor(1) as fresh:  # whose memory holds nothing
+            alone.append(fresh.submit(relax, problem, **each).result().displacement.tolist())
+    assert len({tuple(u) for u in alone}) >= len(changes) - 2  # most of them matter
+    for first in range(len(changes)):
+        for second in (first - 1, first, (first + 2) % len(changes)):
+            relax(problem, **changes[first])
+            assert relax(problem, **changes[second]).displacement.tolist() == alone[second]
 
 
 def test_result_is_read_only_and_input_unchanged() -> None:

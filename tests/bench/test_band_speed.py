@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 
 from cca_core import Path, VehicleParams
 from cca_core.band import Band, BandStiffness, equilibrium, relax_band, smooth_band
-from cca_core.band.solver import Workspace, measure
+from cca_core.band.solver import borrow, measure
 from cca_core.band.stiffness import deformed
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.kernel import bind
@@ -184,10 +184,10 @@ def test_certified_path(benchmark: Any, problem: Problem, within: Within) -> Non
 @TWO
 def test_certified_band_in_the_kernel(benchmark: Any, problem: Problem, within: Within) -> None:
     """Relaxed band and its certificate without the checks of the arguments."""
-    space = Workspace(problem.relaxed().problem)
+    space = borrow(problem.relaxed().problem)
     space.take(problem.relaxed().problem, GIVEN_SIDES, np.array(problem.lefts)[:, None], None)
     reals, codes = np.empty(REALS + REALS_PER_NODE * 100), np.empty(CODES, dtype=np.int32)
-    given = space.batch.workspace, space.work.workspace, space.equilibrium.workspace
+    given = space.kernel_arguments
     benchmark(bind(relax_bands), *given, 1, len(reals), reals, codes)
     assert codes[0] == OK
     within(30.0 if problem is B else 15.0)

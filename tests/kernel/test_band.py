@@ -39,6 +39,8 @@ def sample_problem(random: np.random.Generator) -> tuple[Any, ...]:
         boxes[1, o] = nodes[:, k, 1, None] + off * ahead[:, 0, None] + moved * ahead[:, 1, None]
         boxes[2, o] = psi[:, k, None] + random.choice((0.0, 0.2))
         boxes[3, o], boxes[4, o] = random.uniform(2.0, 9.0), random.uniform(1.5, 2.6)
+    if m > 0 and random.random() < 0.1:
+        boxes[:, random.integers(m), 0, random.integers(n)] = random.choice([math.nan, math.inf, -1.0, 0.0])
     edge = random.uniform(2.0, 9.0, (BANDS, 1)) + random.choice((0.0, 0.5)) * random.random((BANDS, n))
     start = random.normal(0.0, 0.5) + random.normal(0.0, 0.02, (BANDS, 3))
     limit = random.choice((0.02, 0.1, math.inf))
@@ -46,7 +48,7 @@ def sample_problem(random: np.random.Generator) -> tuple[Any, ...]:
     given = {name: padded(value, (BANDS, max_n)) for name, value in wide.items()}
     given |= {
         "nodes": padded(nodes.reshape(BANDS, -1), (BANDS, 2 * max_n)),
-        "boxes": padded(boxes.reshape(-1, n), (5 * max_m * BANDS, max_n)),
+        "boxes": padded(boxes.reshape(-1, n), (5 * max_m * BANDS, max_n)).reshape(-1),
         "start": start * random.choice((0.0, 1.0)), "lead_distance": np.full(max_m, 1.0),
         "former": random.integers(0, 2, max_m * BANDS), "passes_left": random.integers(0, 2, max_m * BANDS),
     }  # fmt: skip

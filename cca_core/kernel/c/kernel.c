@@ -28,11 +28,7 @@ static inline int floor_within(double value, int low, int high)
 /* band_batch.py: Bands of a batch one after the other: from the caller's arrays into the workspace, and
     back. */
 
-/* band_certificate.py: Certificate of a band: gaps of the ego's swept box to obstacles and edges, and
-    curvature. */
-
-/* band_gaps.py: Gaps of the ego's swept box to obstacles, between nodes too: lower bounds, tight where
-    they limit. */
+/* band_boxes.py: Boxes of the obstacles: their places at each node, headings, radii and steps. */
 
 /* band_workspace.py: Memory of a band in the kernel: codes, the equilibrium, one band, and a batch of
     bands. */
@@ -41,6 +37,7 @@ static inline int floor_within(double value, int low, int high)
 #define BAND_WORKSPACE_NOT_CONVERGED 2
 #define BAND_WORKSPACE_UNEVEN_SPACING 3
 #define BAND_WORKSPACE_TOO_LONG 4
+#define BAND_WORKSPACE_INVALID_BOXES 5
 #define BAND_WORKSPACE_SATISFIED 0
 #define BAND_WORKSPACE_CLEARANCE 1
 #define BAND_WORKSPACE_EDGE 2
@@ -90,22 +87,20 @@ static double box_gaps_norm(double x, double y)
 /* Squared distance of a point from a box around the origin. */
 static double box_gaps_squared_distance(double x, double y, double half_length, double half_width)
 {
-    double dx = real_max(fabs(x) - half_length, 0.0);
-    double dy = real_max(fabs(y) - half_width, 0.0);
-    return dx * dx + dy * dy;
+    double dx = fabs(x) - half_length;
+    double dy = fabs(y) - half_width;
+    if (dx > 0.0) {
+        return dy > 0.0 ? dx * dx + dy * dy : dx * dx;
+    }
+    return dy > 0.0 ? dy * dy : 0.0;
 }
 
-/* Smallest squared distance of the corners of a turned box at x, y from a box around the origin. */
-static double box_gaps_nearest_corner(double x, double y, double c, double s, double length, double width,
-    double own_length, double own_width)
+/* Smaller squared distance of the two corners that protrude most towards a box around the origin. */
+static double box_gaps_nearest_corner(double near_x, double side_y, double side_x, double near_y,
+    double half_length, double half_width)
 {
-    double ax = c * length - s * width;
-    double ay = s * length + c * width;
-    double bx = c * length + s * width;
-    double by = s * length - c * width;
-    return real_min(real_min(real_min(box_gaps_squared_distance(x + ax, y + ay, own_length, own_width),
-        box_gaps_squared_distance(x - ax, y - ay, own_length, own_width)), box_gaps_squared_distance(x + bx, y
-        + by, own_length, own_width)), box_gaps_squared_distance(x - bx, y - by, own_length, own_width));
+    return real_min(box_gaps_squared_distance(near_x, side_y, half_length, half_width),
+        box_gaps_squared_distance(side_x, near_y, half_length, half_width));
 }
 
 /* Signed distance of box b, at dx, dy from box a, from unit headings and half extents [m]. */
@@ -118,12 +113,23 @@ double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double b
     double s = fabs(turn_s);
     double x_b = dx * ax + dy * ay;
     double y_b = dy * ax - dx * ay;
-    double x_a = -(dx * bx + dy * by);
-    double y_a = -(dy * bx - dx * by);
-    double along_a = fabs(x_b) - length_a - (length_b * c + width_b * s);
-    double across_a = fabs(y_b) - width_a - (length_b * s + width_b * c);
-    double along_b = fabs(x_a) - length_b - (length_a * c + width_a * s);
-    double across_b = fabs(y_a) - width_b - (length_a * s + width_a * c);
+    double x_a = dx * bx + dy * by;
+    double y_a = dy * bx - dx * by;
+    double turn = turn_c * turn_s;
+    double turn_b = turn * x_b * y_b >= 0.0 ? 1.0 : -1.0;
+    double turn_a = turn * x_a * y_a >= 0.0 ? -1.0 : 1.0;
+    x_b = fabs(x_b);
+    y_b = fabs(y_b);
+    x_a = fabs(x_a);
+    y_a = fabs(y_a);
+    double near_x_b = x_b - (length_b * c + width_b * s);
+    double near_y_b = y_b - (length_b * s + width_b * c);
+    double near_x_a = x_a - (length_a * c + width_a * s);
+    double near_y_a = y_a - (length_a * s + width_a * c);
+    double along_a = near_x_b - length_a;
+    double across_a = near_y_b - width_a;
+    double along_b = near_x_a - length_b;
+    double across_b = near_y_a - width_b;
     double separation = real_max(real_max(real_max(along_a, across_a), along_b), across_b);
     if (!isfinite(along_a + across_a + along_b + across_b)) {
         return along_a + across_a + along_b + across_b;
@@ -131,17 +137,33 @@ double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double b
     if (separation <= 0.0) {
         return separation;
     }
-    double of_b = box_gaps_nearest_corner(x_b, y_b, turn_c, turn_s, length_b, width_b, length_a, width_a);
-    double of_a = box_gaps_nearest_corner(x_a, y_a, turn_c, -turn_s, length_a, width_a, length_b, width_b);
+    double side_y_b = y_b - turn_b * (length_b * s - width_b * c);
+    double side_x_b = x_b - turn_b * (length_b * c - width_b * s);
+    double side_y_a = y_a - turn_a * (length_a * s - width_a * c);
+    double side_x_a = x_a - turn_a * (length_a * c - width_a * s);
+    if (separation == along_a && fabs(side_y_b) <= width_a) {
+        return separation;
+    }
+    if (separation == across_a && fabs(side_x_b) <= length_a) {
+        return separation;
+    }
+    if (separation == along_b && fabs(side_y_a) <= width_b) {
+        return separation;
+    }
+    if (separation == across_b && fabs(side_x_a) <= length_b) {
+        return separation;
+    }
+    double of_b = box_gaps_nearest_corner(near_x_b, side_y_b, side_x_b, near_y_b, length_a, width_a);
+    double of_a = box_gaps_nearest_corner(near_x_a, side_y_a, side_x_a, near_y_a, length_b, width_b);
     double squared = real_min(of_b, of_a);
     if (squared < BOX_GAPS_LARGE) {
         return sqrt(squared);
     }
     double unit = 1.0 / separation;
-    of_b = box_gaps_nearest_corner(x_b * unit, y_b * unit, turn_c, turn_s, length_b * unit, width_b
-        * unit, length_a * unit, width_a * unit);
-    of_a = box_gaps_nearest_corner(x_a * unit, y_a * unit, turn_c, -turn_s, length_a * unit, width_a
-        * unit, length_b * unit, width_b * unit);
+    of_b = box_gaps_nearest_corner(near_x_b * unit, side_y_b * unit, side_x_b * unit, near_y_b * unit,
+        length_a * unit, width_a * unit);
+    of_a = box_gaps_nearest_corner(near_x_a * unit, side_y_a * unit, side_x_a * unit, near_y_a * unit,
+        length_b * unit, width_b * unit);
     return separation * sqrt(real_min(of_b, of_a));
 }
 
@@ -171,19 +193,86 @@ void cca_box_gaps(int n, int k, const double *a, const double *b, double *gap)
     }
 }
 
-/* circles.py: Circles through three points. */
-#define CIRCLES_TINY 1e-12
-
-/* Return the signed curvature [1/m] of the circle through three points. */
-static double circles_circle_curvature(double x0, double y0, double x1, double y1, double x2, double y2)
+/* Copy the boxes of an obstacle, with headings, radii and largest step; check their numbers. */
+static void band_boxes_load_boxes(const BandBatch *q, int b, BandWork *w, int o)
 {
-    double ax = x1 - x0;
-    double ay = y1 - y0;
-    double bx = x2 - x1;
-    double by = y2 - y1;
-    return 2.0 * (ax * by - ay * bx) / (box_gaps_norm(ax, ay) * box_gaps_norm(bx, by) * box_gaps_norm(x2
-        - x0, y2 - y0));
+    const double *boxes = q->boxes;
+    int at = (o * q->bands + b) * q->max_n;
+    int next_quantity = w->m * q->bands * q->max_n;
+    double x = 0.0;
+    double y = 0.0;
+    double psi = 0.0;
+    double half_length = 0.0;
+    double half_width = 0.0;
+    double ahead_x = 0.0;
+    double ahead_y = 0.0;
+    double radius = 0.0;
+    w->is_fixed[o] = 1;
+    w->max_step[o] = 0.0;
+    w->max_radius[o] = 0.0;
+    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+        double last_x = x;
+        double last_y = y;
+        x = boxes[at];
+        y = boxes[at + next_quantity];
+        double new_psi = boxes[at + 2 * next_quantity];
+        double new_length = 0.5 * boxes[at + 3 * next_quantity];
+        double new_width = 0.5 * boxes[at + 4 * next_quantity];
+        at += 1;
+        bool moves = i == 0 || x != last_x || y != last_y;
+        bool turns = i == 0 || new_psi != psi;
+        bool resizes = i == 0 || new_length != half_length || new_width != half_width;
+        double turn = 0.0;
+        if (moves && !(fabs(x) < HUGE_VAL && fabs(y) < HUGE_VAL)) {
+            w->has_valid_boxes = false;
+        }
+        if (resizes) {
+            half_length = new_length;
+            half_width = new_width;
+            radius = box_gaps_norm(half_length, half_width);
+            w->max_radius[o] = real_max(w->max_radius[o], radius);
+            if (!((0.0 <= half_length && half_length < HUGE_VAL) && (0.0 <= half_width && half_width
+                < HUGE_VAL))) {
+                w->has_valid_boxes = false;
+            }
+        }
+        if (turns) {
+            psi = new_psi;
+            if (!(fabs(psi) < HUGE_VAL)) {
+                w->has_valid_boxes = false;
+                return;
+            }
+            double new_x = cos(psi);
+            double new_y = sin(psi);
+            turn = box_gaps_norm(new_x - ahead_x, new_y - ahead_y);
+            ahead_x = new_x;
+            ahead_y = new_y;
+        }
+        if (i > 0 && (moves || turns || resizes)) {
+            w->is_fixed[o] = 0;
+            w->max_step[o] = real_max(w->max_step[o], box_gaps_norm(x - last_x, y - last_y) + turn * radius);
+        }
+        w->box_x[o * w->max_n + i] = x;
+        w->box_y[o * w->max_n + i] = y;
+        w->half_length[o * w->max_n + i] = half_length;
+        w->half_width[o * w->max_n + i] = half_width;
+        w->box_ahead_x[o * w->max_n + i] = ahead_x;
+        w->box_ahead_y[o * w->max_n + i] = ahead_y;
+        w->radius[o * w->max_n + i] = radius;
+    }
 }
+
+/* band_certificate.py: Certificate of a band: gaps of the ego's swept box to obstacles and edges, and
+    curvature. */
+
+/* band_gaps.py: Gaps of the ego's swept box to obstacles, between nodes too: lower bounds, tight where
+    they limit. */
+
+/* constants.py: Quantities of which kernels and the rest of the library use one value. */
+#define CONSTANTS_GRAVITY 9.81
+#define CONSTANTS_STALE_AGE 1.0
+#define CONSTANTS_STANDSTILL_SPEED 0.5
+#define CONSTANTS_TINY 1e-12
 #define BAND_GAPS_CURVE_ERROR 0.002
 #define BAND_GAPS_LOOSE 0.004
 #define BAND_GAPS_DECISIVE 0.01
@@ -199,50 +288,67 @@ static double band_gaps_gap_at(const BandWork *w, int o, int i)
         * w->max_n + i]);
 }
 
-/* Compute the gap to an obstacle at equal parts from a node to the next. */
-static void band_gaps_sample_between(BandWork *w, int o, int i)
+/* Compute the gap to an obstacle at equal parts from a node to the next, whose gaps are given. */
+static void band_gaps_sample_between(BandWork *w, int o, int i, double first, double last)
 {
     int j = i + 1;
-    double cx = w->x[j] - w->x[i];
-    double cy = w->y[j] - w->y[i];
+    double x = w->x[i];
+    double y = w->y[i];
+    double cx = w->x[j] - x;
+    double cy = w->y[j] - y;
     double chord = box_gaps_norm(cx, cy);
     double ax = w->ahead_x[i] * chord - cx;
     double ay = w->ahead_y[i] * chord - cy;
     double bx = cx - w->ahead_x[j] * chord;
     double by = cy - w->ahead_y[j] * chord;
-    for (int k = 0, k_end_ = BAND_GAPS_PARTS + 1; k < k_end_; k += 1) {
+    bool changes = w->is_fixed[o] == 0;
+    double box_x = w->box_x[o * w->max_n + i];
+    double box_y = w->box_y[o * w->max_n + i];
+    double heading_x = w->box_ahead_x[o * w->max_n + i];
+    double heading_y = w->box_ahead_y[o * w->max_n + i];
+    double box_length = w->half_length[o * w->max_n + i];
+    double box_width = w->half_width[o * w->max_n + i];
+    double length = 0.5 * w->length;
+    double width = 0.5 * w->width;
+    w->parts[0] = first;
+    w->parts[BAND_GAPS_PARTS] = last;
+    for (int k = 1, k_end_ = BAND_GAPS_PARTS; k < k_end_; k += 1) {
         double f = k / 16.0;
         double e = 1.0 - f;
         double tx = cx + e * (1.0 - 3.0 * f) * ax + f * (2.0 - 3.0 * f) * bx;
         double ty = cy + e * (1.0 - 3.0 * f) * ay + f * (2.0 - 3.0 * f) * by;
-        double speed = real_max(box_gaps_norm(tx, ty), CIRCLES_TINY);
+        double speed = real_max(box_gaps_norm(tx, ty), CONSTANTS_TINY);
         tx /= speed;
         ty /= speed;
-        double hx = w->box_ahead_x[o * w->max_n + i] + f * (w->box_ahead_x[o * w->max_n + j]
-            - w->box_ahead_x[o * w->max_n + i]);
-        double hy = w->box_ahead_y[o * w->max_n + i] + f * (w->box_ahead_y[o * w->max_n + j]
-            - w->box_ahead_y[o * w->max_n + i]);
-        double heading = real_max(box_gaps_norm(hx, hy), CIRCLES_TINY);
-        double dx = w->box_x[o * w->max_n + i] + f * (w->box_x[o * w->max_n + j] - w->box_x[o * w->max_n
-            + i]);
-        double dy = w->box_y[o * w->max_n + i] + f * (w->box_y[o * w->max_n + j] - w->box_y[o * w->max_n
-            + i]);
-        dx -= w->x[i] + f * cx + f * e * (e * ax + f * bx);
-        dy -= w->y[i] + f * cy + f * e * (e * ay + f * by);
-        double half_length = w->half_length[o * w->max_n + i] + f * (w->half_length[o * w->max_n + j]
-            - w->half_length[o * w->max_n + i]);
-        double half_width = w->half_width[o * w->max_n + i] + f * (w->half_width[o * w->max_n + j]
-            - w->half_width[o * w->max_n + i]);
-        w->parts[k] = cca_oriented_box_gap(dx - w->box_offset * tx, dy - w->box_offset * ty, tx, ty, hx
-            / heading, hy / heading, 0.5 * w->length, 0.5 * w->width, half_length, half_width);
+        if (changes) {
+            double hx = w->box_ahead_x[o * w->max_n + i] + f * (w->box_ahead_x[o * w->max_n + j]
+                - w->box_ahead_x[o * w->max_n + i]);
+            double hy = w->box_ahead_y[o * w->max_n + i] + f * (w->box_ahead_y[o * w->max_n + j]
+                - w->box_ahead_y[o * w->max_n + i]);
+            double heading = real_max(box_gaps_norm(hx, hy), CONSTANTS_TINY);
+            heading_x = hx / heading;
+            heading_y = hy / heading;
+            box_x = w->box_x[o * w->max_n + i] + f * (w->box_x[o * w->max_n + j] - w->box_x[o * w->max_n
+                + i]);
+            box_y = w->box_y[o * w->max_n + i] + f * (w->box_y[o * w->max_n + j] - w->box_y[o * w->max_n
+                + i]);
+            box_length = w->half_length[o * w->max_n + i] + f * (w->half_length[o * w->max_n + j]
+                - w->half_length[o * w->max_n + i]);
+            box_width = w->half_width[o * w->max_n + i] + f * (w->half_width[o * w->max_n + j]
+                - w->half_width[o * w->max_n + i]);
+        }
+        double dx = box_x - (x + f * cx + f * e * (e * ax + f * bx)) - w->box_offset * tx;
+        double dy = box_y - (y + f * cy + f * e * (e * ay + f * by)) - w->box_offset * ty;
+        w->parts[k] = cca_oriented_box_gap(dx, dy, tx, ty, heading_x, heading_y, length, width,
+            box_length, box_width);
     }
 }
 
-/* Return a lower bound of the gap to an obstacle from a node to the next, ends included. */
-static double band_gaps_min_between(BandWork *w, int o, int i)
+/* Return a lower bound of the gap to an obstacle from a node to the next, whose gaps are given. */
+static double band_gaps_min_between(BandWork *w, int o, int i, double first, double last)
 {
     const double *gap = w->parts;
-    band_gaps_sample_between(w, o, i);
+    band_gaps_sample_between(w, o, i, first, last);
     double bound = gap[0];
     for (int k = 1, k_end_ = BAND_GAPS_PARTS + 1; k < k_end_; k += 1) {
         bound = real_min(bound, gap[k]);
@@ -274,16 +380,26 @@ static double band_gaps_max_change(const BandWork *w)
 /* Compute the center of the ego's box at each node; return the longest way from node to node. */
 static double band_gaps_set_centers(BandWork *w)
 {
-    double step = 0.0;
+    double *center_x = w->center_x;
+    double *center_y = w->center_y;
+    double offset = w->box_offset;
+    double longest = 0.0;
+    double last_x = 0.0;
+    double last_y = 0.0;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        w->center_x[i] = w->x[i] + w->box_offset * w->ahead_x[i];
-        w->center_y[i] = w->y[i] + w->box_offset * w->ahead_y[i];
+        double x = w->x[i] + offset * w->ahead_x[i];
+        double y = w->y[i] + offset * w->ahead_y[i];
+        center_x[i] = x;
+        center_y[i] = y;
         if (i > 0) {
-            step = real_max(step, box_gaps_norm(w->center_x[i] - w->center_x[i - 1], w->center_y[i]
-                - w->center_y[i - 1]));
+            double dx = x - last_x;
+            double dy = y - last_y;
+            longest = real_max(longest, dx * dx + dy * dy);
         }
+        last_x = x;
+        last_y = y;
     }
-    return step;
+    return sqrt(longest);
 }
 
 /* Find the obstacles and nodes that may be near each other, as pairs; skip nodes that are too far. */
@@ -296,7 +412,7 @@ static void band_gaps_find_near(BandWork *w)
     w->n_pairs = 0;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         double moves = w->max_step[o] + change;
-        double travel = real_max(w->max_step[o] + step, CIRCLES_TINY);
+        double travel = real_max(w->max_step[o] + step, CONSTANTS_TINY);
         int next_node = 0;
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
             if (i < next_node) {
@@ -413,7 +529,7 @@ static void band_gaps_refine_between(BandWork *w)
         bool loose = bound[k] < min_sample - BAND_GAPS_LOOSE && bound[k] < w->clearance
             + BAND_GAPS_DECISIVE && w->max_step[o] == 0.0;
         if (bound[k] < w->clearance || loose) {
-            bound[k] = band_gaps_min_between(w, o, i);
+            bound[k] = band_gaps_min_between(w, o, i, sampled[k], sampled[k + 1]);
         }
     }
 }
@@ -487,26 +603,26 @@ static void band_spline_solve_moments(BandWork *w)
     my[0] = w->moment_y0;
     mx[n - 1] = w->moment_x1;
     my[n - 1] = w->moment_y1;
+    double factor = h[0];
+    double x = mx[0];
+    double y = my[0];
+    double last = 0.0;
     for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
-        mx[i] = w->ahead_x[i] - w->ahead_x[i - 1];
-        my[i] = w->ahead_y[i] - w->ahead_y[i - 1];
-        diagonal[i] = 2.0 * (h[i] + h[i - 1]);
+        x = w->ahead_x[i] - w->ahead_x[i - 1] - factor * x;
+        y = w->ahead_y[i] - w->ahead_y[i - 1] - factor * y;
+        last = 2.0 * (h[i] + h[i - 1]) - (i > 1 ? factor * h[i - 1] : 0.0);
+        mx[i] = x;
+        my[i] = y;
+        diagonal[i] = last;
+        factor = h[i] / last;
     }
-    mx[1] -= h[0] * mx[0];
-    my[1] -= h[0] * my[0];
-    mx[n - 2] -= h[n - 2] * mx[n - 1];
-    my[n - 2] -= h[n - 2] * my[n - 1];
-    for (int i = 2, i_end_ = n - 1; i < i_end_; i += 1) {
-        double factor = h[i - 1] / diagonal[i - 1];
-        diagonal[i] -= factor * h[i - 1];
-        mx[i] -= factor * mx[i - 1];
-        my[i] -= factor * my[i - 1];
-    }
-    mx[n - 2] /= diagonal[n - 2];
-    my[n - 2] /= diagonal[n - 2];
-    for (int i = n - 3; i > 0; i -= 1) {
-        mx[i] = (mx[i] - h[i] * mx[i + 1]) / diagonal[i];
-        my[i] = (my[i] - h[i] * my[i + 1]) / diagonal[i];
+    x = mx[n - 1];
+    y = my[n - 1];
+    for (int i = n - 2; i > 0; i -= 1) {
+        x = (mx[i] - h[i] * x) / diagonal[i];
+        y = (my[i] - h[i] * y) / diagonal[i];
+        mx[i] = x;
+        my[i] = y;
     }
 }
 
@@ -519,12 +635,15 @@ static void band_spline_fit_spline(BandWork *w)
     double *ay = w->ahead_y;
     const double *mx = w->moment_x;
     const double *my = w->moment_y;
+    const double *x = w->x;
+    const double *y = w->y;
     for (int i = 0, i_end_ = n - 1; i < i_end_; i += 1) {
-        double dx = w->x[i + 1] - w->x[i];
-        double dy = w->y[i + 1] - w->y[i];
-        h[i] = real_max(box_gaps_norm(dx, dy), CIRCLES_TINY);
-        ax[i] = dx / h[i];
-        ay[i] = dy / h[i];
+        double dx = x[i + 1] - x[i];
+        double dy = y[i + 1] - y[i];
+        double chord = real_max(box_gaps_norm(dx, dy), CONSTANTS_TINY);
+        h[i] = chord;
+        ax[i] = dx / chord;
+        ay[i] = dy / chord;
     }
     band_spline_solve_moments(w);
     ax[n - 1] = ax[n - 2] + h[n - 2] * (2.0 * mx[n - 1] + mx[n - 2]);
@@ -534,10 +653,14 @@ static void band_spline_fit_spline(BandWork *w)
         ay[i] -= h[i] * (2.0 * my[i] + my[i + 1]);
     }
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double speed = real_max(box_gaps_norm(ax[i], ay[i]), CIRCLES_TINY);
-        ax[i] /= speed;
-        ay[i] /= speed;
-        w->curvature[i] = 6.0 * (ax[i] * my[i] - ay[i] * mx[i]) / (speed * speed);
+        double tx = ax[i];
+        double ty = ay[i];
+        double speed = real_max(box_gaps_norm(tx, ty), CONSTANTS_TINY);
+        tx /= speed;
+        ty /= speed;
+        ax[i] = tx;
+        ay[i] = ty;
+        w->curvature[i] = 6.0 * (tx * my[i] - ty * mx[i]) / (speed * speed);
     }
 }
 
@@ -545,14 +668,23 @@ static void band_spline_fit_spline(BandWork *w)
 static void band_certificate_measure_edges_at(BandWork *w, double x, int ahead)
 {
     double half = 0.5 * w->width;
+    const double *ahead_x = w->ahead_x;
+    const double *ahead_y = w->ahead_y;
+    const double *tangent_x = w->tangent_x;
+    const double *tangent_y = w->tangent_y;
+    double *right_margin = w->right_margin;
+    double *left_margin = w->left_margin;
+    double bulge = 0.125 * (w->spacing * w->spacing);
+    double bent = 0.5 * (x * x);
+    int last = w->n - 1;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        double turn_cos = w->ahead_x[i] * w->tangent_x[i] + w->ahead_y[i] * w->tangent_y[i];
-        double turn_sin = w->ahead_y[i] * w->tangent_x[i] - w->ahead_x[i] * w->tangent_y[i];
-        double reach = half * turn_cos + 0.125 * fabs(w->curvature[i]) * (w->spacing * w->spacing);
-        double middle = w->u[i] + x * turn_sin - 0.5 * w->route_curvature[i] * (x * x);
-        int at = int_min(int_max(i + ahead, 0), w->n - 1);
-        w->right_margin[i] = real_min(w->right_margin[i], middle - reach - w->right_edge[at]);
-        w->left_margin[i] = real_min(w->left_margin[i], w->left_edge[at] - middle - reach);
+        double turn_cos = ahead_x[i] * tangent_x[i] + ahead_y[i] * tangent_y[i];
+        double turn_sin = ahead_y[i] * tangent_x[i] - ahead_x[i] * tangent_y[i];
+        double reach = half * turn_cos + bulge * fabs(w->curvature[i]);
+        double middle = w->u[i] + x * turn_sin - bent * w->route_curvature[i];
+        int at = int_min(int_max(i + ahead, 0), last);
+        right_margin[i] = real_min(right_margin[i], middle - reach - w->right_edge[at]);
+        left_margin[i] = real_min(left_margin[i], w->left_edge[at] - middle - reach);
     }
 }
 
@@ -570,10 +702,12 @@ static bool band_certificate_has_straight_edges(const BandWork *w)
 /* Compute the distance of the body from both edges, over its length. */
 static void band_certificate_measure_edges(BandWork *w)
 {
+    double *right_margin = w->right_margin;
+    double *left_margin = w->left_margin;
     w->min_edge_clearance = HUGE_VAL;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        w->right_margin[i] = HUGE_VAL;
-        w->left_margin[i] = HUGE_VAL;
+        right_margin[i] = HUGE_VAL;
+        left_margin[i] = HUGE_VAL;
     }
     if (!w->has_edges) {
         return;
@@ -593,7 +727,7 @@ static void band_certificate_measure_edges(BandWork *w)
         }
     }
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        double margin = real_min(w->right_margin[i], w->left_margin[i]);
+        double margin = real_min(right_margin[i], left_margin[i]);
         w->min_edge_clearance = real_min(w->min_edge_clearance, margin);
         if (!(margin > -HUGE_VAL)) {
             w->finite = false;
@@ -607,16 +741,26 @@ static void band_certificate_certify(BandWork *w)
     w->finite = true;
     band_spline_displace_nodes(w);
     band_spline_fit_spline(w);
-    w->max_curvature = 0.0;
-    w->curvature_ratio = 0.0;
+    const double *u = w->u;
+    const double *moment_x = w->moment_x;
+    const double *moment_y = w->moment_y;
+    double sharpest = 0.0;
+    double ratio = 0.0;
+    double size = 0.0;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
         double curvature = fabs(w->curvature[i]);
-        w->max_curvature = real_max(w->max_curvature, curvature);
-        w->curvature_ratio = real_max(w->curvature_ratio, curvature / w->curvature_limit[i]);
-        double size = fabs(w->u[i]) + fabs(w->moment_x[i]) + fabs(w->moment_y[i]) + curvature;
-        if (!(size < HUGE_VAL)) {
-            w->finite = false;
+        if (curvature > sharpest) {
+            sharpest = curvature;
         }
+        if (curvature / w->curvature_limit[i] > ratio) {
+            ratio = curvature / w->curvature_limit[i];
+        }
+        size += fabs(u[i]) + fabs(moment_x[i]) + fabs(moment_y[i]) + curvature;
+    }
+    w->max_curvature = sharpest;
+    w->curvature_ratio = ratio;
+    if (!(size < HUGE_VAL)) {
+        w->finite = false;
     }
     band_gaps_measure_gaps(w);
     band_certificate_measure_edges(w);
@@ -649,78 +793,45 @@ static double band_certificate_violation_of(const BandWork *w)
 #define BAND_CORRIDOR_END_SLOPE 0.5
 #define BAND_CORRIDOR_MIN_DROP 1e-09
 
-/* Compute unit heading and radius of an obstacle, and how far a corner has moved since the last node. */
-static void band_corridor_set_heading(BandWork *w, int o, int i)
-{
-    if (i > 0 && w->box_psi[o * w->max_n + i] == w->box_psi[o * w->max_n + i - 1]) {
-        w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + i - 1];
-        w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + i - 1];
-    } else {
-        w->box_ahead_x[o * w->max_n + i] = cos(w->box_psi[o * w->max_n + i]);
-        w->box_ahead_y[o * w->max_n + i] = sin(w->box_psi[o * w->max_n + i]);
-    }
-    w->radius[o * w->max_n + i] = box_gaps_norm(w->half_length[o * w->max_n + i], w->half_width[o
-        * w->max_n + i]);
-    w->max_radius[o] = real_max(w->max_radius[o], w->radius[o * w->max_n + i]);
-    if (i > 0) {
-        double step = box_gaps_norm(w->box_x[o * w->max_n + i] - w->box_x[o * w->max_n + i - 1],
-            w->box_y[o * w->max_n + i] - w->box_y[o * w->max_n + i - 1]);
-        double turn_x = w->box_ahead_x[o * w->max_n + i] - w->box_ahead_x[o * w->max_n + i - 1];
-        double turn = box_gaps_norm(turn_x, w->box_ahead_y[o * w->max_n + i] - w->box_ahead_y[o * w->max_n
-            + i - 1]);
-        w->max_step[o] = real_max(w->max_step[o], step + turn * w->radius[o * w->max_n + i]);
-    }
-}
-
-/* Compute headings, radii and steps of the obstacles. */
-static void band_corridor_set_headings(BandWork *w)
-{
-    const double *x = w->box_x;
-    const double *y = w->box_y;
-    const double *psi = w->box_psi;
-    const double *length = w->half_length;
-    const double *width = w->half_width;
-    for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-        w->max_step[o] = 0.0;
-        w->max_radius[o] = 0.0;
-        band_corridor_set_heading(w, o, 0);
-        for (int i = 1, i_end_ = w->n; i < i_end_; i += 1) {
-            int k = i - 1;
-            if (x[o * w->max_n + i] != x[o * w->max_n + k] || y[o * w->max_n + i] != y[o * w->max_n + k]
-                || psi[o * w->max_n + i] != psi[o * w->max_n + k]) {
-                band_corridor_set_heading(w, o, i);
-            } else if (length[o * w->max_n + i] != length[o * w->max_n + k] || width[o * w->max_n
-                + i] != width[o * w->max_n + k]) {
-                band_corridor_set_heading(w, o, i);
-            } else {
-                w->box_ahead_x[o * w->max_n + i] = w->box_ahead_x[o * w->max_n + k];
-                w->box_ahead_y[o * w->max_n + i] = w->box_ahead_y[o * w->max_n + k];
-                w->radius[o * w->max_n + i] = w->radius[o * w->max_n + k];
-            }
-        }
-    }
-}
-
 /* Compute how far obstacles overlap the ego along the route; return whether all are parallel to it. */
 static bool band_corridor_measure_overlaps(BandWork *w)
 {
     double reach = 0.5 * w->length;
     double clearance = w->clearance;
+    double offset = w->box_offset;
+    const double *route_x = w->route_x;
+    const double *route_y = w->route_y;
+    const double *tangent_x = w->tangent_x;
+    const double *tangent_y = w->tangent_y;
     double max_sine = 0.0;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        double lead = w->lead_distance[o];
+        bool changes = w->is_fixed[o] == 0;
+        double ax = w->box_ahead_x[o * w->max_n + 0];
+        double ay = w->box_ahead_y[o * w->max_n + 0];
+        double box_x = w->box_x[o * w->max_n + 0];
+        double box_y = w->box_y[o * w->max_n + 0];
+        double half_length = w->half_length[o * w->max_n + 0] + clearance;
+        double half_width = w->half_width[o * w->max_n + 0] + clearance;
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            double tx = w->tangent_x[i];
-            double ty = w->tangent_y[i];
-            double ax = w->box_ahead_x[o * w->max_n + i];
-            double ay = w->box_ahead_y[o * w->max_n + i];
-            double x = (w->box_x[o * w->max_n + i] - w->route_x[i]) * tx + (w->box_y[o * w->max_n + i]
-                - w->route_y[i]) * ty - w->box_offset;
+            if (changes) {
+                ax = w->box_ahead_x[o * w->max_n + i];
+                ay = w->box_ahead_y[o * w->max_n + i];
+                box_x = w->box_x[o * w->max_n + i];
+                box_y = w->box_y[o * w->max_n + i];
+                half_length = w->half_length[o * w->max_n + i] + clearance;
+                half_width = w->half_width[o * w->max_n + i] + clearance;
+            }
+            double tx = tangent_x[i];
+            double ty = tangent_y[i];
+            double x = (box_x - route_x[i]) * tx + (box_y - route_y[i]) * ty - offset;
             double cosine = fabs(ax * tx + ay * ty);
             double sine = fabs(ay * tx - ax * ty);
-            max_sine = real_max(max_sine, sine);
-            double half_x = (w->half_length[o * w->max_n + i] + clearance) * cosine + (w->half_width[o
-                * w->max_n + i] + clearance) * sine;
-            w->overlap[o * w->max_n + i] = half_x + reach - real_max(-x, x - w->lead_distance[o]);
+            if (sine > max_sine) {
+                max_sine = sine;
+            }
+            w->overlap[o * w->max_n + i] = half_length * cosine + half_width * sine + reach - real_max(-x,
+                x - lead);
         }
     }
     return max_sine < BAND_CORRIDOR_ALIGNED;
@@ -764,16 +875,19 @@ static void band_corridor_measure_range(BandWork *w, int o, int i, bool aligned)
 /* Compute the displacements at which the ego passes obstacles; infinite where one is not alongside. */
 static void band_corridor_set_passing(BandWork *w)
 {
-    band_corridor_set_headings(w);
     bool aligned = band_corridor_measure_overlaps(w);
     double slope = BAND_CORRIDOR_END_SLOPE * box_gaps_norm(w->route_x[1] - w->route_x[0], w->route_y[1]
         - w->route_y[0]);
     int last = w->n - 1;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        double overlap = w->overlap[o * w->max_n + 0];
+        double after = overlap;
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            double overlap = w->overlap[o * w->max_n + i];
-            double before = i > 0 ? w->overlap[o * w->max_n + i - 1] : overlap;
-            double after = i < last ? w->overlap[o * w->max_n + i + 1] : overlap;
+            double before = overlap;
+            overlap = after;
+            if (i < last) {
+                after = w->overlap[o * w->max_n + i + 1];
+            }
             if (before >= 0.0 || overlap >= 0.0 || after >= 0.0) {
                 band_corridor_measure_range(w, o, i, aligned);
                 double near = real_max(real_max(before, overlap), after);
@@ -793,24 +907,27 @@ static void band_corridor_set_passing(BandWork *w)
 static int band_corridor_set_bounds(BandWork *w)
 {
     double half = 0.5 * w->width;
+    double *lower = w->lower;
+    double *upper = w->upper;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        w->lower[i] = w->right_edge[i] + half;
-        w->upper[i] = w->left_edge[i] - half;
+        lower[i] = w->right_edge[i] + half;
+        upper[i] = w->left_edge[i] - half;
     }
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
+        bool left = w->passes_left[o] != 0;
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            if (w->passes_left[o] != 0) {
-                w->lower[i] = real_max(w->lower[i], w->passing_left[o * w->max_n + i]);
+            if (left) {
+                lower[i] = real_max(lower[i], w->passing_left[o * w->max_n + i]);
             } else {
-                w->upper[i] = real_min(w->upper[i], w->passing_right[o * w->max_n + i]);
+                upper[i] = real_min(upper[i], w->passing_right[o * w->max_n + i]);
             }
         }
     }
     double worst = 0.0;
     int node = -1;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        if (w->lower[i] - w->upper[i] > worst) {
-            worst = w->lower[i] - w->upper[i];
+        if (lower[i] - upper[i] > worst) {
+            worst = lower[i] - upper[i];
             node = i;
         }
     }
@@ -896,12 +1013,19 @@ static bool stiffness_factorize(Equilibrium *e)
     double row_0 = stiffness_row_diagonal(e);
     double row_1 = -15.0 * e->rate - 4.0 * e->bending - e->tension;
     double row_2 = 6.0 * e->rate + e->bending;
+    double row_3 = -e->rate;
+    double contact = e->contact;
     bool definite = true;
+    double inverse_1 = 0.0;
+    double inverse_2 = 0.0;
+    double inverse_3 = 0.0;
+    double l1_1 = 0.0;
+    double l1_2 = 0.0;
+    double l2_1 = 0.0;
     for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
-        double d = active[i] == 0 ? row_0 : row_0 + e->contact;
+        double d = active[i] == 0 ? row_0 : row_0 + contact;
         double c1 = row_1;
         double c2 = row_2;
-        double c3 = -e->rate;
         if (e->bounded) {
             double before = sharp[i - 1] != 0 ? e->curvature_contact : 0.0;
             double here = sharp[i] != 0 ? e->curvature_contact : 0.0;
@@ -910,33 +1034,34 @@ static bool stiffness_factorize(Equilibrium *e)
             c1 -= 2.0 * (before + here);
             c2 += before;
         }
-        l1[i] = 0.0;
-        l2[i] = 0.0;
-        l3[i] = 0.0;
-        if (i > 4) {
-            l3[i] = c3 * inverse[i - 3];
-            d -= c3 * l3[i];
-            c2 -= c3 * l1[i - 2];
-            c1 -= c3 * l2[i - 1];
-        }
-        if (i > 3) {
-            l2[i] = c2 * inverse[i - 2];
-            d -= c2 * l2[i];
-            c1 -= c2 * l1[i - 1];
-        }
-        if (i > 2) {
-            l1[i] = c1 * inverse[i - 1];
-            d -= c1 * l1[i];
-        }
+        double l3_0 = row_3 * inverse_3;
+        d -= row_3 * l3_0;
+        c2 -= row_3 * l1_2;
+        c1 -= row_3 * l2_1;
+        double l2_0 = c2 * inverse_2;
+        d -= c2 * l2_0;
+        c1 -= c2 * l1_1;
+        double l1_0 = c1 * inverse_1;
+        d -= c1 * l1_0;
         if (!(d > 0.0)) {
             definite = false;
             d = 1.0;
         }
-        inverse[i] = 1.0 / d;
+        l3[i] = l3_0;
+        l2[i] = l2_0;
+        l1[i] = l1_0;
+        inverse_3 = inverse_2;
+        inverse_2 = inverse_1;
+        inverse_1 = 1.0 / d;
+        inverse[i] = inverse_1;
+        l1_2 = l1_1;
+        l1_1 = l1_0;
+        l2_1 = l2_0;
     }
-    l1[n - 2] = 0.0;
-    l2[n - 2] = 0.0;
-    l2[n - 1] = 0.0;
+    for (int i = n - 2, i_end_ = n; i < i_end_; i += 1) {
+        l2[i] = 0.0;
+        l3[i] = 0.0;
+    }
     return definite;
 }
 
@@ -948,16 +1073,26 @@ static void stiffness_substitute(const Equilibrium *e, const double *force, doub
     const double *l2 = e->factor_2;
     const double *l3 = e->factor_3;
     const double *inverse = e->inverse;
-    to[2] = force[2];
-    for (int i = 3, i_end_ = n - 2; i < i_end_; i += 1) {
-        to[i] = force[i] - l1[i] * to[i - 1] - l2[i] * to[i - 2] - l3[i] * to[i - 3];
+    double one = 0.0;
+    double two = 0.0;
+    double three = 0.0;
+    for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
+        double here = force[i] - l1[i] * one - l2[i] * two - l3[i] * three;
+        to[i] = here;
+        three = two;
+        two = one;
+        one = here;
     }
-    to[n - 3] *= inverse[n - 3];
+    one *= inverse[n - 3];
+    two = 0.0;
+    three = 0.0;
+    to[n - 3] = one;
     for (int i = n - 4; i > 1; i -= 1) {
-        to[i] = to[i] * inverse[i] - l1[i + 1] * to[i + 1] - l2[i + 2] * to[i + 2];
-        if (i < n - 5) {
-            to[i] -= l3[i + 3] * to[i + 3];
-        }
+        double here = to[i] * inverse[i] - l1[i + 1] * one - l2[i + 2] * two - l3[i + 3] * three;
+        to[i] = here;
+        three = two;
+        two = one;
+        one = here;
     }
 }
 #define EQUILIBRIUM_FULL_STEPS 10
@@ -996,8 +1131,10 @@ static void equilibrium_guess_active_set(Equilibrium *e)
     int *active = e->active;
     double *violation = e->step;
     for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
-        active[i] = equilibrium_side_of(0.0, e->lower[i], e->upper[i]);
-        violation[i] = real_max(e->lower[i], 0.0) + real_min(e->upper[i], 0.0);
+        double low = e->lower[i];
+        double high = e->upper[i];
+        active[i] = low > 0.0 || high < 0.0 ? equilibrium_side_of(0.0, low, high) : 0;
+        violation[i] = real_max(low, 0.0) + real_min(high, 0.0);
     }
     if (e->bounded) {
         for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
@@ -1030,12 +1167,20 @@ static void equilibrium_guess_active_set(Equilibrium *e)
 static bool equilibrium_update_active_set(Equilibrium *e, const double *u)
 {
     bool same = true;
+    int *active = e->active;
+    const double *lower = e->lower;
+    const double *upper = e->upper;
     for (int i = 2, i_end_ = e->n - 2; i < i_end_; i += 1) {
-        int now = equilibrium_side_of(u[i], e->lower[i], e->upper[i]);
-        if (now != e->active[i]) {
-            same = false;
+        int now = 0;
+        if (u[i] < lower[i]) {
+            now = -1;
+        } else if (u[i] > upper[i]) {
+            now = 1;
         }
-        e->active[i] = now;
+        if (now != active[i]) {
+            same = false;
+            active[i] = now;
+        }
     }
     if (e->bounded) {
         for (int i = 1, i_end_ = e->n - 1; i < i_end_; i += 1) {
@@ -1307,9 +1452,14 @@ static int band_frame_measure_route(BandWork *w)
     double longest = 0.0;
     for (int i = 0, i_end_ = n - 1; i < i_end_; i += 1) {
         double step = box_gaps_norm(x[i + 1] - x[i], y[i + 1] - y[i]);
+        w->chord[i] = step;
         total += step;
-        shortest = real_min(shortest, step);
-        longest = real_max(longest, step);
+        if (step < shortest) {
+            shortest = step;
+        }
+        if (step > longest) {
+            longest = step;
+        }
     }
     w->spacing = total / (n - 1);
     if (!(shortest > BAND_FRAME_MIN_EVENNESS * w->spacing && w->spacing > BAND_FRAME_MIN_EVENNESS
@@ -1330,9 +1480,12 @@ static int band_frame_measure_route(BandWork *w)
         }
         w->tangent_x[i] = dx / length;
         w->tangent_y[i] = dy / length;
-    }
-    for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
-        w->route_curvature[i] = circles_circle_curvature(x[i - 1], y[i - 1], x[i], y[i], x[i + 1], y[i + 1]);
+        if (0 < i && i < n - 1) {
+            double ax = x[i] - x[a];
+            double ay = y[i] - y[a];
+            double cross = ax * (y[b] - y[i]) - ay * (x[b] - x[i]);
+            w->route_curvature[i] = 2.0 * cross / (w->chord[a] * w->chord[i] * length);
+        }
     }
     w->route_curvature[0] = w->route_curvature[1];
     w->route_curvature[n - 1] = w->route_curvature[n - 2];
@@ -1362,7 +1515,7 @@ static double band_frame_leave_route(BandWork *w, double end_curvature)
     double slope = 0.5 * (w->start_1 - w->start_before) / w->spacing;
     double change = (w->start_1 - 2.0 * w->start_0 + w->start_before) / (w->spacing * w->spacing);
     double along = 1.0 - end_curvature * w->start_0;
-    double speed = real_max(box_gaps_norm(along, slope), CIRCLES_TINY);
+    double speed = real_max(box_gaps_norm(along, slope), CONSTANTS_TINY);
     w->heading_x0 = (tx * along - ty * slope) / speed;
     w->heading_y0 = (tx * slope + ty * along) / speed;
     double turn = along * (change + end_curvature * along) + 2.0 * end_curvature * (slope * slope);
@@ -1428,9 +1581,12 @@ static int band_result_closest_edge(const BandWork *w)
 /* Return the largest displacement [m], without sign. */
 static double band_result_largest_displacement(const BandWork *w)
 {
+    const double *u = w->u;
     double largest = 0.0;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        largest = real_max(largest, fabs(w->u[i]));
+        if (fabs(u[i]) > largest) {
+            largest = fabs(u[i]);
+        }
     }
     return largest;
 }
@@ -1747,7 +1903,7 @@ static int band_relaxation_prepare_band(BandWork *w, Equilibrium *e)
 {
     e->n = w->n;
     e->solves = 0;
-    w->status = band_frame_measure_route(w);
+    w->status = w->has_valid_boxes ? band_frame_measure_route(w) : BAND_WORKSPACE_INVALID_BOXES;
     if (w->status != BAND_WORKSPACE_OK) {
         return w->status;
     }
@@ -2043,29 +2199,27 @@ static void band_batch_load_band(const BandBatch *q, int b, BandWork *w)
     w->start_before = q->start[b * 3 + 0];
     w->start_0 = q->start[b * 3 + 1];
     w->start_1 = q->start[b * 3 + 2];
+    double *right_edge = w->right_edge;
+    double *left_edge = w->left_edge;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
         w->route_x[i] = q->nodes[b * (2 * q->max_n) + 2 * i];
         w->route_y[i] = q->nodes[b * (2 * q->max_n) + 2 * i + 1];
-        w->right_edge[i] = q->has_edges ? q->right_edge[b * q->max_n + i] : -HUGE_VAL;
-        w->left_edge[i] = q->has_edges ? q->left_edge[b * q->max_n + i] : HUGE_VAL;
+        right_edge[i] = -HUGE_VAL;
+        left_edge[i] = HUGE_VAL;
         w->curvature_limit[i] = q->curvature_limit[b * q->max_n + i];
     }
+    if (q->has_edges) {
+        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+            right_edge[i] = q->right_edge[b * q->max_n + i];
+            left_edge[i] = q->left_edge[b * q->max_n + i];
+        }
+    }
+    w->has_valid_boxes = true;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         w->lead_distance[o] = q->lead_distance[o];
         w->passes_left[o] = q->passes_left[o * q->bands + b];
         w->former[o] = q->has_former ? q->former[o * q->bands + b] : 0;
-        int x = o * q->bands + b;
-        int y = (w->m + o) * q->bands + b;
-        int psi = (2 * w->m + o) * q->bands + b;
-        int length = (3 * w->m + o) * q->bands + b;
-        int width = (4 * w->m + o) * q->bands + b;
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            w->box_x[o * w->max_n + i] = q->boxes[x * q->max_n + i];
-            w->box_y[o * w->max_n + i] = q->boxes[y * q->max_n + i];
-            w->box_psi[o * w->max_n + i] = q->boxes[psi * q->max_n + i];
-            w->half_length[o * w->max_n + i] = 0.5 * q->boxes[length * q->max_n + i];
-            w->half_width[o * w->max_n + i] = 0.5 * q->boxes[width * q->max_n + i];
-        }
+        band_boxes_load_boxes(q, b, w, o);
     }
 }
 
@@ -2081,15 +2235,19 @@ static void band_batch_store_band(BandBatch *q, int b, const BandWork *w, int co
     found[row + 3] = w->spacing;
     found[row + 4] = w->value;
     found[row + 5] = w->limit;
+    int points = row + BAND_WORKSPACE_REALS;
+    int moments = points + 2 * n;
+    int displacement = moments + 2 * n;
+    int lower = displacement + n;
+    int upper = lower + n;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        int at = row + BAND_WORKSPACE_REALS + 2 * i;
-        found[at] = w->x[i];
-        found[at + 1] = w->y[i];
-        found[at + 2 * n] = w->moment_x[i];
-        found[at + 2 * n + 1] = w->moment_y[i];
-        found[row + BAND_WORKSPACE_REALS + 4 * n + i] = w->u[i];
-        found[row + BAND_WORKSPACE_REALS + 5 * n + i] = w->lower[i];
-        found[row + BAND_WORKSPACE_REALS + 6 * n + i] = w->upper[i];
+        found[points + 2 * i] = w->x[i];
+        found[points + 2 * i + 1] = w->y[i];
+        found[moments + 2 * i] = w->moment_x[i];
+        found[moments + 2 * i + 1] = w->moment_y[i];
+        found[displacement + i] = w->u[i];
+        found[lower + i] = w->lower[i];
+        found[upper + i] = w->upper[i];
     }
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         q->passes_left[o * q->bands + b] = w->passes_left[o];
@@ -2149,19 +2307,35 @@ void cca_join_cubics(int segments, const double *nodes, const double *moments, d
 {
     double s = 0.0;
     breaks[0] = start;
+    double x = nodes[0 * 2 + 0];
+    double y = nodes[0 * 2 + 1];
+    double moment_x = moments[0 * 2 + 0];
+    double moment_y = moments[0 * 2 + 1];
     for (int i = 0, i_end_ = segments; i < i_end_; i += 1) {
-        double length = box_gaps_norm(nodes[(i + 1) * 2 + 0] - nodes[i * 2 + 0], nodes[(i + 1) * 2 + 1]
-            - nodes[i * 2 + 1]);
+        double next_x = nodes[(i + 1) * 2 + 0];
+        double next_y = nodes[(i + 1) * 2 + 1];
+        double dx = next_x - x;
+        double dy = next_y - y;
+        double length = box_gaps_norm(dx, dy);
         s += length;
         breaks[i + 1] = s + start;
-        for (int k = 0; k < 2; k += 1) {
-            double here = length * length * moments[i * 2 + k];
-            double then = length * length * moments[(i + 1) * 2 + k];
-            cubics[i * 8 + 4 * k] = then - here;
-            cubics[i * 8 + 4 * k + 1] = 3.0 * here;
-            cubics[i * 8 + 4 * k + 2] = nodes[(i + 1) * 2 + k] - nodes[i * 2 + k] - (2.0 * here + then);
-            cubics[i * 8 + 4 * k + 3] = nodes[i * 2 + k];
-        }
+        double squared = length * length;
+        double here = squared * moment_x;
+        moment_x = moments[(i + 1) * 2 + 0];
+        double then = squared * moment_x;
+        cubics[i * 8 + 0] = then - here;
+        cubics[i * 8 + 1] = 3.0 * here;
+        cubics[i * 8 + 2] = dx - (2.0 * here + then);
+        cubics[i * 8 + 3] = x;
+        here = squared * moment_y;
+        moment_y = moments[(i + 1) * 2 + 1];
+        then = squared * moment_y;
+        cubics[i * 8 + 4] = then - here;
+        cubics[i * 8 + 5] = 3.0 * here;
+        cubics[i * 8 + 6] = dy - (2.0 * here + then);
+        cubics[i * 8 + 7] = y;
+        x = next_x;
+        y = next_y;
     }
 }
 
@@ -2854,11 +3028,6 @@ void cca_find_conflicts(Scene *w, int p, int reach, double margin)
         }
     }
 }
-
-/* constants.py: Quantities of which kernels and the rest of the library use one value. */
-#define CONSTANTS_GRAVITY 9.81
-#define CONSTANTS_STALE_AGE 1.0
-#define CONSTANTS_STANDSTILL_SPEED 0.5
 
 /* curve.py: A path of cubics over arc length, straight beyond both ends, and foot points of positions on
     it. */

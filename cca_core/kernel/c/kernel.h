@@ -67,6 +67,7 @@ typedef struct BandWork {
     int max_free_sides;
     double side_change_fraction;
     bool has_edges;
+    bool has_valid_boxes;
     double *route_x; /* [max_n] */
     double *route_y; /* [max_n] */
     double *right_edge; /* [max_n] */
@@ -74,7 +75,6 @@ typedef struct BandWork {
     double *curvature_limit; /* [max_n] */
     double *box_x; /* [max_m][max_n] */
     double *box_y; /* [max_m][max_n] */
-    double *box_psi; /* [max_m][max_n] */
     double *half_length; /* [max_m][max_n] */
     double *half_width; /* [max_m][max_n] */
     double *lead_distance; /* [max_m] */
@@ -101,6 +101,7 @@ typedef struct BandWork {
     double *box_ahead_y; /* [max_m][max_n] */
     double *radius; /* [max_m][max_n] */
     double *max_radius; /* [max_m] */
+    int *is_fixed; /* [max_m] */
     double *max_step; /* [max_m] */
     double *overlap; /* [max_m][max_n] */
     double *passing_right; /* [max_m][max_n] */
@@ -168,7 +169,7 @@ typedef struct BandBatch {
     bool has_edges;
     bool has_former;
     double *nodes; /* [max_bands][2 * max_n] */
-    double *boxes; /* [5 * max_m * max_bands][max_n] */
+    double *boxes; /* [5 * max_m * max_bands * max_n] */
     double *right_edge; /* [max_bands][max_n] */
     double *left_edge; /* [max_bands][max_n] */
     double *curvature_limit; /* [max_bands][max_n] */

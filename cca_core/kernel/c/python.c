@@ -1899,7 +1899,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "2f2c448d0def00932b007e637ac4cb9080086013161309d82d1e0911a70bc65c") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "5691e773c0725179983c59cde5414b40d3fce0c52437e9a7e3e57fd1c8f31b3d") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
