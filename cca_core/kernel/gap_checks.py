@@ -5,6 +5,7 @@ import math
 from cca_core.kernel.box_gaps import norm, oriented_box_gap
 from cca_core.kernel.rollout import ONCOMING, TIME_EPS
 from cca_core.kernel.scene import TOLERANCE, Scene, at_station, is_outside, slope, station
+from cca_core.kernel.traffic import BEND_W, BULGE
 from cca_core.kernel.types import Flag, Int, Real
 
 __all__ = ["check_nominal", "check_worst_case"]
@@ -36,10 +37,20 @@ def has_duty(w: Scene, j: Int, k: Int, back: Int) -> Flag:
     return w.s_o[j, back] + 0.5 * w.half_l[j] < w.rear
 
 
+def is_behind(w: Scene, row: Int, p: Int, j: Int, back: Int) -> Flag:
+    """Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane."""
+    high = w.high_passed[j, back] if w.overtakes[p, j] != 0.0 else w.high[j, back]
+    return high < w.rear or abs(w.d_o[j, back] - w.offset_at[row, back]) < w.half_width
+
+
 def is_established(w: Scene, j: Int) -> Flag:
-    """Whether a vehicle follows an ego that is in the adjacent lane already."""
-    behind = w.s_o[j, 0] + w.half_l[j] < w.s_0 + w.offset - w.half_length
-    return w.established and behind and w.crosses[j] == 0 and w.v_o[j, 0] >= ONCOMING
+    """Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in."""
+    if w.established == 0 or w.crosses[j] != 0 or not w.v_o[j, 0] >= ONCOMING:
+        return False
+    if not w.s_o[j, 0] + w.half_l[j] < w.s_0 + w.offset - w.half_length:
+        return False
+    inside = w.right[j, 0] < w.lane_left and w.left[j, 0] > w.lane_right
+    return w.adjacent[j] == w.established or w.adjacent[j] == 3 or (w.leaves and inside)
 
 
 def rear_gap(w: Scene, row: Int, j: Int, k: Int, x_safety: Real) -> Real:
@@ -72,6 +83,9 @@ def set_poses(w: Scene, row: Int, p: Int) -> None:
         kappa = w.kappa[station(w.n, at)]
         w.turn[k] = turn
         w.scale[k] = 1.0 / math.sqrt(1.0 + turn * turn)
+        w.bends[k] = max(
+            abs(kappa), abs(w.kappa[station(w.n, at - NEAR)]), abs(w.kappa[station(w.n, at + NEAR)])
+        )
         w.wide[k] = w.half_width + 0.5 * abs(kappa) * w.half_length * w.half_length
         if w.crossing > 0:
             w.x_e[k], w.y_e[k], w.c_e[k], w.s_e[k] = pose(w, at, w.offset_at[row, k], turn)
@@ -161,7 +175,9 @@ def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
     passed = w.overtakes[p, j] != 0.0
     low = w.low_passed[j, k] if passed else w.low[j, k]
     high = w.high_passed[j, k] if passed else w.high[j, k]
-    return ego_gap(w, row, k, low - w.margin, high + w.margin, w.right[j, k], w.left[j, k])
+    # wider where the road bends, beyond the bend in which it is now
+    bulge = max(w.seen[j, BULGE] * w.bends[k] - w.seen[j, BEND_W], 0.0)
+    return ego_gap(w, row, k, low - w.margin, high + w.margin, w.right[j, k] - bulge, w.left[j, k] + bulge)
 
 
 def check_worst_case(
@@ -198,7 +214,8 @@ def check_worst_case(
             continue
         asked = clearance if passed else touch
         for k in range(w.steps):
-            if has_duty(w, j, k, back) or (which == 1 and k > back):
+            duty = has_duty(w, j, k, back) and is_behind(w, row, p, j, back)
+            if duty or (which == 1 and k > back):
                 continue
             d = w.offset_at[row, k]
             out = is_outside(w, d, 0.0)
@@ -223,7 +240,7 @@ def check_worst_case(
                 continue  # what stands in its lane touches nothing
             gap = worst_gap(w, row, p, j, k)
             if k == 0:
-                asked = min(asked, max(gap - 0.02, -0.01))
+                asked = min(asked, max(gap - 0.02, 0.0))
             if not gap - asked >= w.min_margin:
                 w.min_margin = gap - asked
                 w.which = j

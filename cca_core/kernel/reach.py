@@ -70,7 +70,9 @@ def reach(
         shortest = measured * slows - 0.5 * braking * slows * slows - counted
         longest = measured * since + 0.5 * acceleration * since * since - counted
     creeping = STANDSTILL_SPEED if acceleration > 0.0 else 0.0
-    return -longest if v < creeping else shortest, longest if v > -creeping else -shortest
+    # one that stands by dead reckoning may not have braked
+    low = -longest if v < creeping or v == 0.0 else shortest
+    return low, longest if v > -creeping or v == 0.0 else -shortest
 
 
 def distances_driven(n: Int, t: Row, v: Real, a_x: Real, distance: Row) -> None:

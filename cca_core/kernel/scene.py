@@ -17,7 +17,7 @@ RunMarks = Annotated[Ints, "max_rows"]
 Terms = Annotated[Grid, "max_rows", 9]
 Stops = Annotated[Reals, 8]
 OtherLanes = Annotated[Grid, "max_lanes", 2]
-Seen = Annotated[Grid, "max_m", 22]
+Seen = Annotated[Grid, "max_m", 24]
 
 TOLERANCE = 0.05  # beyond a lane boundary, up to which the body is in its lane [m]
 
@@ -141,6 +141,7 @@ class Scene:
     turn: Times
     scale: Times
     wide: Times
+    bends: Times  # largest curvature of the route near the body
     x_e: Times
     y_e: Times
     c_e: Times
@@ -163,7 +164,9 @@ class Scene:
     zone_side: Int  # of that lane: 1 left, 2 right
     rear_reaction: Real  # of drivers behind in that lane [s]; 0 if they do not react
     rear_braking: Real
-    established: Flag  # whether the ego is in that lane already, so that those behind keep their distance
+    # lanes that the ego is in while it is outside its own, so that drivers behind keep their distance there
+    established: Int  # 1 left, 2 right; 0 if it is in its lane, or if drivers do not react
+    leaves: Flag  # whether it is partly in its own lane as well
     duty_from: Int
     rear: Real
 

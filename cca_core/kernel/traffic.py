@@ -39,6 +39,8 @@ A_X = 18
 TURN_RATE = 19
 BODY_L = 20  # half extents of a body that crosses
 BODY_W = 21
+BULGE = 22  # width that a bend of curvature 1 adds to the straight body; of a bend of the route [m^2]
+BEND_W = 23  # part of the half extent across that the bend adds in which it is now
 
 
 def travel(w: Scene, v: Real, a: Real, t: Real) -> tuple[Real, Real]:

@@ -108,7 +108,9 @@ class Deliberation:
         set_numbers(
             scene, s_0=observation.s - self._base, v_0=observation.v, a_0=state.a_x, a_true=state.a_true,
             react=setup.settings.certificate.reaction_time,
-            established=not inside and scene.workspace.rear_reaction > 0.0,
+            established=0 if inside or setup.settings.keeps_motion or not setup.settings.rear_reaction_time
+            else 1 if observation.d > lane.d else 2,
+            leaves=lane.right < observation.d + half and observation.d - half < lane.left,
         )  # fmt: skip
         lateral = lateral_state(
             self._base, observation.s, observation.d, observation.angle, observation.bend, driven, _ON_PATH

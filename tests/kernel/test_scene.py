@@ -21,7 +21,8 @@ N, STEPS, VEHICLES = 90, 12, 4
 MANY = 5_000
 SIZES = {"n": N, "max_m": VEHICLES, "max_paths": 2, "max_rows": 2, "steps": STEPS, "max_lanes": 1}
 SCRATCH = (
-    "order leads turn scale wide x_e y_e c_e s_e x_p y_p c_p s_p x_b y_b r_b s_enter s_exit t_enter t_exit"
+    "order leads turn scale wide bends "
+    "x_e y_e c_e s_e x_p y_p c_p s_p x_b y_b r_b s_enter s_exit t_enter t_exit"
 ).split()  # what each call writes before it reads
 
 
@@ -44,14 +45,15 @@ def numbers(random: Random) -> dict[str, Any]:
         "s_0": float(random.uniform(15.0, 40.0)), "v_0": float(random.uniform(0.0, 25.0)),
         "a_0": float(random.normal(0.0, 2.0)), "a_true": float(random.normal(0.0, 2.0)), "a_passed": 0.0,
         "margin": float(random.uniform(0.0, 1.0)), "rear_reaction": float(random.choice([0.0, 1.5])),
-        "keeps": bool(random.integers(0, 2)), "established": bool(random.integers(0, 2)),
+        "keeps": bool(random.integers(0, 2)),
+        "established": int(random.integers(0, 3)), "leaves": bool(random.integers(0, 2)),
         "zone_from": 0.5, "begin_from": 0.2, "zone_side": int(random.integers(1, 3)),
     }  # fmt: skip
 
 
 def seen(random: Random) -> np.ndarray:
     """Columns of vehicles near the ego, some of which cross, stand, come or are wide of the road."""
-    rows = np.zeros((VEHICLES, 22))
+    rows = np.zeros((VEHICLES, 24))
     crosses = random.integers(0, 3, VEHICLES) == 0
     rows[:, 0] = random.uniform(-10.0, N, VEHICLES)
     rows[:, 1] = random.normal(0.0, 3.0, VEHICLES)
@@ -65,7 +67,8 @@ def seen(random: Random) -> np.ndarray:
     rows[:, 13] = crosses
     rows[:, 14], rows[:, 15] = rows[:, 0], random.normal(0.0, 20.0, VEHICLES)
     rows[:, 16:20] = random.normal(0.0, 1.0, (VEHICLES, 4)) * (2.0, 10.0, 2.0, 0.3)
-    rows[:, 20:] = random.uniform(1.0, 3.0, (VEHICLES, 2))
+    rows[:, 20:22] = random.uniform(1.0, 3.0, (VEHICLES, 2))
+    rows[:, 22:] = random.uniform(0.0, (30.0, 0.3), (VEHICLES, 2))
     return rows
 
 

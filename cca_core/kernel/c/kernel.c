@@ -2669,365 +2669,11 @@ void cca_sum_costs(Scene *w, int row, int p, double until)
     w->terms[row * 9 + 6] = w->v[row * w->steps + last];
     w->terms[row * 9 + 7] = w->offset_at[row * w->steps + w->steps - 1];
 }
-#define GAP_CHECKS_FAR 1000.0
-#define GAP_CHECKS_STANDSTILL 0.2
-#define GAP_CHECKS_FAR_IN_PLANE 15.0
-#define GAP_CHECKS_NEAR 12.0
 
-/* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
-static int gap_checks_find_duty(Scene *w, int row, double wait)
-{
-    int back = 0;
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        if (scene_is_outside(w, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)) {
-            back = int_min(k + 1, w->steps - 1);
-        }
-    }
-    w->rear = w->s[row * w->steps + back] + w->offset - w->half_length;
-    w->duty_from = back;
-    for (int k = back, k_end_ = w->steps; k < k_end_; k += 1) {
-        if (back > 0 && w->t[k] < w->t[back] + wait) {
-            w->duty_from = k;
-        }
-    }
-    return back;
-}
+/* traffic.py: Other vehicles of a scene over time: nominal motion, worst case, and order in the lane. */
 
-/* Whether a vehicle is behind the ego in its lane, for good. */
-static bool gap_checks_has_duty(const Scene *w, int j, int k, int back)
-{
-    if (w->crosses[j] != 0 || k < w->duty_from || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
-        return false;
-    }
-    return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
-}
-
-/* Whether a vehicle follows an ego that is in the adjacent lane already. */
-static bool gap_checks_is_established(const Scene *w, int j)
-{
-    bool behind = w->s_o[j * w->steps + 0] + w->half_l[j] < w->s_0 + w->offset - w->half_length;
-    return w->established && behind && w->crosses[j] == 0 && w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING;
-}
-
-/* Gap to a vehicle behind in the adjacent lane, beyond what its driver needs to react. */
-static double gap_checks_rear_gap(const Scene *w, int row, int j, int k, double x_safety)
-{
-    int before = int_max(k - 1, 0);
-    double v = w->v_o[j * w->steps + k];
-    if (k > before) {
-        v = (w->high[j * w->steps + k] - w->high[j * w->steps + before]) / (w->t[k] - w->t[before]);
-    }
-    double closing = real_max(v - w->v[row * w->steps + k], 0.0);
-    double need = x_safety + closing * w->rear_reaction + closing * closing / (2.0 * w->rear_braking);
-    return w->s[row * w->steps + k] + w->offset - w->half_length - w->high[j * w->steps + k] - need;
-}
-
-/* Center of the ego's body in the plane, cosine and sine of its heading. */
-static cca_dddd gap_checks_pose(const Scene *w, double at, double d, double turn)
-{
-    double route = scene_at_station(w->n, w->psi, at);
-    double heading = route + atan2(turn, real_max(1.0 - w->kappa[scene_station(w->n, at)] * d, 0.1));
-    double c = cos(heading);
-    double s = sin(heading);
-    double x = scene_at_station(w->n, w->x, at) - d * sin(route) + w->offset * c;
-    double y = scene_at_station(w->n, w->y, at) + d * cos(route) + w->offset * s;
-    return (cca_dddd){x, y, c, s};
-}
-
-/* Place the ego's body at each step of a motion: on the route, and in the plane if vehicles cross. */
-static void gap_checks_set_poses(Scene *w, int row, int p)
-{
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        double at = w->s[row * w->steps + k];
-        double turn = scene_slope(w, p, at);
-        double kappa = w->kappa[scene_station(w->n, at)];
-        w->turn[k] = turn;
-        w->scale[k] = 1.0 / sqrt(1.0 + turn * turn);
-        w->wide[k] = w->half_width + 0.5 * fabs(kappa) * w->half_length * w->half_length;
-        if (w->crossing > 0) {
-            const cca_dddd result1_ = gap_checks_pose(w, at, w->offset_at[row * w->steps + k], turn);
-            w->x_e[k] = result1_.item0;
-            w->y_e[k] = result1_.item1;
-            w->c_e[k] = result1_.item2;
-            w->s_e[k] = result1_.item3;
-        }
-    }
-}
-
-/* Gap of the ego's body to a rectangle in route coordinates. */
-static double gap_checks_ego_gap(const Scene *w, int row, int k, double low, double high, double right,
-    double left)
-{
-    double at = w->s[row * w->steps + k];
-    double middle = at + w->offset;
-    double reach = w->half_length + w->half_width;
-    if (!(low <= middle + reach + GAP_CHECKS_NEAR)) {
-        return low - middle - reach;
-    }
-    if (!(high >= middle - reach - GAP_CHECKS_NEAR)) {
-        return middle - reach - high;
-    }
-    double begin = real_max(low, middle - reach - GAP_CHECKS_NEAR);
-    double end = real_max(real_min(high, middle + reach + GAP_CHECKS_NEAR), begin);
-    double turn = w->turn[k];
-    double scale = w->scale[k];
-    double ahead = 0.5 * (begin + end) - at - w->offset * scale;
-    double aside = 0.5 * (right + left) - w->offset_at[row * w->steps + k] - w->offset * turn * scale;
-    return cca_oriented_box_gap(ahead, aside, scale, turn * scale, 1.0, 0.0, w->half_length, w->wide[k],
-        0.5 * (end - begin), 0.5 * (left - right));
-}
-
-/* Gap of the ego's body in a motion to a box in the plane. */
-static double gap_checks_plane_gap(const Scene *w, int k, double x, double y, double psi, double length,
-    double width)
-{
-    double dx = x - w->x_e[k];
-    double dy = y - w->y_e[k];
-    if (!(box_gaps_norm(dx, dy) < length + width + w->half_length + w->half_width
-        + GAP_CHECKS_FAR_IN_PLANE)) {
-        return GAP_CHECKS_FAR_IN_PLANE;
-    }
-    return cca_oriented_box_gap(dx, dy, w->c_e[k], w->s_e[k], cos(psi), sin(psi), w->half_length,
-        w->half_width, length, width);
-}
-
-/* Gap to a vehicle; one that crosses covers where it is within a time. */
-static double gap_checks_nominal_gap(const Scene *w, int row, int j, int k, double pet)
-{
-    if (w->crosses[j] != 0) {
-        double length = w->half_l[j] + pet * w->v_o[j * w->steps + k];
-        return gap_checks_plane_gap(w, k, w->x_o[j * w->steps + k], w->y_o[j * w->steps + k], w->psi_o[j
-            * w->steps + k], length, w->half_w[j]);
-    }
-    double s = w->s_o[j * w->steps + k];
-    double d = w->d_o[j * w->steps + k];
-    return gap_checks_ego_gap(w, row, k, s - w->half_l[j], s + w->half_l[j], d - w->half_w[j], d
-        + w->half_w[j]);
-}
-
-/* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
-void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet)
-{
-    int back = gap_checks_find_duty(w, row, wait);
-    gap_checks_set_poses(w, row, p);
-    w->min_margin = GAP_CHECKS_FAR;
-    w->gap = GAP_CHECKS_FAR;
-    w->which = -1;
-    w->when = w->steps;
-    w->impact = 0.0;
-    int hit = w->steps;
-    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        double asked = w->overtakes[p * w->max_m + j] != 0.0 ? clearance : touch;
-        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            if (gap_checks_has_duty(w, j, k, back)) {
-                continue;
-            }
-            double gap = gap_checks_nominal_gap(w, row, j, k, pet);
-            if (k == 0) {
-                asked = real_min(asked, real_max(gap - 0.02, 0.0));
-            }
-            w->gap = real_min(w->gap, gap);
-            if (!(gap - asked >= w->min_margin)) {
-                w->min_margin = gap - asked;
-                w->which = j;
-                w->when = k;
-            }
-            if (gap < 0.0 && k < hit) {
-                hit = k;
-                w->which = j;
-                w->when = k;
-                double route = scene_at_station(w->n, w->psi, w->s[row * w->steps + k]);
-                double psi = w->crosses[j] != 0 ? w->psi_o[j * w->steps + k] : route;
-                double dx = w->v[row * w->steps + k] * cos(route) - w->v_o[j * w->steps + k] * cos(psi);
-                double dy = w->v[row * w->steps + k] * sin(route) - w->v_o[j * w->steps + k] * sin(psi);
-                w->impact = box_gaps_norm(dx, dy);
-            }
-        }
-    }
-    if (hit < w->steps) {
-        w->when = hit;
-    }
-}
-
-static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
-{
-    if (w->crosses[j] != 0) {
-        return gap_checks_plane_gap(w, k, w->x_w[j * w->steps + k], w->y_w[j * w->steps + k], w->psi_w[j
-            * w->steps + k], w->half_l_w[j * w->steps + k], w->half_w_w[j * w->steps + k]);
-    }
-    bool passed = w->overtakes[p * w->max_m + j] != 0.0;
-    double low = passed ? w->low_passed[j * w->steps + k] : w->low[j * w->steps + k];
-    double high = passed ? w->high_passed[j * w->steps + k] : w->high[j * w->steps + k];
-    return gap_checks_ego_gap(w, row, k, low - w->margin, high + w->margin, w->right[j * w->steps + k],
-        w->left[j * w->steps + k]);
-}
-
-/* Whether vehicles within the declared bounds cannot touch the ego.
-
-`which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
-ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
-it enters that lane, or from when the maneuver begins if the vehicle comes nearer. */
-bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
-    double x_safety, int which)
-{
-    int back = gap_checks_find_duty(w, row, wait);
-    gap_checks_set_poses(w, row, p);
-    w->min_margin = GAP_CHECKS_FAR;
-    w->which = -1;
-    w->when = w->steps;
-    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        bool passed = w->overtakes[p * w->max_m + j] != 0.0;
-        bool nears = w->v_o[j * w->steps + 0] < ROLLOUT_ONCOMING || w->v_o[j * w->steps + 0] > w->v_0
-            || w->assumed[j] != 0;
-        double since = nears ? w->begin_from : w->zone_from;
-        int begin = w->steps - 1;
-        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            if (w->t[k] >= since - ROLLOUT_TIME_EPS) {
-                begin = int_min(begin, k);
-            }
-        }
-        bool same = w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING && w->assumed[j] == 0;
-        bool ahead = same && w->s_o[j * w->steps + begin] > w->s[row * w->steps + begin] + w->offset;
-        bool adjacent = !passed && (w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side);
-        bool in_zone_lane = adjacent && (which == 1 || !ahead);
-        if ((which == 1 && !in_zone_lane) || (which == 2 && in_zone_lane)) {
-            continue;
-        }
-        if (w->assumed[j] != 0 && !(x_safety > 0.0)) {
-            continue;
-        }
-        if (gap_checks_is_established(w, j)) {
-            continue;
-        }
-        double asked = passed ? clearance : touch;
-        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            if (gap_checks_has_duty(w, j, k, back) || (which == 1 && k > back)) {
-                continue;
-            }
-            double d = w->offset_at[row * w->steps + k];
-            bool out = scene_is_outside(w, d, 0.0);
-            bool zone = x_safety > 0.0 && k <= back && k >= begin;
-            if (zone && in_zone_lane) {
-                double middle = w->s[row * w->steps + k] + w->offset;
-                double rear = ahead ? w->s_o[j * w->steps + k] - w->half_l[j] : w->low[j * w->steps + k];
-                double zone_gap = real_max(rear - x_safety - (middle + w->half_length), middle
-                    - w->half_length - (w->high[j * w->steps + k] + x_safety));
-                if (same && !ahead && w->rear_reaction > 0.0) {
-                    zone_gap = k == begin ? gap_checks_rear_gap(w, row, j, k, x_safety) : GAP_CHECKS_FAR;
-                }
-                if (!(zone_gap >= w->min_margin)) {
-                    w->min_margin = zone_gap;
-                    w->which = j;
-                    w->when = k;
-                }
-                continue;
-            }
-            if (w->assumed[j] != 0) {
-                continue;
-            }
-            if (!(w->v[row * w->steps + k] >= GAP_CHECKS_STANDSTILL) && w->crosses[j] == 0 && !out && k > 0) {
-                continue;
-            }
-            double gap = gap_checks_worst_gap(w, row, p, j, k);
-            if (k == 0) {
-                asked = real_min(asked, real_max(gap - 0.02, -0.01));
-            }
-            if (!(gap - asked >= w->min_margin)) {
-                w->min_margin = gap - asked;
-                w->which = j;
-                w->when = k;
-            }
-        }
-    }
-    return w->min_margin >= 0.0;
-}
-#define CONFLICTS_BLOCK 8
-#define CONFLICTS_SKIPPED 1e-09
-
-/* Place the ego's body at stations ahead on a path; return the number of their blocks. */
-static int conflicts_set_blocks(Scene *w, int p, int reach)
-{
-    int blocks = 0;
-    int first = 0;
-    for (int i = 0, i_end_ = reach; i < i_end_; i += 1) {
-        double at = w->s_0 + i;
-        double d = scene_lateral(w, p, at);
-        const cca_dddd result1_ = gap_checks_pose(w, at, d, scene_slope(w, p, at));
-        w->x_p[i] = result1_.item0;
-        w->y_p[i] = result1_.item1;
-        w->c_p[i] = result1_.item2;
-        w->s_p[i] = result1_.item3;
-        if (i == first) {
-            w->x_b[blocks] = scene_at_station(w->n, w->x, at + 0.5 * CONFLICTS_BLOCK);
-            w->y_b[blocks] = scene_at_station(w->n, w->y, at + 0.5 * CONFLICTS_BLOCK);
-            w->r_b[blocks] = 0.0;
-        }
-        double x = w->x_p[i] - w->x_b[blocks];
-        double y = w->y_p[i] - w->y_b[blocks];
-        w->r_b[blocks] = real_max(w->r_b[blocks], box_gaps_norm(x, y));
-        if (i == first + CONFLICTS_BLOCK - 1) {
-            blocks += 1;
-            first = i + 1;
-        }
-    }
-    return first == reach ? blocks : blocks + 1;
-}
-
-/* Extend the conflict of a vehicle by the stations over which it is at a step. */
-static void conflicts_add_conflict(Scene *w, int j, int k, int first, int last, double c, double s,
-    double margin)
-{
-    for (int i = first, i_end_ = last; i < i_end_; i += 1) {
-        double at = w->s_0 + i;
-        if ((w->s_enter[j] <= at && at <= w->s_exit[j]) && (w->t_enter[j] <= w->t[k] && w->t[k]
-            <= w->t_exit[j])) {
-            continue;
-        }
-        double gap = cca_oriented_box_gap(w->x_o[j * w->steps + k] - w->x_p[i], w->y_o[j * w->steps + k]
-            - w->y_p[i], w->c_p[i], w->s_p[i], c, s, w->half_length, w->half_width, w->half_l[j],
-            w->half_w[j]);
-        if (gap < margin) {
-            w->s_enter[j] = real_min(w->s_enter[j], at);
-            w->s_exit[j] = real_max(w->s_exit[j], at);
-            w->t_enter[j] = real_min(w->t_enter[j], w->t[k]);
-            w->t_exit[j] = real_max(w->t_exit[j], w->t[k]);
-        }
-    }
-}
-
-/* Find the stations of a path that each crossing vehicle passes over, and when; infinite if none. */
-void cca_find_conflicts(Scene *w, int p, int reach, double margin)
-{
-    int blocks = conflicts_set_blocks(w, p, reach);
-    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        w->s_enter[j] = HUGE_VAL;
-        w->s_exit[j] = -HUGE_VAL;
-        w->t_enter[j] = HUGE_VAL;
-        w->t_exit[j] = -HUGE_VAL;
-        if (w->crosses[j] == 0) {
-            continue;
-        }
-        double size = w->half_l[j] + w->half_w[j] + w->half_length + w->half_width + margin;
-        for (int b = 0, b_end_ = blocks; b < b_end_; b += 1) {
-            double free_until = -HUGE_VAL;
-            for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-                if (w->t[k] < free_until) {
-                    continue;
-                }
-                double away = box_gaps_norm(w->x_o[j * w->steps + k] - w->x_b[b], w->y_o[j * w->steps + k]
-                    - w->y_b[b]) - w->r_b[b] - size;
-                if (away > 0.0) {
-                    free_until = w->t[k] + away / real_max(w->v_o[j * w->steps + 0], 0.1) - CONFLICTS_SKIPPED;
-                    continue;
-                }
-                double c = cos(w->psi_o[j * w->steps + k]);
-                double s = sin(w->psi_o[j * w->steps + k]);
-                conflicts_add_conflict(w, j, k, CONFLICTS_BLOCK * b, int_min(CONFLICTS_BLOCK * b
-                    + CONFLICTS_BLOCK, reach), c, s, margin);
-            }
-        }
-    }
-}
+/* reach.py: Where other vehicles may be: distances, reachable and occupied intervals, danger zones,
+    occupancy boxes. */
 
 /* curve.py: A path of cubics over arc length, straight beyond both ends, and foot points of positions on
     it. */
@@ -3289,37 +2935,6 @@ void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, 
         last = floor_within(along * samples->count, 0, samples->count - 1);
     }
 }
-
-/* equilibrium_batch.py: Equilibria of a batch of bands between given bounds. */
-
-/* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts. */
-void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
-    const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
-    double *u, int *solves, int *converged)
-{
-    e->n = n;
-    for (int b = 0, b_end_ = bands; b < b_end_; b += 1) {
-        stiffness_set_stiffness(e, stiffness[b * 5 + 0], stiffness[b * 5 + 1], stiffness[b * 5 + 2],
-            stiffness[b * 5 + 3], stiffness[b * 5 + 4]);
-        e->bounded = bounded;
-        e->solves = 0;
-        for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-            e->lower[i] = lower[b * n + i];
-            e->upper[i] = upper[b * n + i];
-            e->lower_difference[i] = lower_difference[b * n + i];
-            e->upper_difference[i] = upper_difference[b * n + i];
-        }
-        bool done = equilibrium_find_equilibrium(e, false);
-        for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-            u[b * n + i] = e->u[i];
-        }
-        solves[b] = e->solves;
-        converged[b] = done ? 1 : 0;
-    }
-}
-
-/* reach.py: Where other vehicles may be: distances, reachable and occupied intervals, danger zones,
-    occupancy boxes. */
 #define REACH_BELIEVED_BRAKING (-1.0)
 #define REACH_SMALLEST 1e-300
 #define REACH_WINDOW 15.0
@@ -3365,7 +2980,8 @@ static cca_dd reach_reach(double v, double t, double age, double braking, double
         longest = measured * since + 0.5 * acceleration * since * since - counted;
     }
     double creeping = acceleration > 0.0 ? CONSTANTS_STANDSTILL_SPEED : 0.0;
-    return (cca_dd){v < creeping ? -longest : shortest, v > -creeping ? longest : -shortest};
+    double low = v < creeping || v == 0.0 ? -longest : shortest;
+    return (cca_dd){low, v > -creeping || v == 0.0 ? longest : -shortest};
 }
 
 /* Distance driven at many times. */
@@ -3505,6 +3121,805 @@ void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double
             boxes[at * 5 + 3] = result1_.item3;
             boxes[at * 5 + 4] = result1_.item4;
         }
+    }
+}
+#define TRAFFIC_GONE 1000000.0
+#define TRAFFIC_NO_ACCELERATION 0.5
+#define TRAFFIC_SPEEDING 0.5
+#define TRAFFIC_ABREAST 1.5
+#define TRAFFIC_OVERLAP 0.2
+#define TRAFFIC_ASSUMED_HALF_WIDTH 0.9
+#define TRAFFIC_S 0
+#define TRAFFIC_D 1
+#define TRAFFIC_SPEED 2
+#define TRAFFIC_HALF_L 3
+#define TRAFFIC_HALF_W 4
+#define TRAFFIC_NOMINAL_L 5
+#define TRAFFIC_NOMINAL_W 6
+#define TRAFFIC_RATE 7
+#define TRAFFIC_NOMINAL_RATE 8
+#define TRAFFIC_AGE 9
+#define TRAFFIC_AHEAD 10
+#define TRAFFIC_SIDE_SPEED 11
+#define TRAFFIC_SIDE_RANGE 12
+#define TRAFFIC_CROSSES 13
+#define TRAFFIC_X 14
+#define TRAFFIC_Y 15
+#define TRAFFIC_PSI 16
+#define TRAFFIC_V_X 17
+#define TRAFFIC_A_X 18
+#define TRAFFIC_TURN_RATE 19
+#define TRAFFIC_BODY_L 20
+#define TRAFFIC_BODY_W 21
+#define TRAFFIC_BULGE 22
+#define TRAFFIC_BEND_W 23
+
+/* Nominal distance and speed without sign; a reported acceleration lasts for a bounded time. */
+static cca_dd traffic_travel(const Scene *w, double v, double a, double t)
+{
+    if (fabs(a) < TRAFFIC_NO_ACCELERATION || (w->keeps && a > 0.0)) {
+        return (cca_dd){v * t, v};
+    }
+    double until = a < 0.0 ? real_min(w->braking_time, v / -a) : real_min(w->acceleration_time,
+        real_max(w->v_limit - v, 0.0) / a);
+    double changing = real_min(t, until);
+    double speed = v + a * changing;
+    return (cca_dd){v * changing + 0.5 * a * (changing * changing) + speed * (t - changing),
+        real_max(speed, 0.0)};
+}
+
+/* Motion of a vehicle along the route. */
+static void traffic_locate_along(Scene *w, int j)
+{
+    double v = w->seen[j * 24 + TRAFFIC_SPEED];
+    double speed = fabs(v);
+    double side = w->seen[j * 24 + TRAFFIC_SIDE_SPEED];
+    double sign = copysign(1.0, v);
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        const cca_dd result1_ = traffic_travel(w, speed, w->seen[j * 24 + TRAFFIC_NOMINAL_RATE], w->t[k]);
+        double distance = result1_.item0;
+        double now = result1_.item1;
+        w->s_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_S] + sign * distance;
+        w->v_o[j * w->steps + k] = sign * now;
+        double across = copysign(real_min(fabs(side) * w->t[k], w->seen[j * 24 + TRAFFIC_SIDE_RANGE]), side);
+        w->d_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] + across;
+        w->right[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] - w->seen[j * 24 + TRAFFIC_HALF_W]
+            + real_min(across, 0.0);
+        w->left[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] + w->seen[j * 24 + TRAFFIC_HALF_W]
+            + real_max(across, 0.0);
+    }
+    bool left = w->seen[j * 24 + TRAFFIC_D] + w->seen[j * 24 + TRAFFIC_HALF_W] > w->lane_left
+        + w->entry_tolerance;
+    bool right = w->seen[j * 24 + TRAFFIC_D] - w->seen[j * 24 + TRAFFIC_HALF_W] < w->lane_right
+        - w->entry_tolerance;
+    w->adjacent[j] = (left ? 1 : 0) + (right ? 2 : 0);
+}
+
+/* Worst case along the route of a vehicle that is overtaken, or of one that is not. */
+static void traffic_reach_along(Scene *w, int j, bool passed)
+{
+    double v = w->seen[j * 24 + TRAFFIC_SPEED];
+    double rate = w->seen[j * 24 + TRAFFIC_RATE];
+    double nominal = w->seen[j * 24 + TRAFFIC_NOMINAL_RATE];
+    if (passed && rate > 0.0) {
+        rate = 0.0;
+        nominal = real_min(nominal, 0.0);
+    }
+    double braking = real_max(w->b_other, -rate);
+    double acceleration = real_max(passed ? w->a_passed : w->a_other, rate);
+    double rear = w->seen[j * 24 + TRAFFIC_S] - w->seen[j * 24 + TRAFFIC_HALF_L];
+    double front = w->seen[j * 24 + TRAFFIC_S] + w->seen[j * 24 + TRAFFIC_HALF_L];
+    const cca_ddd result1_ = reach_measured_motion(v, w->seen[j * 24 + TRAFFIC_AGE], rate, braking);
+    double measured = result1_.item0;
+    double counted = result1_.item1;
+    double stops = result1_.item2;
+    double fastest = real_max(w->v_limit, fabs(v) + TRAFFIC_SPEEDING);
+    double sum_low = 0.0;
+    double sum_high = 0.0;
+    double low_0 = 0.0;
+    double high_0 = 0.0;
+    double low_last = 0.0;
+    double high_last = 0.0;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        double low = 0.0;
+        double high = 0.0;
+        if (w->keeps) {
+            const cca_dd result2_ = traffic_travel(w, fabs(v), nominal, w->t[k]);
+            double distance = result2_.item0;
+            low = copysign(1.0, v) * distance;
+            high = low;
+        } else {
+            const cca_dd result3_ = reach_reach(v, w->t[k], w->seen[j * 24 + TRAFFIC_AGE], braking,
+                acceleration, measured, counted, stops);
+            low = result3_.item0;
+            high = result3_.item1;
+            if (k == 0) {
+                low_0 = low;
+                high_0 = high;
+            } else {
+                double farthest = fastest * (w->t[k] - w->t[k - 1]);
+                sum_low += real_max(low - low_last, -farthest);
+                sum_high += real_min(high - high_last, farthest);
+            }
+            low_last = low;
+            high_last = high;
+            low = low_0 + sum_low;
+            high = high_0 + sum_high;
+            if (fabs(v) < CONSTANTS_STANDSTILL_SPEED) {
+                if (w->seen[j * 24 + TRAFFIC_AHEAD] > 0.0) {
+                    low = real_max(low, 0.0);
+                } else {
+                    high = real_min(high, 0.0);
+                }
+            }
+        }
+        if (passed) {
+            if (v >= 0.0) {
+                const cca_dd result4_ = traffic_travel(w, fabs(v), w->seen[j * 24 + TRAFFIC_NOMINAL_RATE],
+                    w->t[k]);
+                double distance = result4_.item0;
+                high = real_max(high, distance);
+            }
+            w->low_passed[j * w->steps + k] = rear + low;
+            w->high_passed[j * w->steps + k] = front + high;
+        } else {
+            w->low[j * w->steps + k] = rear + low;
+            w->high[j * w->steps + k] = front + high;
+        }
+    }
+}
+
+/* Position and heading of a vehicle after an arc. */
+static cca_ddd traffic_on_arc(const Scene *w, int j, double s, double turn)
+{
+    double half = 0.5 * turn;
+    double chord = fabs(half) > 1e-12 ? s * (sin(half) / half) : s;
+    double heading = w->seen[j * 24 + TRAFFIC_PSI] + half;
+    double x = w->seen[j * 24 + TRAFFIC_X] + chord * cos(heading);
+    return (cca_ddd){x, w->seen[j * 24 + TRAFFIC_Y] + chord * sin(heading), w->seen[j * 24 + TRAFFIC_PSI]
+        + turn};
+}
+
+/* Motion of a vehicle in the plane: on its circle nominally, and where it can be within a time. */
+static void traffic_locate_crossing(Scene *w, int j)
+{
+    double v = w->seen[j * 24 + TRAFFIC_V_X];
+    double speed = fabs(v);
+    double sign = copysign(1.0, v);
+    double a = w->seen[j * 24 + TRAFFIC_A_X] * v > -TRAFFIC_NO_ACCELERATION ? 0.0 : w->seen[j * 24
+        + TRAFFIC_A_X];
+    double stops = a * v < 0.0 ? -v / a : HUGE_VAL;
+    double kappa = speed > CONSTANTS_STANDSTILL_SPEED ? w->seen[j * 24 + TRAFFIC_TURN_RATE] / v : 0.0;
+    double braking = w->keeps ? 0.0 : w->b_crossing;
+    double acceleration = w->keeps ? 0.0 : w->a_crossing;
+    double age = w->seen[j * 24 + TRAFFIC_AGE];
+    const cca_ddd result1_ = reach_measured_motion(speed, age, 0.0, braking);
+    double measured = result1_.item0;
+    double counted = result1_.item1;
+    double still = result1_.item2;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        w->s_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_S];
+        w->v_o[j * w->steps + k] = speed;
+        w->d_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D];
+        double moves = real_min(w->t[k], stops);
+        double s = v * moves + 0.5 * a * (moves * moves);
+        const cca_ddd result2_ = traffic_on_arc(w, j, s, kappa * s);
+        w->x_o[j * w->steps + k] = result2_.item0;
+        w->y_o[j * w->steps + k] = result2_.item1;
+        w->psi_o[j * w->steps + k] = result2_.item2;
+        double before = real_max(w->t[k] - w->min_pet, 0.0);
+        double after = w->t[k] + w->min_pet;
+        const cca_dd result3_ = reach_reach(speed, before, age, braking, acceleration, measured, counted,
+            still);
+        double low = result3_.item0;
+        const cca_dd result4_ = reach_reach(speed, after, age, braking, acceleration, measured, counted,
+            still);
+        double high = result4_.item1;
+        double middle = 0.5 * (low + high);
+        double extent = 0.5 * (high - low);
+        double turn = real_min(real_max(kappa * middle * sign, -0.5 * 3.141592653589793), 0.5
+            * 3.141592653589793);
+        const cca_ddd result5_ = traffic_on_arc(w, j, sign * middle, turn);
+        w->x_w[j * w->steps + k] = result5_.item0;
+        w->y_w[j * w->steps + k] = result5_.item1;
+        w->psi_w[j * w->steps + k] = result5_.item2;
+        w->half_l_w[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_BODY_L] + extent;
+        w->half_w_w[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_BODY_W] + real_min(0.25 * fabs(kappa)
+            * extent * extent, extent);
+    }
+    w->adjacent[j] = 0;
+}
+
+/* Motion of a vehicle that is assumed at the end of the awareness range. */
+static void traffic_locate_assumed(Scene *w, int j)
+{
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        double at = w->seen[j * 24 + TRAFFIC_S] + w->seen[j * 24 + TRAFFIC_SPEED] * w->t[k];
+        w->s_o[j * w->steps + k] = TRAFFIC_GONE;
+        w->v_o[j * w->steps + k] = 0.0;
+        w->d_o[j * w->steps + k] = 0.0;
+        w->low[j * w->steps + k] = at;
+        w->high[j * w->steps + k] = at;
+        w->low_passed[j * w->steps + k] = at;
+        w->high_passed[j * w->steps + k] = at;
+        w->right[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH;
+        w->left[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH;
+    }
+    w->adjacent[j] = w->seen[j * 24 + TRAFFIC_D] > 0.0 ? 1 : 2;
+}
+
+/* Whether a body is at least in part in a lane. */
+static bool traffic_is_in(const Scene *w, int j, double right, double left)
+{
+    return w->seen[j * 24 + TRAFFIC_D] - w->seen[j * 24 + TRAFFIC_HALF_W] <= left && w->seen[j * 24
+        + TRAFFIC_D] + w->seen[j * 24 + TRAFFIC_HALF_W] >= right;
+}
+
+/* Whether no stationary vehicle is in a lane next to a vehicle or a little ahead. */
+static bool traffic_is_free(const Scene *w, int j, int n, double right, double left)
+{
+    double rear = w->seen[j * 24 + TRAFFIC_S] - w->seen[j * 24 + TRAFFIC_HALF_L];
+    double end = w->seen[j * 24 + TRAFFIC_S] + w->seen[j * 24 + TRAFFIC_HALF_L] + w->queue_gap;
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        bool stands = fabs(w->seen[i * 24 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED;
+        bool near = w->seen[i * 24 + TRAFFIC_S] - w->seen[i * 24 + TRAFFIC_HALF_L] < end && w->seen[i * 24
+            + TRAFFIC_S] + w->seen[i * 24 + TRAFFIC_HALF_L] > rear;
+        if (i != j && stands && near && traffic_is_in(w, i, right, left)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Distance kept behind a single stationary vehicle beside which a lane is free, to pass it later. */
+static double traffic_distance_to_pass(const Scene *w, int j, int n)
+{
+    if (!(fabs(w->seen[j * 24 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED) || w->crosses[j] != 0) {
+        return 0.0;
+    }
+    if (!traffic_is_in(w, j, w->lane_right, w->lane_left)) {
+        return 0.0;
+    }
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        double gap = w->seen[i * 24 + TRAFFIC_S] - w->seen[i * 24 + TRAFFIC_HALF_L] - (w->seen[j * 24
+            + TRAFFIC_S] + w->seen[j * 24 + TRAFFIC_HALF_L]);
+        if (i != j && (0.0 < gap && gap < w->queue_gap) && fabs(w->seen[i * 24 + TRAFFIC_D] - w->seen[j
+            * 24 + TRAFFIC_D]) < TRAFFIC_ABREAST) {
+            return 0.0;
+        }
+    }
+    for (int i = 0, i_end_ = w->max_lanes; i < i_end_; i += 1) {
+        if (traffic_is_free(w, j, n, w->other_lanes[i * 2 + 0], w->other_lanes[i * 2 + 1])) {
+            return w->passing_gap;
+        }
+    }
+    return 0.0;
+}
+
+/* Keep the nominal motion of a vehicle behind another one of its lane and direction, a meter apart. */
+static void traffic_keep_behind(Scene *w, int j, int k, double sign)
+{
+    double space = w->half_l[j] + w->half_l[k];
+    double apart = w->half_w[j] + w->half_w[k] - TRAFFIC_OVERLAP;
+    double begin = sign * w->s_o[j * w->steps + 0];
+    if (!(sign * w->s_o[k * w->steps + 0] - begin > space) || fabs(w->d_o[j * w->steps + 0] - w->d_o[k
+        * w->steps + 0]) >= apart) {
+        return;
+    }
+    space += 1.0;
+    bool drive_on = sign * w->v_o[j * w->steps + 0] >= 0.0 && sign * w->v_o[k * w->steps + 0] >= 0.0;
+    if (drive_on && sign * w->s_follow[j * w->steps + w->steps - 1] <= sign * w->s_follow[k * w->steps
+        + 0] - space) {
+        return;
+    }
+    double farthest = begin;
+    for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
+        double at = sign * w->s_follow[j * w->steps + i];
+        if (!(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
+            at = real_min(at, sign * w->s_follow[k * w->steps + i] - space);
+        }
+        farthest = real_max(farthest, at);
+        w->s_follow[j * w->steps + i] = sign * farthest;
+    }
+}
+
+/* Keep the vehicles of one direction behind each other, the first one first. */
+static void traffic_set_order(Scene *w, double sign)
+{
+    int count = 0;
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(sign * w->v_o[j * w->steps + 0] >
+            -CONSTANTS_STANDSTILL_SPEED)) {
+            continue;
+        }
+        int at = count;
+        for (int turn2_ = 0, turn2__end_ = count; turn2_ < turn2__end_; turn2_ += 1) {
+            if (!(sign * w->s_o[w->order[at - 1] * w->steps + 0] < sign * w->s_o[j * w->steps + 0])) {
+                break;
+            }
+            w->order[at] = w->order[at - 1];
+            at -= 1;
+        }
+        w->order[at] = j;
+        count += 1;
+    }
+    for (int i = 0, i_end_ = count; i < i_end_; i += 1) {
+        for (int k = 0, k_end_ = i; k < k_end_; k += 1) {
+            traffic_keep_behind(w, w->order[i], w->order[k], sign);
+        }
+    }
+}
+
+/* Speed of a vehicle that stays behind others; second order for unequal steps. */
+static void traffic_set_following_speed(Scene *w, int j)
+{
+    int last = w->steps - 1;
+    w->v_follow[j * w->steps + 0] = (w->s_follow[j * w->steps + 1] - w->s_follow[j * w->steps + 0])
+        / (w->t[1] - w->t[0]);
+    w->v_follow[j * w->steps + last] = (w->s_follow[j * w->steps + last] - w->s_follow[j * w->steps + last
+        - 1]) / (w->t[last] - w->t[last - 1]);
+    for (int i = 1, i_end_ = last; i < i_end_; i += 1) {
+        double h = w->t[i] - w->t[i - 1];
+        double g = w->t[i + 1] - w->t[i];
+        double before = (w->s_follow[j * w->steps + i] - w->s_follow[j * w->steps + i - 1]) / h;
+        double after = (w->s_follow[j * w->steps + i + 1] - w->s_follow[j * w->steps + i]) / g;
+        w->v_follow[j * w->steps + i] = (g * before + h * after) / (h + g);
+    }
+    w->stands[j] = fabs(w->v_follow[j * w->steps + last]) < CONSTANTS_STANDSTILL_SPEED ? 1 : 0;
+}
+
+/* Predict the vehicles in `seen`, the first of which are real, the others assumed. */
+void cca_locate_vehicles(Scene *w, int seen)
+{
+    w->crossing = 0;
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        w->half_l[j] = w->seen[j * 24 + TRAFFIC_NOMINAL_L];
+        w->half_w[j] = w->seen[j * 24 + TRAFFIC_NOMINAL_W];
+        w->crosses[j] = w->seen[j * 24 + TRAFFIC_CROSSES] != 0.0 ? 1 : 0;
+        w->assumed[j] = j >= seen ? 1 : 0;
+        w->passing_distance[j] = 0.0;
+        if (j >= seen) {
+            traffic_locate_assumed(w, j);
+        } else if (w->crosses[j] != 0) {
+            w->crossing += 1;
+            traffic_locate_crossing(w, j);
+        } else {
+            traffic_locate_along(w, j);
+            traffic_reach_along(w, j, false);
+            traffic_reach_along(w, j, true);
+        }
+    }
+    for (int j = 0, j_end_ = seen; j < j_end_; j += 1) {
+        w->passing_distance[j] = traffic_distance_to_pass(w, j, seen);
+    }
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
+            w->s_follow[j * w->steps + i] = w->s_o[j * w->steps + i];
+        }
+    }
+    traffic_set_order(w, 1.0);
+    traffic_set_order(w, -1.0);
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        traffic_set_following_speed(w, j);
+        if (w->v_o[j * w->steps + 0] < 0.0) {
+            for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
+                w->s_o[j * w->steps + i] = w->s_follow[j * w->steps + i];
+                w->v_o[j * w->steps + i] = i > 0 ? w->v_follow[j * w->steps + i] : w->v_o[j * w->steps + 0];
+            }
+        }
+        w->d_low[j] = w->d_o[j * w->steps + 0];
+        w->d_high[j] = w->d_o[j * w->steps + 0];
+        for (int i = 1, i_end_ = w->steps; i < i_end_; i += 1) {
+            w->d_low[j] = real_min(w->d_low[j], w->d_o[j * w->steps + i]);
+            w->d_high[j] = real_max(w->d_high[j], w->d_o[j * w->steps + i]);
+        }
+    }
+}
+#define GAP_CHECKS_FAR 1000.0
+#define GAP_CHECKS_STANDSTILL 0.2
+#define GAP_CHECKS_FAR_IN_PLANE 15.0
+#define GAP_CHECKS_NEAR 12.0
+
+/* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
+static int gap_checks_find_duty(Scene *w, int row, double wait)
+{
+    int back = 0;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (scene_is_outside(w, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)) {
+            back = int_min(k + 1, w->steps - 1);
+        }
+    }
+    w->rear = w->s[row * w->steps + back] + w->offset - w->half_length;
+    w->duty_from = back;
+    for (int k = back, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (back > 0 && w->t[k] < w->t[back] + wait) {
+            w->duty_from = k;
+        }
+    }
+    return back;
+}
+
+/* Whether a vehicle is behind the ego in its lane, for good. */
+static bool gap_checks_has_duty(const Scene *w, int j, int k, int back)
+{
+    if (w->crosses[j] != 0 || k < w->duty_from || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
+        return false;
+    }
+    return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
+}
+
+/* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
+static bool gap_checks_is_behind(const Scene *w, int row, int p, int j, int back)
+{
+    double high = w->overtakes[p * w->max_m + j] != 0.0 ? w->high_passed[j * w->steps + back] : w->high[j
+        * w->steps + back];
+    return high < w->rear || fabs(w->d_o[j * w->steps + back] - w->offset_at[row * w->steps + back])
+        < w->half_width;
+}
+
+/* Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in. */
+static bool gap_checks_is_established(const Scene *w, int j)
+{
+    if (w->established == 0 || w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
+        return false;
+    }
+    if (!(w->s_o[j * w->steps + 0] + w->half_l[j] < w->s_0 + w->offset - w->half_length)) {
+        return false;
+    }
+    bool inside = w->right[j * w->steps + 0] < w->lane_left && w->left[j * w->steps + 0] > w->lane_right;
+    return w->adjacent[j] == w->established || w->adjacent[j] == 3 || (w->leaves && inside);
+}
+
+/* Gap to a vehicle behind in the adjacent lane, beyond what its driver needs to react. */
+static double gap_checks_rear_gap(const Scene *w, int row, int j, int k, double x_safety)
+{
+    int before = int_max(k - 1, 0);
+    double v = w->v_o[j * w->steps + k];
+    if (k > before) {
+        v = (w->high[j * w->steps + k] - w->high[j * w->steps + before]) / (w->t[k] - w->t[before]);
+    }
+    double closing = real_max(v - w->v[row * w->steps + k], 0.0);
+    double need = x_safety + closing * w->rear_reaction + closing * closing / (2.0 * w->rear_braking);
+    return w->s[row * w->steps + k] + w->offset - w->half_length - w->high[j * w->steps + k] - need;
+}
+
+/* Center of the ego's body in the plane, cosine and sine of its heading. */
+static cca_dddd gap_checks_pose(const Scene *w, double at, double d, double turn)
+{
+    double route = scene_at_station(w->n, w->psi, at);
+    double heading = route + atan2(turn, real_max(1.0 - w->kappa[scene_station(w->n, at)] * d, 0.1));
+    double c = cos(heading);
+    double s = sin(heading);
+    double x = scene_at_station(w->n, w->x, at) - d * sin(route) + w->offset * c;
+    double y = scene_at_station(w->n, w->y, at) + d * cos(route) + w->offset * s;
+    return (cca_dddd){x, y, c, s};
+}
+
+/* Place the ego's body at each step of a motion: on the route, and in the plane if vehicles cross. */
+static void gap_checks_set_poses(Scene *w, int row, int p)
+{
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        double at = w->s[row * w->steps + k];
+        double turn = scene_slope(w, p, at);
+        double kappa = w->kappa[scene_station(w->n, at)];
+        w->turn[k] = turn;
+        w->scale[k] = 1.0 / sqrt(1.0 + turn * turn);
+        w->bends[k] = real_max(real_max(fabs(kappa), fabs(w->kappa[scene_station(w->n, at
+            - GAP_CHECKS_NEAR)])), fabs(w->kappa[scene_station(w->n, at + GAP_CHECKS_NEAR)]));
+        w->wide[k] = w->half_width + 0.5 * fabs(kappa) * w->half_length * w->half_length;
+        if (w->crossing > 0) {
+            const cca_dddd result1_ = gap_checks_pose(w, at, w->offset_at[row * w->steps + k], turn);
+            w->x_e[k] = result1_.item0;
+            w->y_e[k] = result1_.item1;
+            w->c_e[k] = result1_.item2;
+            w->s_e[k] = result1_.item3;
+        }
+    }
+}
+
+/* Gap of the ego's body to a rectangle in route coordinates. */
+static double gap_checks_ego_gap(const Scene *w, int row, int k, double low, double high, double right,
+    double left)
+{
+    double at = w->s[row * w->steps + k];
+    double middle = at + w->offset;
+    double reach = w->half_length + w->half_width;
+    if (!(low <= middle + reach + GAP_CHECKS_NEAR)) {
+        return low - middle - reach;
+    }
+    if (!(high >= middle - reach - GAP_CHECKS_NEAR)) {
+        return middle - reach - high;
+    }
+    double begin = real_max(low, middle - reach - GAP_CHECKS_NEAR);
+    double end = real_max(real_min(high, middle + reach + GAP_CHECKS_NEAR), begin);
+    double turn = w->turn[k];
+    double scale = w->scale[k];
+    double ahead = 0.5 * (begin + end) - at - w->offset * scale;
+    double aside = 0.5 * (right + left) - w->offset_at[row * w->steps + k] - w->offset * turn * scale;
+    return cca_oriented_box_gap(ahead, aside, scale, turn * scale, 1.0, 0.0, w->half_length, w->wide[k],
+        0.5 * (end - begin), 0.5 * (left - right));
+}
+
+/* Gap of the ego's body in a motion to a box in the plane. */
+static double gap_checks_plane_gap(const Scene *w, int k, double x, double y, double psi, double length,
+    double width)
+{
+    double dx = x - w->x_e[k];
+    double dy = y - w->y_e[k];
+    if (!(box_gaps_norm(dx, dy) < length + width + w->half_length + w->half_width
+        + GAP_CHECKS_FAR_IN_PLANE)) {
+        return GAP_CHECKS_FAR_IN_PLANE;
+    }
+    return cca_oriented_box_gap(dx, dy, w->c_e[k], w->s_e[k], cos(psi), sin(psi), w->half_length,
+        w->half_width, length, width);
+}
+
+/* Gap to a vehicle; one that crosses covers where it is within a time. */
+static double gap_checks_nominal_gap(const Scene *w, int row, int j, int k, double pet)
+{
+    if (w->crosses[j] != 0) {
+        double length = w->half_l[j] + pet * w->v_o[j * w->steps + k];
+        return gap_checks_plane_gap(w, k, w->x_o[j * w->steps + k], w->y_o[j * w->steps + k], w->psi_o[j
+            * w->steps + k], length, w->half_w[j]);
+    }
+    double s = w->s_o[j * w->steps + k];
+    double d = w->d_o[j * w->steps + k];
+    return gap_checks_ego_gap(w, row, k, s - w->half_l[j], s + w->half_l[j], d - w->half_w[j], d
+        + w->half_w[j]);
+}
+
+/* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
+void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet)
+{
+    int back = gap_checks_find_duty(w, row, wait);
+    gap_checks_set_poses(w, row, p);
+    w->min_margin = GAP_CHECKS_FAR;
+    w->gap = GAP_CHECKS_FAR;
+    w->which = -1;
+    w->when = w->steps;
+    w->impact = 0.0;
+    int hit = w->steps;
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        double asked = w->overtakes[p * w->max_m + j] != 0.0 ? clearance : touch;
+        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+            if (gap_checks_has_duty(w, j, k, back)) {
+                continue;
+            }
+            double gap = gap_checks_nominal_gap(w, row, j, k, pet);
+            if (k == 0) {
+                asked = real_min(asked, real_max(gap - 0.02, 0.0));
+            }
+            w->gap = real_min(w->gap, gap);
+            if (!(gap - asked >= w->min_margin)) {
+                w->min_margin = gap - asked;
+                w->which = j;
+                w->when = k;
+            }
+            if (gap < 0.0 && k < hit) {
+                hit = k;
+                w->which = j;
+                w->when = k;
+                double route = scene_at_station(w->n, w->psi, w->s[row * w->steps + k]);
+                double psi = w->crosses[j] != 0 ? w->psi_o[j * w->steps + k] : route;
+                double dx = w->v[row * w->steps + k] * cos(route) - w->v_o[j * w->steps + k] * cos(psi);
+                double dy = w->v[row * w->steps + k] * sin(route) - w->v_o[j * w->steps + k] * sin(psi);
+                w->impact = box_gaps_norm(dx, dy);
+            }
+        }
+    }
+    if (hit < w->steps) {
+        w->when = hit;
+    }
+}
+
+static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
+{
+    if (w->crosses[j] != 0) {
+        return gap_checks_plane_gap(w, k, w->x_w[j * w->steps + k], w->y_w[j * w->steps + k], w->psi_w[j
+            * w->steps + k], w->half_l_w[j * w->steps + k], w->half_w_w[j * w->steps + k]);
+    }
+    bool passed = w->overtakes[p * w->max_m + j] != 0.0;
+    double low = passed ? w->low_passed[j * w->steps + k] : w->low[j * w->steps + k];
+    double high = passed ? w->high_passed[j * w->steps + k] : w->high[j * w->steps + k];
+    double bulge = real_max(w->seen[j * 24 + TRAFFIC_BULGE] * w->bends[k] - w->seen[j * 24
+        + TRAFFIC_BEND_W], 0.0);
+    return gap_checks_ego_gap(w, row, k, low - w->margin, high + w->margin, w->right[j * w->steps + k]
+        - bulge, w->left[j * w->steps + k] + bulge);
+}
+
+/* Whether vehicles within the declared bounds cannot touch the ego.
+
+`which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
+ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
+it enters that lane, or from when the maneuver begins if the vehicle comes nearer. */
+bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
+    double x_safety, int which)
+{
+    int back = gap_checks_find_duty(w, row, wait);
+    gap_checks_set_poses(w, row, p);
+    w->min_margin = GAP_CHECKS_FAR;
+    w->which = -1;
+    w->when = w->steps;
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        bool passed = w->overtakes[p * w->max_m + j] != 0.0;
+        bool nears = w->v_o[j * w->steps + 0] < ROLLOUT_ONCOMING || w->v_o[j * w->steps + 0] > w->v_0
+            || w->assumed[j] != 0;
+        double since = nears ? w->begin_from : w->zone_from;
+        int begin = w->steps - 1;
+        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+            if (w->t[k] >= since - ROLLOUT_TIME_EPS) {
+                begin = int_min(begin, k);
+            }
+        }
+        bool same = w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING && w->assumed[j] == 0;
+        bool ahead = same && w->s_o[j * w->steps + begin] > w->s[row * w->steps + begin] + w->offset;
+        bool adjacent = !passed && (w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side);
+        bool in_zone_lane = adjacent && (which == 1 || !ahead);
+        if ((which == 1 && !in_zone_lane) || (which == 2 && in_zone_lane)) {
+            continue;
+        }
+        if (w->assumed[j] != 0 && !(x_safety > 0.0)) {
+            continue;
+        }
+        if (gap_checks_is_established(w, j)) {
+            continue;
+        }
+        double asked = passed ? clearance : touch;
+        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+            bool duty = gap_checks_has_duty(w, j, k, back) && gap_checks_is_behind(w, row, p, j, back);
+            if (duty || (which == 1 && k > back)) {
+                continue;
+            }
+            double d = w->offset_at[row * w->steps + k];
+            bool out = scene_is_outside(w, d, 0.0);
+            bool zone = x_safety > 0.0 && k <= back && k >= begin;
+            if (zone && in_zone_lane) {
+                double middle = w->s[row * w->steps + k] + w->offset;
+                double rear = ahead ? w->s_o[j * w->steps + k] - w->half_l[j] : w->low[j * w->steps + k];
+                double zone_gap = real_max(rear - x_safety - (middle + w->half_length), middle
+                    - w->half_length - (w->high[j * w->steps + k] + x_safety));
+                if (same && !ahead && w->rear_reaction > 0.0) {
+                    zone_gap = k == begin ? gap_checks_rear_gap(w, row, j, k, x_safety) : GAP_CHECKS_FAR;
+                }
+                if (!(zone_gap >= w->min_margin)) {
+                    w->min_margin = zone_gap;
+                    w->which = j;
+                    w->when = k;
+                }
+                continue;
+            }
+            if (w->assumed[j] != 0) {
+                continue;
+            }
+            if (!(w->v[row * w->steps + k] >= GAP_CHECKS_STANDSTILL) && w->crosses[j] == 0 && !out && k > 0) {
+                continue;
+            }
+            double gap = gap_checks_worst_gap(w, row, p, j, k);
+            if (k == 0) {
+                asked = real_min(asked, real_max(gap - 0.02, 0.0));
+            }
+            if (!(gap - asked >= w->min_margin)) {
+                w->min_margin = gap - asked;
+                w->which = j;
+                w->when = k;
+            }
+        }
+    }
+    return w->min_margin >= 0.0;
+}
+#define CONFLICTS_BLOCK 8
+#define CONFLICTS_SKIPPED 1e-09
+
+/* Place the ego's body at stations ahead on a path; return the number of their blocks. */
+static int conflicts_set_blocks(Scene *w, int p, int reach)
+{
+    int blocks = 0;
+    int first = 0;
+    for (int i = 0, i_end_ = reach; i < i_end_; i += 1) {
+        double at = w->s_0 + i;
+        double d = scene_lateral(w, p, at);
+        const cca_dddd result1_ = gap_checks_pose(w, at, d, scene_slope(w, p, at));
+        w->x_p[i] = result1_.item0;
+        w->y_p[i] = result1_.item1;
+        w->c_p[i] = result1_.item2;
+        w->s_p[i] = result1_.item3;
+        if (i == first) {
+            w->x_b[blocks] = scene_at_station(w->n, w->x, at + 0.5 * CONFLICTS_BLOCK);
+            w->y_b[blocks] = scene_at_station(w->n, w->y, at + 0.5 * CONFLICTS_BLOCK);
+            w->r_b[blocks] = 0.0;
+        }
+        double x = w->x_p[i] - w->x_b[blocks];
+        double y = w->y_p[i] - w->y_b[blocks];
+        w->r_b[blocks] = real_max(w->r_b[blocks], box_gaps_norm(x, y));
+        if (i == first + CONFLICTS_BLOCK - 1) {
+            blocks += 1;
+            first = i + 1;
+        }
+    }
+    return first == reach ? blocks : blocks + 1;
+}
+
+/* Extend the conflict of a vehicle by the stations over which it is at a step. */
+static void conflicts_add_conflict(Scene *w, int j, int k, int first, int last, double c, double s,
+    double margin)
+{
+    for (int i = first, i_end_ = last; i < i_end_; i += 1) {
+        double at = w->s_0 + i;
+        if ((w->s_enter[j] <= at && at <= w->s_exit[j]) && (w->t_enter[j] <= w->t[k] && w->t[k]
+            <= w->t_exit[j])) {
+            continue;
+        }
+        double gap = cca_oriented_box_gap(w->x_o[j * w->steps + k] - w->x_p[i], w->y_o[j * w->steps + k]
+            - w->y_p[i], w->c_p[i], w->s_p[i], c, s, w->half_length, w->half_width, w->half_l[j],
+            w->half_w[j]);
+        if (gap < margin) {
+            w->s_enter[j] = real_min(w->s_enter[j], at);
+            w->s_exit[j] = real_max(w->s_exit[j], at);
+            w->t_enter[j] = real_min(w->t_enter[j], w->t[k]);
+            w->t_exit[j] = real_max(w->t_exit[j], w->t[k]);
+        }
+    }
+}
+
+/* Find the stations of a path that each crossing vehicle passes over, and when; infinite if none. */
+void cca_find_conflicts(Scene *w, int p, int reach, double margin)
+{
+    int blocks = conflicts_set_blocks(w, p, reach);
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        w->s_enter[j] = HUGE_VAL;
+        w->s_exit[j] = -HUGE_VAL;
+        w->t_enter[j] = HUGE_VAL;
+        w->t_exit[j] = -HUGE_VAL;
+        if (w->crosses[j] == 0) {
+            continue;
+        }
+        double size = w->half_l[j] + w->half_w[j] + w->half_length + w->half_width + margin;
+        for (int b = 0, b_end_ = blocks; b < b_end_; b += 1) {
+            double free_until = -HUGE_VAL;
+            for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+                if (w->t[k] < free_until) {
+                    continue;
+                }
+                double away = box_gaps_norm(w->x_o[j * w->steps + k] - w->x_b[b], w->y_o[j * w->steps + k]
+                    - w->y_b[b]) - w->r_b[b] - size;
+                if (away > 0.0) {
+                    free_until = w->t[k] + away / real_max(w->v_o[j * w->steps + 0], 0.1) - CONFLICTS_SKIPPED;
+                    continue;
+                }
+                double c = cos(w->psi_o[j * w->steps + k]);
+                double s = sin(w->psi_o[j * w->steps + k]);
+                conflicts_add_conflict(w, j, k, CONFLICTS_BLOCK * b, int_min(CONFLICTS_BLOCK * b
+                    + CONFLICTS_BLOCK, reach), c, s, margin);
+            }
+        }
+    }
+}
+
+/* equilibrium_batch.py: Equilibria of a batch of bands between given bounds. */
+
+/* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts. */
+void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
+    const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
+    double *u, int *solves, int *converged)
+{
+    e->n = n;
+    for (int b = 0, b_end_ = bands; b < b_end_; b += 1) {
+        stiffness_set_stiffness(e, stiffness[b * 5 + 0], stiffness[b * 5 + 1], stiffness[b * 5 + 2],
+            stiffness[b * 5 + 3], stiffness[b * 5 + 4]);
+        e->bounded = bounded;
+        e->solves = 0;
+        for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+            e->lower[i] = lower[b * n + i];
+            e->upper[i] = upper[b * n + i];
+            e->lower_difference[i] = lower_difference[b * n + i];
+            e->upper_difference[i] = upper_difference[b * n + i];
+        }
+        bool done = equilibrium_find_equilibrium(e, false);
+        for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+            u[b * n + i] = e->u[i];
+        }
+        solves[b] = e->solves;
+        converged[b] = done ? 1 : 0;
     }
 }
 
@@ -4023,396 +4438,4 @@ double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_gues
     law->delta = delta;
     law->started = true;
     return delta;
-}
-
-/* traffic.py: Other vehicles of a scene over time: nominal motion, worst case, and order in the lane. */
-#define TRAFFIC_GONE 1000000.0
-#define TRAFFIC_NO_ACCELERATION 0.5
-#define TRAFFIC_SPEEDING 0.5
-#define TRAFFIC_ABREAST 1.5
-#define TRAFFIC_OVERLAP 0.2
-#define TRAFFIC_ASSUMED_HALF_WIDTH 0.9
-#define TRAFFIC_S 0
-#define TRAFFIC_D 1
-#define TRAFFIC_SPEED 2
-#define TRAFFIC_HALF_L 3
-#define TRAFFIC_HALF_W 4
-#define TRAFFIC_NOMINAL_L 5
-#define TRAFFIC_NOMINAL_W 6
-#define TRAFFIC_RATE 7
-#define TRAFFIC_NOMINAL_RATE 8
-#define TRAFFIC_AGE 9
-#define TRAFFIC_AHEAD 10
-#define TRAFFIC_SIDE_SPEED 11
-#define TRAFFIC_SIDE_RANGE 12
-#define TRAFFIC_CROSSES 13
-#define TRAFFIC_X 14
-#define TRAFFIC_Y 15
-#define TRAFFIC_PSI 16
-#define TRAFFIC_V_X 17
-#define TRAFFIC_A_X 18
-#define TRAFFIC_TURN_RATE 19
-#define TRAFFIC_BODY_L 20
-#define TRAFFIC_BODY_W 21
-
-/* Nominal distance and speed without sign; a reported acceleration lasts for a bounded time. */
-static cca_dd traffic_travel(const Scene *w, double v, double a, double t)
-{
-    if (fabs(a) < TRAFFIC_NO_ACCELERATION || (w->keeps && a > 0.0)) {
-        return (cca_dd){v * t, v};
-    }
-    double until = a < 0.0 ? real_min(w->braking_time, v / -a) : real_min(w->acceleration_time,
-        real_max(w->v_limit - v, 0.0) / a);
-    double changing = real_min(t, until);
-    double speed = v + a * changing;
-    return (cca_dd){v * changing + 0.5 * a * (changing * changing) + speed * (t - changing),
-        real_max(speed, 0.0)};
-}
-
-/* Motion of a vehicle along the route. */
-static void traffic_locate_along(Scene *w, int j)
-{
-    double v = w->seen[j * 22 + TRAFFIC_SPEED];
-    double speed = fabs(v);
-    double side = w->seen[j * 22 + TRAFFIC_SIDE_SPEED];
-    double sign = copysign(1.0, v);
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        const cca_dd result1_ = traffic_travel(w, speed, w->seen[j * 22 + TRAFFIC_NOMINAL_RATE], w->t[k]);
-        double distance = result1_.item0;
-        double now = result1_.item1;
-        w->s_o[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_S] + sign * distance;
-        w->v_o[j * w->steps + k] = sign * now;
-        double across = copysign(real_min(fabs(side) * w->t[k], w->seen[j * 22 + TRAFFIC_SIDE_RANGE]), side);
-        w->d_o[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_D] + across;
-        w->right[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_D] - w->seen[j * 22 + TRAFFIC_HALF_W]
-            + real_min(across, 0.0);
-        w->left[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_D] + w->seen[j * 22 + TRAFFIC_HALF_W]
-            + real_max(across, 0.0);
-    }
-    bool left = w->seen[j * 22 + TRAFFIC_D] + w->seen[j * 22 + TRAFFIC_HALF_W] > w->lane_left
-        + w->entry_tolerance;
-    bool right = w->seen[j * 22 + TRAFFIC_D] - w->seen[j * 22 + TRAFFIC_HALF_W] < w->lane_right
-        - w->entry_tolerance;
-    w->adjacent[j] = (left ? 1 : 0) + (right ? 2 : 0);
-}
-
-/* Worst case along the route of a vehicle that is overtaken, or of one that is not. */
-static void traffic_reach_along(Scene *w, int j, bool passed)
-{
-    double v = w->seen[j * 22 + TRAFFIC_SPEED];
-    double rate = w->seen[j * 22 + TRAFFIC_RATE];
-    double nominal = w->seen[j * 22 + TRAFFIC_NOMINAL_RATE];
-    if (passed && rate > 0.0) {
-        rate = 0.0;
-        nominal = real_min(nominal, 0.0);
-    }
-    double braking = real_max(w->b_other, -rate);
-    double acceleration = real_max(passed ? w->a_passed : w->a_other, rate);
-    double rear = w->seen[j * 22 + TRAFFIC_S] - w->seen[j * 22 + TRAFFIC_HALF_L];
-    double front = w->seen[j * 22 + TRAFFIC_S] + w->seen[j * 22 + TRAFFIC_HALF_L];
-    const cca_ddd result1_ = reach_measured_motion(v, w->seen[j * 22 + TRAFFIC_AGE], rate, braking);
-    double measured = result1_.item0;
-    double counted = result1_.item1;
-    double stops = result1_.item2;
-    double fastest = real_max(w->v_limit, fabs(v) + TRAFFIC_SPEEDING);
-    double sum_low = 0.0;
-    double sum_high = 0.0;
-    double low_0 = 0.0;
-    double high_0 = 0.0;
-    double low_last = 0.0;
-    double high_last = 0.0;
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        double low = 0.0;
-        double high = 0.0;
-        if (w->keeps) {
-            const cca_dd result2_ = traffic_travel(w, fabs(v), nominal, w->t[k]);
-            double distance = result2_.item0;
-            low = copysign(1.0, v) * distance;
-            high = low;
-        } else {
-            const cca_dd result3_ = reach_reach(v, w->t[k], w->seen[j * 22 + TRAFFIC_AGE], braking,
-                acceleration, measured, counted, stops);
-            low = result3_.item0;
-            high = result3_.item1;
-            if (k == 0) {
-                low_0 = low;
-                high_0 = high;
-            } else {
-                double farthest = fastest * (w->t[k] - w->t[k - 1]);
-                sum_low += real_max(low - low_last, -farthest);
-                sum_high += real_min(high - high_last, farthest);
-            }
-            low_last = low;
-            high_last = high;
-            low = low_0 + sum_low;
-            high = high_0 + sum_high;
-            if (fabs(v) < CONSTANTS_STANDSTILL_SPEED) {
-                if (w->seen[j * 22 + TRAFFIC_AHEAD] > 0.0) {
-                    low = real_max(low, 0.0);
-                } else {
-                    high = real_min(high, 0.0);
-                }
-            }
-        }
-        if (passed) {
-            if (v >= 0.0) {
-                const cca_dd result4_ = traffic_travel(w, fabs(v), w->seen[j * 22 + TRAFFIC_NOMINAL_RATE],
-                    w->t[k]);
-                double distance = result4_.item0;
-                high = real_max(high, distance);
-            }
-            w->low_passed[j * w->steps + k] = rear + low;
-            w->high_passed[j * w->steps + k] = front + high;
-        } else {
-            w->low[j * w->steps + k] = rear + low;
-            w->high[j * w->steps + k] = front + high;
-        }
-    }
-}
-
-/* Position and heading of a vehicle after an arc. */
-static cca_ddd traffic_on_arc(const Scene *w, int j, double s, double turn)
-{
-    double half = 0.5 * turn;
-    double chord = fabs(half) > 1e-12 ? s * (sin(half) / half) : s;
-    double heading = w->seen[j * 22 + TRAFFIC_PSI] + half;
-    double x = w->seen[j * 22 + TRAFFIC_X] + chord * cos(heading);
-    return (cca_ddd){x, w->seen[j * 22 + TRAFFIC_Y] + chord * sin(heading), w->seen[j * 22 + TRAFFIC_PSI]
-        + turn};
-}
-
-/* Motion of a vehicle in the plane: on its circle nominally, and where it can be within a time. */
-static void traffic_locate_crossing(Scene *w, int j)
-{
-    double v = w->seen[j * 22 + TRAFFIC_V_X];
-    double speed = fabs(v);
-    double sign = copysign(1.0, v);
-    double a = w->seen[j * 22 + TRAFFIC_A_X] * v > -TRAFFIC_NO_ACCELERATION ? 0.0 : w->seen[j * 22
-        + TRAFFIC_A_X];
-    double stops = a * v < 0.0 ? -v / a : HUGE_VAL;
-    double kappa = speed > CONSTANTS_STANDSTILL_SPEED ? w->seen[j * 22 + TRAFFIC_TURN_RATE] / v : 0.0;
-    double braking = w->keeps ? 0.0 : w->b_crossing;
-    double acceleration = w->keeps ? 0.0 : w->a_crossing;
-    double age = w->seen[j * 22 + TRAFFIC_AGE];
-    const cca_ddd result1_ = reach_measured_motion(speed, age, 0.0, braking);
-    double measured = result1_.item0;
-    double counted = result1_.item1;
-    double still = result1_.item2;
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        w->s_o[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_S];
-        w->v_o[j * w->steps + k] = speed;
-        w->d_o[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_D];
-        double moves = real_min(w->t[k], stops);
-        double s = v * moves + 0.5 * a * (moves * moves);
-        const cca_ddd result2_ = traffic_on_arc(w, j, s, kappa * s);
-        w->x_o[j * w->steps + k] = result2_.item0;
-        w->y_o[j * w->steps + k] = result2_.item1;
-        w->psi_o[j * w->steps + k] = result2_.item2;
-        double before = real_max(w->t[k] - w->min_pet, 0.0);
-        double after = w->t[k] + w->min_pet;
-        const cca_dd result3_ = reach_reach(speed, before, age, braking, acceleration, measured, counted,
-            still);
-        double low = result3_.item0;
-        const cca_dd result4_ = reach_reach(speed, after, age, braking, acceleration, measured, counted,
-            still);
-        double high = result4_.item1;
-        double middle = 0.5 * (low + high);
-        double extent = 0.5 * (high - low);
-        double turn = real_min(real_max(kappa * middle * sign, -0.5 * 3.141592653589793), 0.5
-            * 3.141592653589793);
-        const cca_ddd result5_ = traffic_on_arc(w, j, sign * middle, turn);
-        w->x_w[j * w->steps + k] = result5_.item0;
-        w->y_w[j * w->steps + k] = result5_.item1;
-        w->psi_w[j * w->steps + k] = result5_.item2;
-        w->half_l_w[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_BODY_L] + extent;
-        w->half_w_w[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_BODY_W] + real_min(0.25 * fabs(kappa)
-            * extent * extent, extent);
-    }
-    w->adjacent[j] = 0;
-}
-
-/* Motion of a vehicle that is assumed at the end of the awareness range. */
-static void traffic_locate_assumed(Scene *w, int j)
-{
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        double at = w->seen[j * 22 + TRAFFIC_S] + w->seen[j * 22 + TRAFFIC_SPEED] * w->t[k];
-        w->s_o[j * w->steps + k] = TRAFFIC_GONE;
-        w->v_o[j * w->steps + k] = 0.0;
-        w->d_o[j * w->steps + k] = 0.0;
-        w->low[j * w->steps + k] = at;
-        w->high[j * w->steps + k] = at;
-        w->low_passed[j * w->steps + k] = at;
-        w->high_passed[j * w->steps + k] = at;
-        w->right[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH;
-        w->left[j * w->steps + k] = w->seen[j * 22 + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH;
-    }
-    w->adjacent[j] = w->seen[j * 22 + TRAFFIC_D] > 0.0 ? 1 : 2;
-}
-
-/* Whether a body is at least in part in a lane. */
-static bool traffic_is_in(const Scene *w, int j, double right, double left)
-{
-    return w->seen[j * 22 + TRAFFIC_D] - w->seen[j * 22 + TRAFFIC_HALF_W] <= left && w->seen[j * 22
-        + TRAFFIC_D] + w->seen[j * 22 + TRAFFIC_HALF_W] >= right;
-}
-
-/* Whether no stationary vehicle is in a lane next to a vehicle or a little ahead. */
-static bool traffic_is_free(const Scene *w, int j, int n, double right, double left)
-{
-    double rear = w->seen[j * 22 + TRAFFIC_S] - w->seen[j * 22 + TRAFFIC_HALF_L];
-    double end = w->seen[j * 22 + TRAFFIC_S] + w->seen[j * 22 + TRAFFIC_HALF_L] + w->queue_gap;
-    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        bool stands = fabs(w->seen[i * 22 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED;
-        bool near = w->seen[i * 22 + TRAFFIC_S] - w->seen[i * 22 + TRAFFIC_HALF_L] < end && w->seen[i * 22
-            + TRAFFIC_S] + w->seen[i * 22 + TRAFFIC_HALF_L] > rear;
-        if (i != j && stands && near && traffic_is_in(w, i, right, left)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/* Distance kept behind a single stationary vehicle beside which a lane is free, to pass it later. */
-static double traffic_distance_to_pass(const Scene *w, int j, int n)
-{
-    if (!(fabs(w->seen[j * 22 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED) || w->crosses[j] != 0) {
-        return 0.0;
-    }
-    if (!traffic_is_in(w, j, w->lane_right, w->lane_left)) {
-        return 0.0;
-    }
-    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double gap = w->seen[i * 22 + TRAFFIC_S] - w->seen[i * 22 + TRAFFIC_HALF_L] - (w->seen[j * 22
-            + TRAFFIC_S] + w->seen[j * 22 + TRAFFIC_HALF_L]);
-        if (i != j && (0.0 < gap && gap < w->queue_gap) && fabs(w->seen[i * 22 + TRAFFIC_D] - w->seen[j
-            * 22 + TRAFFIC_D]) < TRAFFIC_ABREAST) {
-            return 0.0;
-        }
-    }
-    for (int i = 0, i_end_ = w->max_lanes; i < i_end_; i += 1) {
-        if (traffic_is_free(w, j, n, w->other_lanes[i * 2 + 0], w->other_lanes[i * 2 + 1])) {
-            return w->passing_gap;
-        }
-    }
-    return 0.0;
-}
-
-/* Keep the nominal motion of a vehicle behind another one of its lane and direction, a meter apart. */
-static void traffic_keep_behind(Scene *w, int j, int k, double sign)
-{
-    double space = w->half_l[j] + w->half_l[k];
-    double apart = w->half_w[j] + w->half_w[k] - TRAFFIC_OVERLAP;
-    double begin = sign * w->s_o[j * w->steps + 0];
-    if (!(sign * w->s_o[k * w->steps + 0] - begin > space) || fabs(w->d_o[j * w->steps + 0] - w->d_o[k
-        * w->steps + 0]) >= apart) {
-        return;
-    }
-    space += 1.0;
-    bool drive_on = sign * w->v_o[j * w->steps + 0] >= 0.0 && sign * w->v_o[k * w->steps + 0] >= 0.0;
-    if (drive_on && sign * w->s_follow[j * w->steps + w->steps - 1] <= sign * w->s_follow[k * w->steps
-        + 0] - space) {
-        return;
-    }
-    double farthest = begin;
-    for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
-        double at = sign * w->s_follow[j * w->steps + i];
-        if (!(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
-            at = real_min(at, sign * w->s_follow[k * w->steps + i] - space);
-        }
-        farthest = real_max(farthest, at);
-        w->s_follow[j * w->steps + i] = sign * farthest;
-    }
-}
-
-/* Keep the vehicles of one direction behind each other, the first one first. */
-static void traffic_set_order(Scene *w, double sign)
-{
-    int count = 0;
-    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(sign * w->v_o[j * w->steps + 0] >
-            -CONSTANTS_STANDSTILL_SPEED)) {
-            continue;
-        }
-        int at = count;
-        for (int turn2_ = 0, turn2__end_ = count; turn2_ < turn2__end_; turn2_ += 1) {
-            if (!(sign * w->s_o[w->order[at - 1] * w->steps + 0] < sign * w->s_o[j * w->steps + 0])) {
-                break;
-            }
-            w->order[at] = w->order[at - 1];
-            at -= 1;
-        }
-        w->order[at] = j;
-        count += 1;
-    }
-    for (int i = 0, i_end_ = count; i < i_end_; i += 1) {
-        for (int k = 0, k_end_ = i; k < k_end_; k += 1) {
-            traffic_keep_behind(w, w->order[i], w->order[k], sign);
-        }
-    }
-}
-
-/* Speed of a vehicle that stays behind others; second order for unequal steps. */
-static void traffic_set_following_speed(Scene *w, int j)
-{
-    int last = w->steps - 1;
-    w->v_follow[j * w->steps + 0] = (w->s_follow[j * w->steps + 1] - w->s_follow[j * w->steps + 0])
-        / (w->t[1] - w->t[0]);
-    w->v_follow[j * w->steps + last] = (w->s_follow[j * w->steps + last] - w->s_follow[j * w->steps + last
-        - 1]) / (w->t[last] - w->t[last - 1]);
-    for (int i = 1, i_end_ = last; i < i_end_; i += 1) {
-        double h = w->t[i] - w->t[i - 1];
-        double g = w->t[i + 1] - w->t[i];
-        double before = (w->s_follow[j * w->steps + i] - w->s_follow[j * w->steps + i - 1]) / h;
-        double after = (w->s_follow[j * w->steps + i + 1] - w->s_follow[j * w->steps + i]) / g;
-        w->v_follow[j * w->steps + i] = (g * before + h * after) / (h + g);
-    }
-    w->stands[j] = fabs(w->v_follow[j * w->steps + last]) < CONSTANTS_STANDSTILL_SPEED ? 1 : 0;
-}
-
-/* Predict the vehicles in `seen`, the first of which are real, the others assumed. */
-void cca_locate_vehicles(Scene *w, int seen)
-{
-    w->crossing = 0;
-    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        w->half_l[j] = w->seen[j * 22 + TRAFFIC_NOMINAL_L];
-        w->half_w[j] = w->seen[j * 22 + TRAFFIC_NOMINAL_W];
-        w->crosses[j] = w->seen[j * 22 + TRAFFIC_CROSSES] != 0.0 ? 1 : 0;
-        w->assumed[j] = j >= seen ? 1 : 0;
-        w->passing_distance[j] = 0.0;
-        if (j >= seen) {
-            traffic_locate_assumed(w, j);
-        } else if (w->crosses[j] != 0) {
-            w->crossing += 1;
-            traffic_locate_crossing(w, j);
-        } else {
-            traffic_locate_along(w, j);
-            traffic_reach_along(w, j, false);
-            traffic_reach_along(w, j, true);
-        }
-    }
-    for (int j = 0, j_end_ = seen; j < j_end_; j += 1) {
-        w->passing_distance[j] = traffic_distance_to_pass(w, j, seen);
-    }
-    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
-            w->s_follow[j * w->steps + i] = w->s_o[j * w->steps + i];
-        }
-    }
-    traffic_set_order(w, 1.0);
-    traffic_set_order(w, -1.0);
-    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        traffic_set_following_speed(w, j);
-        if (w->v_o[j * w->steps + 0] < 0.0) {
-            for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
-                w->s_o[j * w->steps + i] = w->s_follow[j * w->steps + i];
-                w->v_o[j * w->steps + i] = i > 0 ? w->v_follow[j * w->steps + i] : w->v_o[j * w->steps + 0];
-            }
-        }
-        w->d_low[j] = w->d_o[j * w->steps + 0];
-        w->d_high[j] = w->d_o[j * w->steps + 0];
-        for (int i = 1, i_end_ = w->steps; i < i_end_; i += 1) {
-            w->d_low[j] = real_min(w->d_low[j], w->d_o[j * w->steps + i]);
-            w->d_high[j] = real_max(w->d_high[j], w->d_o[j * w->steps + i]);
-        }
-    }
 }

@@ -231,7 +231,7 @@ typedef struct Scene {
     double *overtakes; /* [max_paths][max_m] */
     double *t; /* [steps] */
     int m;
-    double *seen; /* [max_m][22] */
+    double *seen; /* [max_m][24] */
     double *s_o; /* [max_m][steps] */
     double *v_o; /* [max_m][steps] */
     double *d_o; /* [max_m][steps] */
@@ -315,6 +315,7 @@ typedef struct Scene {
     double *turn; /* [steps] */
     double *scale; /* [steps] */
     double *wide; /* [steps] */
+    double *bends; /* [steps] */
     double *x_e; /* [steps] */
     double *y_e; /* [steps] */
     double *c_e; /* [steps] */
@@ -336,7 +337,8 @@ typedef struct Scene {
     int zone_side;
     double rear_reaction;
     double rear_braking;
-    bool established;
+    int established;
+    bool leaves;
     int duty_from;
     double rear;
 } Scene;
@@ -350,22 +352,6 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
 
 /* Integrals over a time of what a motion costs, and its peak lateral acceleration. */
 void cca_sum_costs(Scene *w, int row, int p, double until);
-
-typedef struct cca_dddd { double item0; double item1; double item2; double item3; } cca_dddd;
-
-/* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
-void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet);
-
-/* Whether vehicles within the declared bounds cannot touch the ego.
-
-`which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
-ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
-it enters that lane, or from when the maneuver begins if the vehicle comes nearer. */
-bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
-    double x_safety, int which);
-
-/* Find the stations of a path that each crossing vehicle passes over, and when; infinite if none. */
-void cca_find_conflicts(Scene *w, int p, int reach, double margin);
 
 /* A path. The kernel only reads it, so threads may share it. */
 typedef struct Curve {
@@ -397,6 +383,8 @@ void cca_curve_points(const Curve *curve, int n, const double *s, double *positi
 /* Signed curvature at an arc length [1/m]. */
 double cca_curvature_at(const Curve *curve, double s);
 
+typedef struct cca_dddd { double item0; double item1; double item2; double item3; } cca_dddd;
+
 /* Foot point by Newton's method from an initial guess: s, d [m], heading [rad] and curvature [1/m]. */
 cca_dddd cca_foot_point(const Curve *curve, double x, double y, double s_guess);
 
@@ -414,13 +402,6 @@ void cca_foot_points(const Curve *curve, int n, const double *x, const double *y
    x[n], y[n], s[n], d[n] */
 void cca_nearest_points(const Curve *curve, const CurveSamples *samples, int n, const double *x,
     const double *y, double *s, double *d);
-
-/* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts.
-   stiffness[bands][5], lower[bands][n], upper[bands][n], lower_difference[bands][n],
-       upper_difference[bands][n], u[bands][n], solves[bands], converged[bands] */
-void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
-    const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
-    double *u, int *solves, int *converged);
 
 typedef struct cca_ddd { double item0; double item1; double item2; } cca_ddd;
 
@@ -455,6 +436,30 @@ void cca_occupancy_boxes(const Curve *curve, int n, const double *s, const doubl
        boxes[(vehicles * times)][5] */
 void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double *s, const double *rear,
     const double *front, const double *d, const double *half_width, double *boxes);
+
+/* Predict the vehicles in `seen`, the first of which are real, the others assumed. */
+void cca_locate_vehicles(Scene *w, int seen);
+
+/* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
+void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet);
+
+/* Whether vehicles within the declared bounds cannot touch the ego.
+
+`which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
+ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
+it enters that lane, or from when the maneuver begins if the vehicle comes nearer. */
+bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
+    double x_safety, int which);
+
+/* Find the stations of a path that each crossing vehicle passes over, and when; infinite if none. */
+void cca_find_conflicts(Scene *w, int p, int reach, double margin);
+
+/* Find the displacement of each band; `stiffness` is that of rate, bending, tension and both contacts.
+   stiffness[bands][5], lower[bands][n], upper[bands][n], lower_difference[bands][n],
+       upper_difference[bands][n], u[bands][n], solves[bands], converged[bands] */
+void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
+    const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
+    double *u, int *solves, int *converged);
 
 /* Assumed reaction of a vehicle. */
 typedef struct RssReaction {
@@ -592,9 +597,6 @@ cca_dd cca_find_passed(IdealCar *car, double s);
 /* Road-wheel angle for this cycle; `law.s` becomes the station of the vehicle. */
 double cca_steer(Steering *law, IdealCar *car, const Curve *curve, double s_guess, double x, double y,
     double psi, double v_x, double v_y, double r, double dt);
-
-/* Predict the vehicles in `seen`, the first of which are real, the others assumed. */
-void cca_locate_vehicles(Scene *w, int seen);
 
 #ifdef __cplusplus
 }

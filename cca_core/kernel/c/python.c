@@ -438,137 +438,6 @@ static PyObject *call_sum_costs(PyObject *self_, PyObject *const *given_, Py_ssi
     Py_RETURN_NONE;
 }
 
-static PyObject *call_check_nominal(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("check_nominal", 7, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int row;
-    int p;
-    double touch;
-    double clearance;
-    double wait;
-    double pet;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &p)) {
-        return NULL;
-    }
-    if (!lend_real(given_[3], &touch)) {
-        return NULL;
-    }
-    if (!lend_real(given_[4], &clearance)) {
-        return NULL;
-    }
-    if (!lend_real(given_[5], &wait)) {
-        return NULL;
-    }
-    if (!lend_real(given_[6], &pet)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_check_nominal(w, row, p, touch, clearance, wait, pet);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
-}
-
-static PyObject *call_check_worst_case(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("check_worst_case", 8, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int row;
-    int p;
-    double touch;
-    double clearance;
-    double wait;
-    double x_safety;
-    int which;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &p)) {
-        return NULL;
-    }
-    if (!lend_real(given_[3], &touch)) {
-        return NULL;
-    }
-    if (!lend_real(given_[4], &clearance)) {
-        return NULL;
-    }
-    if (!lend_real(given_[5], &wait)) {
-        return NULL;
-    }
-    if (!lend_real(given_[6], &x_safety)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[7], &which)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    bool result_;
-    Py_BEGIN_ALLOW_THREADS
-    result_ = cca_check_worst_case(w, row, p, touch, clearance, wait, x_safety, which);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    return PyBool_FromLong(result_);
-}
-
-static PyObject *call_find_conflicts(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("find_conflicts", 4, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int p;
-    int reach;
-    double margin;
-    if (!lend_whole(given_[1], &p)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &reach)) {
-        return NULL;
-    }
-    if (!lend_real(given_[3], &margin)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_find_conflicts(w, p, reach, margin);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
-}
-
 static PyObject *call_curve_point(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -859,88 +728,6 @@ static PyObject *call_nearest_points(PyObject *self_, PyObject *const *given_, P
     }
     Py_BEGIN_ALLOW_THREADS
     cca_nearest_points(curve, samples, n, x, y, s, d);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
-}
-
-static PyObject *call_find_equilibria(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("find_equilibria", 12, count_)) {
-        return NULL;
-    }
-    Equilibrium *e;
-    int bands;
-    int n;
-    bool bounded;
-    const double *stiffness;
-    const double *lower;
-    const double *upper;
-    const double *lower_difference;
-    const double *upper_difference;
-    double *u;
-    int *solves;
-    int *converged;
-    if (!lend_whole(given_[1], &bands)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &n)) {
-        return NULL;
-    }
-    if (!lend_flag(given_[3], &bounded)) {
-        return NULL;
-    }
-    Lent lent_[9];
-    int held_ = 0;
-    e = lend_workspace("e", given_[0], &lent_[held_], &held_, sizeof(Equilibrium), 1, 1);
-    if (e == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    stiffness = lend_array("stiffness", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, 5, 0);
-    if (stiffness == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    lower = lend_array("lower", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
-    if (lower == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    upper = lend_array("upper", given_[6], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
-    if (upper == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    lower_difference = lend_array("lower_difference", given_[7], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
-    if (lower_difference == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    upper_difference = lend_array("upper_difference", given_[8], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
-    if (upper_difference == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    u = lend_array("u", given_[9], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 1);
-    if (u == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    solves = lend_array("solves", given_[10], &lent_[held_], &held_, 'i', 1, (Py_ssize_t)bands, 0, 1);
-    if (solves == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    converged = lend_array("converged", given_[11], &lent_[held_], &held_, 'i', 1, (Py_ssize_t)bands, 0, 1);
-    if (converged == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_find_equilibria(e, bands, n, bounded, stiffness, lower, upper, lower_difference, upper_difference, u, solves, converged);
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     Py_RETURN_NONE;
@@ -1269,6 +1056,245 @@ static PyObject *call_vehicle_boxes(PyObject *self_, PyObject *const *given_, Py
     }
     Py_BEGIN_ALLOW_THREADS
     cca_vehicle_boxes(curve, vehicles, times, s, rear, front, d, half_width, boxes);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_locate_vehicles(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("locate_vehicles", 2, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int seen;
+    if (!lend_whole(given_[1], &seen)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_locate_vehicles(w, seen);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_check_nominal(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("check_nominal", 7, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    double touch;
+    double clearance;
+    double wait;
+    double pet;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &touch)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &clearance)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &wait)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &pet)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_check_nominal(w, row, p, touch, clearance, wait, pet);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_check_worst_case(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("check_worst_case", 8, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    int p;
+    double touch;
+    double clearance;
+    double wait;
+    double x_safety;
+    int which;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &touch)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &clearance)) {
+        return NULL;
+    }
+    if (!lend_real(given_[5], &wait)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &x_safety)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[7], &which)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_check_worst_case(w, row, p, touch, clearance, wait, x_safety, which);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
+}
+
+static PyObject *call_find_conflicts(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_conflicts", 4, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int p;
+    int reach;
+    double margin;
+    if (!lend_whole(given_[1], &p)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &reach)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &margin)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_find_conflicts(w, p, reach, margin);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_find_equilibria(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_equilibria", 12, count_)) {
+        return NULL;
+    }
+    Equilibrium *e;
+    int bands;
+    int n;
+    bool bounded;
+    const double *stiffness;
+    const double *lower;
+    const double *upper;
+    const double *lower_difference;
+    const double *upper_difference;
+    double *u;
+    int *solves;
+    int *converged;
+    if (!lend_whole(given_[1], &bands)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &n)) {
+        return NULL;
+    }
+    if (!lend_flag(given_[3], &bounded)) {
+        return NULL;
+    }
+    Lent lent_[9];
+    int held_ = 0;
+    e = lend_workspace("e", given_[0], &lent_[held_], &held_, sizeof(Equilibrium), 1, 1);
+    if (e == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    stiffness = lend_array("stiffness", given_[4], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, 5, 0);
+    if (stiffness == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    lower = lend_array("lower", given_[5], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
+    if (lower == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    upper = lend_array("upper", given_[6], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
+    if (upper == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    lower_difference = lend_array("lower_difference", given_[7], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
+    if (lower_difference == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    upper_difference = lend_array("upper_difference", given_[8], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 0);
+    if (upper_difference == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    u = lend_array("u", given_[9], &lent_[held_], &held_, 'd', 2, (Py_ssize_t)bands, (Py_ssize_t)n, 1);
+    if (u == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    solves = lend_array("solves", given_[10], &lent_[held_], &held_, 'i', 1, (Py_ssize_t)bands, 0, 1);
+    if (solves == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    converged = lend_array("converged", given_[11], &lent_[held_], &held_, 'i', 1, (Py_ssize_t)bands, 0, 1);
+    if (converged == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_find_equilibria(e, bands, n, bounded, stiffness, lower, upper, lower_difference, upper_difference, u, solves, converged);
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     Py_RETURN_NONE;
@@ -1825,32 +1851,6 @@ static PyObject *call_steer(PyObject *self_, PyObject *const *given_, Py_ssize_t
     return PyFloat_FromDouble(result_);
 }
 
-static PyObject *call_locate_vehicles(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("locate_vehicles", 2, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int seen;
-    if (!lend_whole(given_[1], &seen)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    Py_BEGIN_ALLOW_THREADS
-    cca_locate_vehicles(w, seen);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    Py_RETURN_NONE;
-}
-
 static PyMethodDef methods[] = {
     {"oriented_box_gap", (PyCFunction)(void (*)(void))call_oriented_box_gap, METH_FASTCALL, NULL},
     {"box_gap", (PyCFunction)(void (*)(void))call_box_gap, METH_FASTCALL, NULL},
@@ -1861,9 +1861,6 @@ static PyMethodDef methods[] = {
     {"limit_path_speed", (PyCFunction)(void (*)(void))call_limit_path_speed, METH_FASTCALL, NULL},
     {"roll_out", (PyCFunction)(void (*)(void))call_roll_out, METH_FASTCALL, NULL},
     {"sum_costs", (PyCFunction)(void (*)(void))call_sum_costs, METH_FASTCALL, NULL},
-    {"check_nominal", (PyCFunction)(void (*)(void))call_check_nominal, METH_FASTCALL, NULL},
-    {"check_worst_case", (PyCFunction)(void (*)(void))call_check_worst_case, METH_FASTCALL, NULL},
-    {"find_conflicts", (PyCFunction)(void (*)(void))call_find_conflicts, METH_FASTCALL, NULL},
     {"curve_point", (PyCFunction)(void (*)(void))call_curve_point, METH_FASTCALL, NULL},
     {"curve_points", (PyCFunction)(void (*)(void))call_curve_points, METH_FASTCALL, NULL},
     {"curvature_at", (PyCFunction)(void (*)(void))call_curvature_at, METH_FASTCALL, NULL},
@@ -1871,13 +1868,17 @@ static PyMethodDef methods[] = {
     {"nearest_point", (PyCFunction)(void (*)(void))call_nearest_point, METH_FASTCALL, NULL},
     {"foot_points", (PyCFunction)(void (*)(void))call_foot_points, METH_FASTCALL, NULL},
     {"nearest_points", (PyCFunction)(void (*)(void))call_nearest_points, METH_FASTCALL, NULL},
-    {"find_equilibria", (PyCFunction)(void (*)(void))call_find_equilibria, METH_FASTCALL, NULL},
     {"distances_driven", (PyCFunction)(void (*)(void))call_distances_driven, METH_FASTCALL, NULL},
     {"reachable_intervals", (PyCFunction)(void (*)(void))call_reachable_intervals, METH_FASTCALL, NULL},
     {"occupied_intervals", (PyCFunction)(void (*)(void))call_occupied_intervals, METH_FASTCALL, NULL},
     {"danger_zones", (PyCFunction)(void (*)(void))call_danger_zones, METH_FASTCALL, NULL},
     {"occupancy_boxes", (PyCFunction)(void (*)(void))call_occupancy_boxes, METH_FASTCALL, NULL},
     {"vehicle_boxes", (PyCFunction)(void (*)(void))call_vehicle_boxes, METH_FASTCALL, NULL},
+    {"locate_vehicles", (PyCFunction)(void (*)(void))call_locate_vehicles, METH_FASTCALL, NULL},
+    {"check_nominal", (PyCFunction)(void (*)(void))call_check_nominal, METH_FASTCALL, NULL},
+    {"check_worst_case", (PyCFunction)(void (*)(void))call_check_worst_case, METH_FASTCALL, NULL},
+    {"find_conflicts", (PyCFunction)(void (*)(void))call_find_conflicts, METH_FASTCALL, NULL},
+    {"find_equilibria", (PyCFunction)(void (*)(void))call_find_equilibria, METH_FASTCALL, NULL},
     {"same_direction_distances", (PyCFunction)(void (*)(void))call_same_direction_distances, METH_FASTCALL, NULL},
     {"opposite_distances", (PyCFunction)(void (*)(void))call_opposite_distances, METH_FASTCALL, NULL},
     {"lateral_distances", (PyCFunction)(void (*)(void))call_lateral_distances, METH_FASTCALL, NULL},
@@ -1891,7 +1892,6 @@ static PyMethodDef methods[] = {
     {"advance", (PyCFunction)(void (*)(void))call_advance, METH_FASTCALL, NULL},
     {"find_passed", (PyCFunction)(void (*)(void))call_find_passed, METH_FASTCALL, NULL},
     {"steer", (PyCFunction)(void (*)(void))call_steer, METH_FASTCALL, NULL},
-    {"locate_vehicles", (PyCFunction)(void (*)(void))call_locate_vehicles, METH_FASTCALL, NULL},
     {NULL, NULL, 0, NULL},
 };
 
@@ -1899,7 +1899,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "5691e773c0725179983c59cde5414b40d3fce0c52437e9a7e3e57fd1c8f31b3d") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "d7d25c9f09c409fb6d03da0626c5e350234ce84c1f9d9d256bc5cd6ef58ba84a") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
