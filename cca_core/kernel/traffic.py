@@ -277,7 +277,7 @@ def locate_vehicles(w: Scene, seen: Int) -> None:
     for j in range(w.m):
         w.half_l[j] = w.seen[j, NOMINAL_L]
         w.half_w[j] = w.seen[j, NOMINAL_W]
-        w.crosses[j] = 1 if w.seen[j, CROSSES] != 0.0 else 0
+        w.crosses[j] = 1 if j < seen and w.seen[j, CROSSES] != 0.0 else 0
         w.assumed[j] = 1 if j >= seen else 0
         w.passing_distance[j] = 0.0
         if j >= seen:

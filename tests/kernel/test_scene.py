@@ -145,7 +145,7 @@ def test_scene_in_c_equals_python(name: str, count: int) -> None:
 def locate_one(**columns: float) -> dict[str, Any]:
     """Place a vehicle of some columns; return the arrays of the scene."""
     names = "s d v half_l half_w nominal_l nominal_w rate nominal_rate age ahead side range crosses"
-    names += " x y psi v_x a_x r body_l body_w"
+    names += " x y psi v_x a_x r body_l body_w bulge bend_w"
     lent = lend(Scene, "python", **SIZES)
     work: Any = lent.workspace
     for name, value in given(np.random.default_rng(0)).items():

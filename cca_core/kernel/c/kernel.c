@@ -3475,7 +3475,7 @@ void cca_locate_vehicles(Scene *w, int seen)
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         w->half_l[j] = w->seen[j * 24 + TRAFFIC_NOMINAL_L];
         w->half_w[j] = w->seen[j * 24 + TRAFFIC_NOMINAL_W];
-        w->crosses[j] = w->seen[j * 24 + TRAFFIC_CROSSES] != 0.0 ? 1 : 0;
+        w->crosses[j] = j < seen && w->seen[j * 24 + TRAFFIC_CROSSES] != 0.0 ? 1 : 0;
         w->assumed[j] = j >= seen ? 1 : 0;
         w->passing_distance[j] = 0.0;
         if (j >= seen) {

@@ -1899,7 +1899,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "d7d25c9f09c409fb6d03da0626c5e350234ce84c1f9d9d256bc5cd6ef58ba84a") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "5ff929e95e3401898be13037ccb85096cfa68166f065455557b5bfc1c54a48a9") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;

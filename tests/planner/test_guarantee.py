@@ -1,0 +1,56 @@
+"""Guarantee: vehicles within the declared bounds do not touch an ego on its certified safe stop.
+
+Assumed of others: accelerations within the bounds of the settings (a vehicle that is being passed does not
+accelerate), any function of time; places within two sigma of what the tracker says; they keep their lateral
+offset or move sideways at most as reported. A vehicle behind the ego keeps its distance: at once if the ego
+stays in its lane, and from 1 s after a return. Unless the settings are cautious, drivers behind in the
+adjacent lane keep their speed from the begin of a maneuver on and their distance 1.5 s later, and those who
+follow an ego that is outside its lane keep their distance.
+"""
+
+import numpy as np
+import pytest
+
+from tests.support.declared_motion import min_gap
+from tests.support.guarantee import CAUTIOUS, DEFAULT, decide, sample_case
+from tests.support.guarantee_search import search
+
+
+def touched(block: int, count: int, *, reacts: bool) -> tuple[list[tuple[int, int, float]], int]:
+    """Situations whose certified safe stop is touched, with the gap, and the number of certified ones."""
+    found, certified = [], 0
+    for i in range(count):
+        decided = decide(sample_case(np.random.default_rng((block, i))), DEFAULT if reacts else CAUTIOUS)
+        certificate = decided.command.certificate
+        if certificate is None or not certificate.keeps_worst_case:
+            continue
+        certified += 1
+        gap = min_gap(decided, np.random.default_rng((block, i, 1)), reacts=reacts)
+        if gap < 0.0:
+            found.append((block, i, gap))
+    return found, certified
+
+
+@pytest.mark.parametrize("reacts", [True, False])
+def test_certified_safe_stop_is_not_touched(reacts: bool) -> None:
+    found, certified = touched(0, 120, reacts=reacts)
+    assert found == []
+    assert certified >= 50
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(1, 101))
+def test_certified_safe_stop_is_not_touched_in_many(block: int) -> None:
+    assert touched(block, 1000, reacts=block % 2 == 0)[0] == []
+
+
+def test_search_finds_no_contact() -> None:
+    assert min(search((0, i), DEFAULT, 25, reacts=True)[0] for i in range(3)) >= 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(1, 26))
+def test_searches_find_no_contact(block: int) -> None:
+    reacts = block % 2 == 0
+    gaps = [search((block, i), DEFAULT if reacts else CAUTIOUS, 60, reacts=reacts)[0] for i in range(20)]
+    assert [(i, gap) for i, gap in enumerate(gaps) if gap < 0.0] == []
