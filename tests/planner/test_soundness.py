@@ -15,7 +15,8 @@ from tests.support.random_situations import CAR, START, Situation, roads, situat
 ROADS = roads()
 CYCLE = 0.02  # [s]
 DURATION = 12.0  # [s]
-CAUTIOUS = replace(EvasionSettings.cautious(), awareness_range=math.inf)
+# vehicles of the situations also accelerate with up to 3 m/s^2 while they are overtaken
+CAUTIOUS = replace(EvasionSettings.cautious(), awareness_range=math.inf, assumed_acceleration_passed=3.0)
 
 
 def collides(case: Situation, *, brakes: bool) -> bool:
