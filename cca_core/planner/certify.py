@@ -125,9 +125,15 @@ class Certifier:
             plan.grade = Grade.NOMINAL
 
     def _silence(self, name: str) -> float:
-        """Part of the time of silence that asks for full braking [-]; 0 for a vehicle that is not stale."""
-        age = next((n.remote.age for n in self._around.traffic.vehicles if n.id == name), 0.0)
-        return min(max(age - STALE_AGE, 0.0) / self._settings.silence_time, 1.0)
+        """Part of the time of silence that asks for full braking [-]; 0 for what is not a stale lead."""
+        around, j = self._around, self._around.traffic.index(name)
+        if j < 0 or around.traffic.s[j, 0] < around.s:
+            return 0.0
+        reach = around.traffic.half_w[j] + 0.5 * around.vehicle.width + around.settings.lead.blocking_gap
+        if abs(around.traffic.d[j, 0] - around.lateral.offset) > reach:
+            return 0.0
+        late = around.traffic.vehicles[j].remote.age - STALE_AGE
+        return min(max(late, 0.0) / self._settings.silence_time, 1.0)
 
     def _certify_maneuver(self, plan: Plan, out: Mask, touch: float, clearance: float) -> None:
         """Certify a plan that leaves its lane: gap acceptance, and one safe end for all vehicles."""
