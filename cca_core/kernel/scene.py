@@ -68,6 +68,7 @@ class Scene:
     d_high: PerVehicle
     order: VehicleMarks  # of those that follow each other
     leads: VehicleMarks  # those that a path may meet
+    met: VehicleMarks  # step at which the ego meets them
     crossing: Int  # number of those that cross
     # conflicts with those that cross: from which to which station, and when
     s_enter: PerVehicle

@@ -12,10 +12,11 @@ from cca_core.decide import Rejection, RejectionKind
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.path import Lane, Road
+from cca_core.planner.maneuvers import plan_path
 from cca_core.planner.occupancy import N_STOPS
-from cca_core.planner.paths import Surroundings, plan_path, return_paths, route_path
+from cca_core.planner.paths import Surroundings, return_paths, route_path
 from cca_core.planner.records import Branch, LateralPath, Level, Plan, Profile
-from cca_core.planner.scene import N_PATHS, N_ROWS, TIMES, find, limit_path, roll, sum_up
+from cca_core.planner.scene import FREE_ROW, N_PATHS, N_ROWS, TIMES, find, limit_path, meet, roll, sum_up
 
 _SIDES: tuple[Side, Side] = ("left", "right")
 _MAX_GROUP = 3  # vehicles that are passed at once
@@ -44,18 +45,12 @@ def home_paths(around: Surroundings) -> list[LateralPath]:
 
 def blocking_rows(around: Surroundings, overtaken: frozenset[str]) -> list[int]:
     """Return the rows of the vehicles that the ego would meet on its route, in the order of meeting."""
-    traffic, half = around.traffic, 0.5 * around.vehicle.width
-    found = []
-    center, rear = around.free_s + around.offset, around.s + around.vehicle.rear
-    for j, n in enumerate(traffic.vehicles):
-        if traffic.crosses[j]:
-            continue
-        on_route = np.abs(traffic.d[j]) < traffic.half_w[j] + half + around.settings.lead.blocking_gap
-        alongside = np.abs(traffic.s[j] - center) < traffic.half_l[j] + 0.5 * around.vehicle.length + 0.5
-        met = np.flatnonzero(on_route & alongside)
-        ahead = traffic.s[j, 0] + traffic.half_l[j] > rear
-        if ahead and (len(met) or (n.id in overtaken and on_route[0])):
-            found.append((int(met[0]) if len(met) else 0, j))
+    scene, ids = around.traffic.scene, around.traffic.ids
+    meet(scene.workspace, FREE_ROW, around.s - around.lateral.base + around.vehicle.rear)
+    steps = scene.arrays["met"][: len(ids)].tolist()
+    found = [
+        (max(step, 0), j) for j, step in enumerate(steps) if step >= 0 or (step == -1 and ids[j] in overtaken)
+    ]
     return [j for _, j in sorted(found)]
 
 

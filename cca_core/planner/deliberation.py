@@ -102,8 +102,8 @@ class Deliberation:
         setup, observation, state = self._setup, self._observation, self._state
         vehicle, lane = setup.vehicle, setup.road.ego_lane
         fill_route(setup.scenes, setup.road.path, self._base, self._profile)
-        scene, traffic = predict_vehicles(setup.scenes, observation, setup.road, setup.settings, self._base)
-        half = 0.5 * vehicle.width
+        traffic = predict_vehicles(setup.scenes, observation, setup.road, setup.settings, self._base)
+        scene, half = traffic.scene, 0.5 * vehicle.width
         inside = lane.right < observation.d - half and observation.d + half < lane.left
         set_numbers(
             scene, s_0=observation.s - self._base, v_0=observation.v, a_0=state.a_x, a_true=state.a_true,

@@ -25,6 +25,7 @@ _MAX_VEHICLES = 600
 class Traffic:
     """The other vehicles of a decision in the order of the scene, with their nominal motion."""
 
+    scene: Lent[Scene]
     vehicles: tuple[FrenetVehicle, ...]
     ids: tuple[str, ...]
     crosses: Mask
@@ -33,10 +34,6 @@ class Traffic:
     d: Array
     half_l: Array  # (m,)
     half_w: Array
-
-    def index(self, vehicle_id: str) -> int:
-        """Return the row of a vehicle, -1 if it is not there."""
-        return self.ids.index(vehicle_id) if vehicle_id in self.ids else -1
 
 
 def relevant_vehicles(observation: Observation, settings: EvasionSettings) -> list[FrenetVehicle]:
@@ -58,7 +55,7 @@ def is_crossing(n: FrenetVehicle) -> bool:
 
 def predict_vehicles(
     scenes: Scenes, observation: Observation, road: Road, settings: EvasionSettings, base: int
-) -> tuple[Lent[Scene], Traffic]:
+) -> Traffic:
     """Predict the vehicles and put them into a scene."""
     vehicles = relevant_vehicles(observation, settings)[:_MAX_VEHICLES]
     seen = [_columns(n, road, settings, base) for n in vehicles]
@@ -69,10 +66,10 @@ def predict_vehicles(
     if seen:
         rows["seen"][: len(seen)] = seen
     locate(scene.workspace, n)
-    return scene, Traffic(
-        vehicles=tuple(vehicles), ids=tuple([n.id for n in vehicles]), crosses=rows["crosses"][:n] != 0,
-        s=rows["s_o"][:n] + base, v=rows["v_o"][:n], d=rows["d_o"][:n], half_l=rows["half_l"][:n],
-        half_w=rows["half_w"][:n],
+    ids, crosses = tuple([n.id for n in vehicles]), rows["crosses"][:n] != 0
+    return Traffic(
+        scene=scene, vehicles=tuple(vehicles), ids=ids, crosses=crosses, s=rows["s_o"][:n] + base,
+        v=rows["v_o"][:n], d=rows["d_o"][:n], half_l=rows["half_l"][:n], half_w=rows["half_w"][:n],
     )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from cca_core.kernel import bind
 from cca_core.kernel.conflicts import find_conflicts
 from cca_core.kernel.gap_checks import check_nominal, check_worst_case
 from cca_core.kernel.memory import Lent, lend
+from cca_core.kernel.obstacles import find_meetings, find_obstacles, find_span
 from cca_core.kernel.rollout import limit_path_speed, roll_out, sum_costs
 from cca_core.kernel.scene import Scene
 from cca_core.kernel.traffic import locate_vehicles
@@ -23,6 +24,9 @@ N_PATHS = 24
 TIMES = np.concatenate((np.arange(40) * 0.1, 4.0 + 0.2 * np.arange(81)))
 """Times from now at which vehicles are compared [s]: finer at first, 20 s in all."""
 
+FREE_ROW = 0
+"""Row of the motion along the route, or back to it, that no vehicle limits."""
+
 locate = bind(locate_vehicles)
 limit_path = bind(limit_path_speed)
 roll = bind(roll_out)
@@ -30,6 +34,9 @@ sum_up = bind(sum_costs)
 check_gaps = bind(check_nominal)
 check_worst = bind(check_worst_case)
 find = bind(find_conflicts)
+meet = bind(find_meetings)
+span_of = bind(find_span)
+obstacles_of = bind(find_obstacles)
 
 _CAPACITIES = (8, 24, 72, 216, 648)  # numbers of vehicles for which scenes are made
 _ROUTE = ("x", "y", "psi", "kappa", "cap")

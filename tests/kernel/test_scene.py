@@ -9,11 +9,13 @@ import pytest
 from cca_core.kernel.conflicts import find_conflicts
 from cca_core.kernel.gap_checks import check_nominal, check_worst_case
 from cca_core.kernel.memory import lend
+from cca_core.kernel.obstacles import find_meetings, find_obstacles, find_span
 from cca_core.kernel.rollout import limit_path_speed, roll_out, sum_costs
 from cca_core.kernel.scene import Scene
 from cca_core.kernel.traffic import locate_vehicles
 from cca_core.predict import predict_ctra, reachable_interval
 from cca_core.vehicle import RemoteVehicle
+from tests.support.kernel_curves import random_curve
 from tests.support.kernel_forms import QUICK, Filled, check_forms, needs_c
 
 Random = np.random.Generator
@@ -21,7 +23,7 @@ N, STEPS, VEHICLES = 90, 12, 4
 MANY = 5_000
 SIZES = {"n": N, "max_m": VEHICLES, "max_paths": 2, "max_rows": 2, "steps": STEPS, "max_lanes": 1}
 SCRATCH = (
-    "order leads turn scale wide bends "
+    "order leads met turn scale wide bends "
     "x_e y_e c_e s_e x_p y_p c_p s_p x_b y_b r_b s_enter s_exit t_enter t_exit"
 ).split()  # what each call writes before it reads
 
@@ -117,6 +119,15 @@ def driven(w: Any) -> None:
         roll_out(w, row, 1, True, False, 2, 0.0, 0.0, False)
 
 
+def obstacles(random: Random) -> tuple[Any, ...]:
+    """Stations of a band, the times at which the ego is there, and a group of one."""
+    _, curve = random_curve(random)
+    n, group = int(random.integers(1, 9)), int(random.integers(0, 2))
+    s, t = np.sort(random.uniform(0.0, N, n)), np.sort(random.uniform(-0.1, 6.0, n))
+    rows, boxes = np.zeros(VEHICLES, dtype=np.int32), np.zeros((VEHICLES * n, 5))
+    return scene_after(random, driven), curve, 3.0, n, s, t, 10.0, group, VEHICLES, rows, boxes
+
+
 SAMPLERS: dict[str, tuple[Callable[..., Any], Callable[[Random], tuple[Any, ...]]]] = {
     "place": (locate_vehicles, lambda r: (Filled(Scene, SIZES, given(r)), int(r.integers(0, VEHICLES + 1)))),
     "limit": (limit_path_speed, lambda r: (Filled(Scene, SIZES, given(r)), 1, float(r.uniform(1.0, 4.0)))),
@@ -125,6 +136,11 @@ SAMPLERS: dict[str, tuple[Callable[..., Any], Callable[[Random], tuple[Any, ...]
         scene_after(r, driven), 1, int(r.integers(0, 2)), bool(r.integers(0, 2)), bool(r.integers(0, 2)),
         int(r.integers(0, 3)), *r.choice([0.0, 4.0], 2).tolist(), bool(r.integers(0, 2)),
     )),
+    "meetings": (find_meetings, lambda r: (scene_after(r, driven), 0, float(r.uniform(0.0, 40.0)))),
+    "span": (find_span, lambda r: (
+        scene_after(r, driven), 0, int(r.integers(0, VEHICLES)), *r.uniform(0.0, 1.0, 2).tolist(),
+    )),
+    "obstacles": (find_obstacles, obstacles),
     "costs": (sum_costs, lambda r: (scene_after(r, driven), 0, 1, float(r.uniform(0.0, 9.0)))),
     "nominal": (check_nominal, lambda r: (scene_after(r, driven), 0, 1, *r.uniform(0.0, 1.0, 4).tolist())),
     "worst case": (check_worst_case, lambda r: (

@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from cca_core import Lane, Path, Planner, RemoteVehicle, Road, VehicleParams, VehicleState
+from cca_core import Command, Lane, Path, Planner, RemoteVehicle, Road, VehicleParams, VehicleState
 from cca_core.path import fit_path
 from cca_core.planner.actuate import dead_reckon
 
@@ -116,17 +116,12 @@ def vehicles_at(crowd: Crowd, t: float) -> list[RemoteVehicle]:
     return made
 
 
-def drive(crowd: Crowd, cycles: int, call: Callable[..., object]) -> Planner:
-    """Drive among a crowd; `call` is given each step with its arguments and must return its command."""
+def drive(crowd: Crowd, cycles: int, call: Callable[..., Command]) -> Planner:
+    """Drive among a crowd; `call` makes each step."""
     planner = Planner(CAR, crowd.road, cruise_speed=crowd.cruise)
     x, y = crowd.road.path.position(crowd.start).tolist()
     state = VehicleState(x=x, y=y, psi=float(crowd.road.path.heading(crowd.start)), v_x=crowd.v_x)
     for k in range(cycles):
-        command = call(planner.step, k * DT, state, vehicles_at(crowd, k * DT))
+        command = call(planner, k * DT, state, vehicles_at(crowd, k * DT))
         state = dead_reckon(state, command.delta, command.a_x, DT, CAR)
     return planner
-
-
-def replaced(crowd: Crowd, count: int) -> Crowd:
-    """The crowd with its first vehicles only."""
-    return replace(crowd, others=crowd.others[:count])

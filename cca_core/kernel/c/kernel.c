@@ -3923,6 +3923,178 @@ void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const d
     }
 }
 
+/* obstacles.py: Obstacles of a band: which vehicles the ego meets, when it is alongside them, and their
+    boxes. */
+#define OBSTACLES_ON_ROUTE (-1)
+#define OBSTACLES_AWAY (-2)
+#define OBSTACLES_SPARE 0.5
+#define OBSTACLES_NEAR 2.0
+
+/* Find the step at which a motion along the route meets each vehicle ahead of `rear`. */
+void cca_find_meetings(Scene *w, int row, double rear)
+{
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        w->met[j] = OBSTACLES_AWAY;
+        if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(w->s_o[j * w->steps + 0] + w->half_l[j] > rear)) {
+            continue;
+        }
+        double across = w->half_w[j] + w->half_width + w->blocking_gap;
+        double along = w->half_l[j] + w->half_length + OBSTACLES_SPARE;
+        if (fabs(w->d_o[j * w->steps + 0]) < across) {
+            w->met[j] = OBSTACLES_ON_ROUTE;
+        }
+        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+            if (fabs(w->d_o[j * w->steps + k]) < across && fabs(w->s_o[j * w->steps + k] - (w->s[row
+                * w->steps + k] + w->offset)) < along) {
+                w->met[j] = k;
+                break;
+            }
+        }
+    }
+}
+
+/* Length by which the ego is alongside a vehicle at a step, negative if it is not. */
+static double obstacles_overlap(const Scene *w, int row, int j, int k, double reach, double lead)
+{
+    double center = w->s[row * w->steps + k] + w->offset;
+    return real_min(w->high_passed[j * w->steps + k] - center + reach, center + reach - w->low_passed[j
+        * w->steps + k] + lead);
+}
+
+/* Stations between which the ego is alongside a vehicle, and its speed at the first. */
+static cca_ddd obstacles_span(const Scene *w, int row, int j, double reach, double lead)
+{
+    int first = -1;
+    int last = -1;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (obstacles_overlap(w, row, j, k, reach, lead) >= 0.0) {
+            last = k;
+            if (first < 0) {
+                first = k;
+            }
+        }
+    }
+    if (first < 0) {
+        return (cca_ddd){HUGE_VAL, HUGE_VAL, 0.0};
+    }
+    double begin = w->s[row * w->steps + first];
+    double v = w->v[row * w->steps + first];
+    if (first > 0) {
+        double depth = obstacles_overlap(w, row, j, first, reach, lead);
+        double f = depth / (depth - obstacles_overlap(w, row, j, first - 1, reach, lead));
+        begin -= (w->s[row * w->steps + first] - w->s[row * w->steps + first - 1]) * f;
+        v -= (w->v[row * w->steps + first] - w->v[row * w->steps + first - 1]) * f;
+    }
+    if (last == w->steps - 1) {
+        return (cca_ddd){begin, HUGE_VAL, v};
+    }
+    double depth = obstacles_overlap(w, row, j, last, reach, lead);
+    double f = depth / (depth - obstacles_overlap(w, row, j, last + 1, reach, lead));
+    return (cca_ddd){begin, w->s[row * w->steps + last] + (w->s[row * w->steps + last + 1] - w->s[row
+        * w->steps + last]) * f, v};
+}
+
+/* Stations between which the ego is alongside a vehicle in its worst case, and the lead before that. */
+cca_ddd cca_find_span(const Scene *w, int row, int j, double clearance, double ttc)
+{
+    double reach = w->half_length + clearance;
+    const cca_ddd result1_ = obstacles_span(w, row, j, reach, 0.0);
+    double begin = result1_.item0;
+    double end = result1_.item1;
+    double v = result1_.item2;
+    double lead = begin < HUGE_VAL ? ttc * real_max(v - w->seen[j * 24 + TRAFFIC_SPEED], 0.0) : 0.0;
+    const cca_ddd result2_ = obstacles_span(w, row, j, reach, lead);
+    begin = result2_.item0;
+    end = result2_.item1;
+    v = result2_.item2;
+    return (cca_ddd){begin, end, lead};
+}
+
+/* Step before a time, from an earlier one on. */
+static int obstacles_step_at(const Scene *w, double t, int k)
+{
+    int step = k;
+    for (int turn1_ = 0, turn1__end_ = w->steps; turn1_ < turn1__end_; turn1_ += 1) {
+        if (step + 2 >= w->steps || !(w->t[step + 1] <= t)) {
+            break;
+        }
+        step += 1;
+    }
+    return step;
+}
+
+/* Whether a vehicle is in the ego lane near where the ego is at some station. */
+static bool obstacles_is_obstacle(const Scene *w, double base, int n, const double *s, const double *t,
+    int j, double rear)
+{
+    if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(w->seen[j * 24 + TRAFFIC_S] + w->seen[j * 24
+        + TRAFFIC_HALF_L] >= rear)) {
+        return false;
+    }
+    double d = w->seen[j * 24 + TRAFFIC_D];
+    if (!(d - w->seen[j * 24 + TRAFFIC_HALF_W] <= w->lane_left && d + w->seen[j * 24 + TRAFFIC_HALF_W]
+        >= w->lane_right)) {
+        return false;
+    }
+    int k = 0;
+    for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        k = obstacles_step_at(w, t[i], k);
+        double f = real_min(real_max((t[i] - w->t[k]) / (w->t[k + 1] - w->t[k]), 0.0), 1.0);
+        double at = base + w->s_o[j * w->steps + k] + f * (w->s_o[j * w->steps + k + 1] - w->s_o[j
+            * w->steps + k]);
+        if (fabs(at - s[i]) <= w->half_l[j] + 2.0 * w->half_length + OBSTACLES_NEAR) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Boxes of a group in its worst case, and nominally of the others near the stations; their number. */
+int cca_find_obstacles(const Scene *w, const Curve *curve, double base, int n, const double *s,
+    const double *t, double rear, int group, int vehicles, int *rows, double *boxes)
+{
+    int count = group;
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        bool grouped = false;
+        for (int i = 0, i_end_ = group; i < i_end_; i += 1) {
+            grouped = grouped || rows[i] == j;
+        }
+        if (!grouped && count < vehicles && obstacles_is_obstacle(w, base, n, s, t, j, rear)) {
+            rows[count] = j;
+            count += 1;
+        }
+    }
+    for (int c = 0, c_end_ = count; c < c_end_; c += 1) {
+        int j = rows[c];
+        int k = 0;
+        for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+            k = obstacles_step_at(w, t[i], k);
+            double f = real_min(real_max((t[i] - w->t[k]) / (w->t[k + 1] - w->t[k]), 0.0), 1.0);
+            double at = w->s_o[j * w->steps + k] + f * (w->s_o[j * w->steps + k + 1] - w->s_o[j * w->steps
+                + k]);
+            double low = at - w->half_l[j];
+            double high = at + w->half_l[j];
+            if (c < group) {
+                low = w->low_passed[j * w->steps + k] + f * (w->low_passed[j * w->steps + k + 1]
+                    - w->low_passed[j * w->steps + k]);
+                high = w->high_passed[j * w->steps + k] + f * (w->high_passed[j * w->steps + k + 1]
+                    - w->high_passed[j * w->steps + k]);
+            }
+            double d = w->d_o[j * w->steps + k] + f * (w->d_o[j * w->steps + k + 1] - w->d_o[j * w->steps
+                + k]);
+            int box = c * n + i;
+            const cca_ddddd result1_ = reach_occupancy_box(curve, s[i], base + low, base + high, d,
+                w->half_w[j]);
+            boxes[box * 5 + 0] = result1_.item0;
+            boxes[box * 5 + 1] = result1_.item1;
+            boxes[box * 5 + 2] = result1_.item2;
+            boxes[box * 5 + 3] = result1_.item3;
+            boxes[box * 5 + 4] = result1_.item4;
+        }
+    }
+    return count;
+}
+
 /* rss.py: Safe distances of responsibility-sensitive safety (RSS). */
 
 /* Distance of a vehicle that accelerates for its response time, up to v_max, and then brakes. */

@@ -249,6 +249,7 @@ typedef struct Scene {
     double *d_high; /* [max_m] */
     int *order; /* [max_m] */
     int *leads; /* [max_m] */
+    int *met; /* [max_m] */
     int crossing;
     double *s_enter; /* [max_m] */
     double *s_exit; /* [max_m] */
@@ -460,6 +461,17 @@ void cca_find_conflicts(Scene *w, int p, int reach, double margin);
 void cca_find_equilibria(Equilibrium *e, int bands, int n, bool bounded, const double *stiffness,
     const double *lower, const double *upper, const double *lower_difference, const double *upper_difference,
     double *u, int *solves, int *converged);
+
+/* Find the step at which a motion along the route meets each vehicle ahead of `rear`. */
+void cca_find_meetings(Scene *w, int row, double rear);
+
+/* Stations between which the ego is alongside a vehicle in its worst case, and the lead before that. */
+cca_ddd cca_find_span(const Scene *w, int row, int j, double clearance, double ttc);
+
+/* Boxes of a group in its worst case, and nominally of the others near the stations; their number.
+   s[n], t[n], rows[vehicles], boxes[(vehicles * n)][5] */
+int cca_find_obstacles(const Scene *w, const Curve *curve, double base, int n, const double *s,
+    const double *t, double rear, int group, int vehicles, int *rows, double *boxes);
 
 /* Assumed reaction of a vehicle. */
 typedef struct RssReaction {

@@ -1300,6 +1300,147 @@ static PyObject *call_find_equilibria(PyObject *self_, PyObject *const *given_, 
     Py_RETURN_NONE;
 }
 
+static PyObject *call_find_meetings(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_meetings", 3, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    double rear;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &rear)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    Py_BEGIN_ALLOW_THREADS
+    cca_find_meetings(w, row, rear);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    Py_RETURN_NONE;
+}
+
+static PyObject *call_find_span(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_span", 5, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    int row;
+    int j;
+    double clearance;
+    double ttc;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &j)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &clearance)) {
+        return NULL;
+    }
+    if (!lend_real(given_[4], &ttc)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    cca_ddd result_;
+    result_ = cca_find_span(w, row, j, clearance, ttc);
+    lend_end(lent_, held_);
+    PyObject *items_[] = {PyFloat_FromDouble(result_.item0), PyFloat_FromDouble(result_.item1), PyFloat_FromDouble(result_.item2)};
+    return lend_group(items_, 3);
+}
+
+static PyObject *call_find_obstacles(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_obstacles", 11, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    const Curve *curve;
+    double base;
+    int n;
+    const double *s;
+    const double *t;
+    double rear;
+    int group;
+    int vehicles;
+    int *rows;
+    double *boxes;
+    if (!lend_real(given_[2], &base)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[3], &n)) {
+        return NULL;
+    }
+    if (!lend_real(given_[6], &rear)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[7], &group)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[8], &vehicles)) {
+        return NULL;
+    }
+    Lent lent_[6];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    curve = lend_workspace("curve", given_[1], &lent_[held_], &held_, sizeof(Curve), 5, 0);
+    if (curve == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    s = lend_array("s", given_[4], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (s == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    t = lend_array("t", given_[5], &lent_[held_], &held_, 'd', 1, (Py_ssize_t)n, 0, 0);
+    if (t == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    rows = lend_array("rows", given_[9], &lent_[held_], &held_, 'i', 1, (Py_ssize_t)vehicles, 0, 1);
+    if (rows == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    boxes = lend_array("boxes", given_[10], &lent_[held_], &held_, 'd', 2, ((Py_ssize_t)vehicles * (Py_ssize_t)n), 5, 1);
+    if (boxes == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    int result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_find_obstacles(w, curve, base, n, s, t, rear, group, vehicles, rows, boxes);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyLong_FromLong(result_);
+}
+
 static PyObject *call_same_direction_distances(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1879,6 +2020,9 @@ static PyMethodDef methods[] = {
     {"check_worst_case", (PyCFunction)(void (*)(void))call_check_worst_case, METH_FASTCALL, NULL},
     {"find_conflicts", (PyCFunction)(void (*)(void))call_find_conflicts, METH_FASTCALL, NULL},
     {"find_equilibria", (PyCFunction)(void (*)(void))call_find_equilibria, METH_FASTCALL, NULL},
+    {"find_meetings", (PyCFunction)(void (*)(void))call_find_meetings, METH_FASTCALL, NULL},
+    {"find_span", (PyCFunction)(void (*)(void))call_find_span, METH_FASTCALL, NULL},
+    {"find_obstacles", (PyCFunction)(void (*)(void))call_find_obstacles, METH_FASTCALL, NULL},
     {"same_direction_distances", (PyCFunction)(void (*)(void))call_same_direction_distances, METH_FASTCALL, NULL},
     {"opposite_distances", (PyCFunction)(void (*)(void))call_opposite_distances, METH_FASTCALL, NULL},
     {"lateral_distances", (PyCFunction)(void (*)(void))call_lateral_distances, METH_FASTCALL, NULL},
@@ -1899,7 +2043,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "5ff929e95e3401898be13037ccb85096cfa68166f065455557b5bfc1c54a48a9") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "b5496dfd4eaa4ced2ba0d9a89e42ba7d86aed1c2af2365c522b6338da60ff359") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
