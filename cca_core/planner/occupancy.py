@@ -35,6 +35,10 @@ class Traffic:
     half_l: Array  # (m,)
     half_w: Array
 
+    def index(self, vehicle_id: str) -> int:
+        """Return the row of a vehicle, -1 if it is not there."""
+        return self.ids.index(vehicle_id) if vehicle_id in self.ids else -1
+
 
 def relevant_vehicles(observation: Observation, settings: EvasionSettings) -> list[FrenetVehicle]:
     """Return the vehicles near the ego's part of the route."""
