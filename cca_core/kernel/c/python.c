@@ -1617,7 +1617,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "d49ba84e7fac288469e778a7ca29d3f3c4e289f7a821923e45719e53ed5a53cf") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "bc81a2c81fa8ad2f1b3efe823b2a9c1e567593bb41e29f564944c1807c20dcbe") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
