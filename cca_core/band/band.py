@@ -39,7 +39,8 @@ class Band:
         displacements below 30 m. If it is less than 1 cm above the clearance asked, it is within 5 mm (and
         the bulge of the band between nodes).
     edge_clearance : float or ndarray, shape (...)
-        Least distance between the swept box and the edges of the corridor [m].
+        Least distance between the swept box and the edges of the corridor [m]. In bends it may exceed the
+        true one by up to 5 mm.
     curvature : float or ndarray, shape (...)
         Largest curvature along the band [1/m], without sign.
     passes_left : ndarray of bool, shape (n_obstacles, ...)

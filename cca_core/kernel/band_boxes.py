@@ -4,7 +4,24 @@ import math
 
 from cca_core.kernel.band_workspace import BandBatch, BandWork
 from cca_core.kernel.box_gaps import norm
-from cca_core.kernel.types import Int
+from cca_core.kernel.types import Flag, Int
+
+
+def are_equal(q: BandBatch, first: Int, next_quantity: Int) -> Flag:
+    """Return whether the boxes of an obstacle of a band are the same at all nodes."""
+    boxes = q.boxes
+    for k in range(5):
+        at = first + k * next_quantity
+        value = boxes[at]
+        for i in range(at + 1, at + q.n):
+            if boxes[i] != value:
+                return False
+    return True
+
+
+def node_of(w: BandWork, o: Int, i: Int) -> Int:
+    """Return the node at which the box of a node is kept: the first one has that of a fixed obstacle."""
+    return 0 if w.is_fixed[o] != 0 else i
 
 
 def load_boxes(q: BandBatch, b: Int, w: BandWork, o: Int) -> None:
@@ -20,10 +37,11 @@ def load_boxes(q: BandBatch, b: Int, w: BandWork, o: Int) -> None:
     ahead_x = 0.0
     ahead_y = 0.0
     radius = 0.0
-    w.is_fixed[o] = 1
+    fixed = are_equal(q, at, next_quantity)
+    w.is_fixed[o] = 1 if fixed else 0
     w.max_step[o] = 0.0
     w.max_radius[o] = 0.0
-    for i in range(w.n):
+    for i in range(1 if fixed else w.n):
         last_x = x
         last_y = y
         x = boxes[at]
@@ -56,7 +74,6 @@ def load_boxes(q: BandBatch, b: Int, w: BandWork, o: Int) -> None:
             ahead_x = new_x
             ahead_y = new_y
         if i > 0 and (moves or turns or resizes):
-            w.is_fixed[o] = 0
             w.max_step[o] = max(w.max_step[o], norm(x - last_x, y - last_y) + turn * radius)
         w.box_x[o, i] = x
         w.box_y[o, i] = y

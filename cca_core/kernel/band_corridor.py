@@ -2,6 +2,7 @@
 
 import math
 
+from cca_core.kernel.band_boxes import node_of
 from cca_core.kernel.band_workspace import BandWork
 from cca_core.kernel.box_gaps import norm
 from cca_core.kernel.types import Flag, Int
@@ -56,16 +57,17 @@ def measure_range(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
     # The range is that of the upper and lower roof of the box over the stretch of the ego: a roof has its
     # ridge at a corner and falls to both sides.
     reach = 0.5 * w.length
-    dx = w.box_x[o, i] - w.route_x[i]
-    dy = w.box_y[o, i] - w.route_y[i]
+    k = node_of(w, o, i)
+    dx = w.box_x[o, k] - w.route_x[i]
+    dy = w.box_y[o, k] - w.route_y[i]
     x = dx * w.tangent_x[i] + dy * w.tangent_y[i] - w.box_offset
     y = dy * w.tangent_x[i] - dx * w.tangent_y[i]
-    turn_cos = w.box_ahead_x[o, i] * w.tangent_x[i] + w.box_ahead_y[o, i] * w.tangent_y[i]
-    turn_sin = w.box_ahead_y[o, i] * w.tangent_x[i] - w.box_ahead_x[o, i] * w.tangent_y[i]
+    turn_cos = w.box_ahead_x[o, k] * w.tangent_x[i] + w.box_ahead_y[o, k] * w.tangent_y[i]
+    turn_sin = w.box_ahead_y[o, k] * w.tangent_x[i] - w.box_ahead_x[o, k] * w.tangent_y[i]
     cosine = abs(turn_cos)
     sine = abs(turn_sin)
-    along = w.half_length[o, i] + w.clearance
-    across = w.half_width[o, i] + w.clearance
+    along = w.half_length[o, k] + w.clearance
+    across = w.half_width[o, k] + w.clearance
     half_y = along * sine + across * cosine
     upper = half_y
     lower = half_y

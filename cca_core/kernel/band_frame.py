@@ -36,8 +36,8 @@ def measure_route(w: BandWork) -> Int:
     if not MIN_SPACING <= w.spacing <= MAX_SPACING:
         return UNEVEN_SPACING
     for i in range(n):
-        a = max(i - 1, 0)
-        b = min(i + 1, n - 1)
+        a = i - 1 if i > 0 else 0
+        b = i + 1 if i < n - 1 else i
         dx = x[b] - x[a]
         dy = y[b] - y[a]
         length = norm(dx, dy)

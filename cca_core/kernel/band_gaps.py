@@ -2,6 +2,7 @@
 
 import math
 
+from cca_core.kernel.band_boxes import node_of
 from cca_core.kernel.band_workspace import BandWork
 from cca_core.kernel.box_gaps import norm, oriented_box_gap
 from cca_core.kernel.constants import TINY
@@ -16,10 +17,11 @@ LEVER = 0.6  # of the length, at which a corner moves if the body turns [-]
 
 def gap_at(w: BandWork, o: Int, i: Int) -> Real:
     """Return the gap to an obstacle with the ego at a node."""
+    k = node_of(w, o, i)
     return oriented_box_gap(
-        w.box_x[o, i] - w.center_x[i], w.box_y[o, i] - w.center_y[i], w.ahead_x[i], w.ahead_y[i],
-        w.box_ahead_x[o, i], w.box_ahead_y[o, i],
-        0.5 * w.length, 0.5 * w.width, w.half_length[o, i], w.half_width[o, i],
+        w.box_x[o, k] - w.center_x[i], w.box_y[o, k] - w.center_y[i], w.ahead_x[i], w.ahead_y[i],
+        w.box_ahead_x[o, k], w.box_ahead_y[o, k],
+        0.5 * w.length, 0.5 * w.width, w.half_length[o, k], w.half_width[o, k],
     )  # fmt: skip
 
 
@@ -36,12 +38,13 @@ def sample_between(w: BandWork, o: Int, i: Int, first: Real, last: Real) -> None
     bx = cx - w.ahead_x[j] * chord
     by = cy - w.ahead_y[j] * chord
     changes = w.is_fixed[o] == 0
-    box_x = w.box_x[o, i]
-    box_y = w.box_y[o, i]
-    heading_x = w.box_ahead_x[o, i]
-    heading_y = w.box_ahead_y[o, i]
-    box_length = w.half_length[o, i]
-    box_width = w.half_width[o, i]
+    at = node_of(w, o, i)
+    box_x = w.box_x[o, at]
+    box_y = w.box_y[o, at]
+    heading_x = w.box_ahead_x[o, at]
+    heading_y = w.box_ahead_y[o, at]
+    box_length = w.half_length[o, at]
+    box_width = w.half_width[o, at]
     length = 0.5 * w.length
     width = 0.5 * w.width
     w.parts[0] = first
@@ -135,9 +138,10 @@ def find_near(w: BandWork) -> None:
         for i in range(w.n):
             if i < next_node:
                 continue
-            distance = norm(w.box_x[o, i] - w.center_x[i], w.box_y[o, i] - w.center_y[i])
-            gap = distance - (w.radius[o, i] + half)
-            upper = min(upper, distance - w.half_width[o, i])
+            k = node_of(w, o, i)
+            distance = norm(w.box_x[o, k] - w.center_x[i], w.box_y[o, k] - w.center_y[i])
+            gap = distance - (w.radius[o, k] + half)
+            upper = min(upper, distance - w.half_width[o, k])
             near = max(w.clearance, upper - 0.5 * w.width) + 2.0 * moves
             if gap > near:
                 excess = distance - (w.max_radius[o] + half) - near
@@ -261,11 +265,12 @@ def end_gap(w: BandWork, o: Int) -> Real:
         w.box_ahead_x[o, 0], w.box_ahead_y[o, 0],
         0.5 * w.length, 0.5 * w.width, w.half_length[o, 0], w.half_width[o, 0],
     )  # fmt: skip
+    k = node_of(w, o, e)
     x = w.route_x[e] - w.tangent_y[e] * w.free[e] + w.box_offset * w.heading_x1
     y = w.route_y[e] + w.tangent_x[e] * w.free[e] + w.box_offset * w.heading_y1
     last = oriented_box_gap(
-        w.box_x[o, e] - x, w.box_y[o, e] - y, w.heading_x1, w.heading_y1,
-        w.box_ahead_x[o, e], w.box_ahead_y[o, e],
-        0.5 * w.length, 0.5 * w.width, w.half_length[o, e], w.half_width[o, e],
+        w.box_x[o, k] - x, w.box_y[o, k] - y, w.heading_x1, w.heading_y1,
+        w.box_ahead_x[o, k], w.box_ahead_y[o, k],
+        0.5 * w.length, 0.5 * w.width, w.half_length[o, k], w.half_width[o, k],
     )  # fmt: skip
     return min(first, last)

@@ -1,5 +1,7 @@
 """The C2 cubic through the displaced nodes: unit tangents, curvature, and moments divided by 6."""
 
+import math
+
 from cca_core.kernel.band_workspace import BandWork
 from cca_core.kernel.box_gaps import norm
 from cca_core.kernel.constants import TINY
@@ -71,7 +73,7 @@ def fit_spline(w: BandWork) -> None:
     for i in range(n):
         tx = ax[i]
         ty = ay[i]
-        speed = max(norm(tx, ty), TINY)
+        speed = max(math.sqrt(tx * tx + ty * ty), TINY)  # about 1
         tx /= speed
         ty /= speed
         ax[i] = tx

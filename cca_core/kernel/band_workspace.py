@@ -161,7 +161,7 @@ class BandWork:
     box_ahead_y: ObstacleNodes
     radius: ObstacleNodes
     max_radius: ObstacleReals
-    is_fixed: ObstacleMarks  # whether its box is the same at all nodes
+    is_fixed: ObstacleMarks  # whether its box is the same at all nodes, and kept at the first one alone
     max_step: ObstacleReals  # longest way of a corner from node to node
     overlap: ObstacleNodes  # of an obstacle and the ego along the route
     passing_right: ObstacleNodes  # displacement at which the ego passes on the right; infinite if far

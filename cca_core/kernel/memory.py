@@ -17,7 +17,7 @@ from cca_core.kernel.types import Ints
 
 T = TypeVar("T")
 C_TYPES: dict[Any, Any] = {float: ctypes.c_double, int: ctypes.c_int, bool: ctypes.c_bool}
-MAX_REUSED = 32  # workspaces that a thread keeps
+MAX_REUSED = 16  # workspaces that a thread keeps
 _thread = threading.local()
 
 

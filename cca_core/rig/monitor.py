@@ -16,6 +16,7 @@ from cca_core.errors import InputError
 from cca_core.rig.bus import BusLink
 from cca_core.rig.messages import Codec
 from cca_core.rig.protection import CheckStatus, ProtectedReceiver
+from cca_core.rig.receivers import StateReceiver
 from cca_core.rig.settings import RigSettings
 from cca_core.rig.udp import UdpLink
 from cca_core.sim.scenarios.scenario import Scenario
@@ -48,6 +49,7 @@ class Monitor:
             "telemetry": UdpLink(settings.telemetry_address),
         }
         self._checks = {i: ProtectedReceiver(i) for i in self._codec.ids.values()}
+        self._state = StateReceiver(self._codec)
         self._seen: deque[tuple[float, str]] = deque(maxlen=20_000)
         self._telemetry: dict[str, Any] = {}
         self._lock = threading.Lock()
@@ -64,6 +66,7 @@ class Monitor:
         with self._lock:
             for frame in self._bus.drain():
                 name = self._codec.name_of(frame.id)
+                self._state.take(frame, t)
                 self._seen.append((t, name or "unknown frame"))
                 if name and self._checks[frame.id].check(frame.data) is CheckStatus.WRONG_CRC:
                     self._seen.append((t, "wrong CRC"))
@@ -89,12 +92,22 @@ class Monitor:
         Returns
         -------
         snapshot : dict
-            Rates of frames and messages by name [1/s], the last telemetry, and its age [s].
+            Rates of frames and messages by name [1/s], the last telemetry, and its age [s]; the state of the
+            kit and the motion of the ego on the bus, None if there was none in the last second.
         """
         with self._lock:
             rates = Counter(name for at, name in self._seen if t - at <= 1.0)
             age = t - self._telemetry["received"] if self._telemetry else None
-            return {"rates": dict(sorted(rates.items())), "vehicle": self._telemetry, "age": age}
+            found = {"rates": dict(sorted(rates.items())), "vehicle": self._telemetry, "age": age}
+            return found | self._on_bus(t)
+
+    def _on_bus(self, t: float) -> dict[str, Any]:
+        """Kit and ego as the bus reports them, whether or not the vehicle computer lives."""
+        state, status = self._state.state, self._state.status
+        if state is None or status is None or self._state.age(t) > 1.0:
+            return {"kit": None, "ego": None}
+        motion = state.x, state.y, state.psi, state.v_x, state.delta, state.a_x
+        return {"kit": status.state.name, "ego": [round(value, 4) for value in motion]}
 
     def close(self) -> None:
         """Leave bus, radio and telemetry."""

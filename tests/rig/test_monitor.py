@@ -6,6 +6,7 @@ import threading
 import time
 import urllib.request
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -14,6 +15,7 @@ from cca_core.real_time import RealTimeLoop
 from cca_core.rig import (
     BusLink,
     Codec,
+    Frame,
     KitState,
     KitStatus,
     Monitor,
@@ -74,6 +76,7 @@ class Senders:
 
     def __init__(self, world: RigWorld) -> None:
         self.world, self.spoils, self.reports = world, True, True
+        self.kit = KitState.ENABLED
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._send)
         self._thread.start()
@@ -87,9 +90,9 @@ class Senders:
         loop, count = RealTimeLoop(0.02, sleep=lambda _: None), 0
         while not self._stop.wait(0.05):
             count += 1
-            status = KitStatus(state=KitState.ENABLED, cycle=count)
-            frames = codec.state_frames(self.world.state, status, count)
-            bus.send([*frames, *([frames[0]._replace(data=b"\x00" * 8)] if self.spoils else [])])
+            status = KitStatus(state=self.kit, cycle=count)
+            frames = codec.state_frames(replace(self.world.state, v_x=0.0), status, count)
+            bus.send([*frames, *([Frame(codec.ids["STEERING_COMMAND"], bytes(8))] if self.spoils else [])])
             radio.send(message)
             radio.send(b"garbage")
             if self.reports:
@@ -193,6 +196,10 @@ def test_page_in_browser_shows_road_and_health(senders: Senders, url: str, size:
         assert not any(word in found["text"] for word in ("NaN", "undefined", "null", "Infinity"))
         senders.spoils = False
         assert dict(probe_until(browser, "bus: ok")["health"])["vehicle: ok"] == ""
-        senders.reports = False
-        assert probe_until(browser, "vehicle: silent")["health"][0][1] == "bad"
+        senders.reports, senders.kit = False, KitState.SAFE_STOP
+        probe_until(browser, "vehicle: silent")
+        found = probe_until(browser, "kit: SAFE_STOP")  # from the bus; what came by telemetry is unknown now
+        assert [text for text, is_bad in found["health"] if is_bad] == [
+            "vehicle: silent", "radio: unknown", "cycle: unknown", "kit: SAFE_STOP"
+        ]  # fmt: skip
         assert browser.errors == []

@@ -193,6 +193,28 @@ void cca_box_gaps(int n, int k, const double *a, const double *b, double *gap)
     }
 }
 
+/* Return whether the boxes of an obstacle of a band are the same at all nodes. */
+static bool band_boxes_are_equal(const BandBatch *q, int first, int next_quantity)
+{
+    const double *boxes = q->boxes;
+    for (int k = 0; k < 5; k += 1) {
+        int at = first + k * next_quantity;
+        double value = boxes[at];
+        for (int i = at + 1, i_end_ = at + q->n; i < i_end_; i += 1) {
+            if (boxes[i] != value) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* Return the node at which the box of a node is kept: the first one has that of a fixed obstacle. */
+static int band_boxes_node_of(const BandWork *w, int o, int i)
+{
+    return w->is_fixed[o] != 0 ? 0 : i;
+}
+
 /* Copy the boxes of an obstacle, with headings, radii and largest step; check their numbers. */
 static void band_boxes_load_boxes(const BandBatch *q, int b, BandWork *w, int o)
 {
@@ -207,10 +229,11 @@ static void band_boxes_load_boxes(const BandBatch *q, int b, BandWork *w, int o)
     double ahead_x = 0.0;
     double ahead_y = 0.0;
     double radius = 0.0;
-    w->is_fixed[o] = 1;
+    bool fixed = band_boxes_are_equal(q, at, next_quantity);
+    w->is_fixed[o] = fixed ? 1 : 0;
     w->max_step[o] = 0.0;
     w->max_radius[o] = 0.0;
-    for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+    for (int i = 0, i_end_ = fixed ? 1 : w->n; i < i_end_; i += 1) {
         double last_x = x;
         double last_y = y;
         x = boxes[at];
@@ -249,7 +272,6 @@ static void band_boxes_load_boxes(const BandBatch *q, int b, BandWork *w, int o)
             ahead_y = new_y;
         }
         if (i > 0 && (moves || turns || resizes)) {
-            w->is_fixed[o] = 0;
             w->max_step[o] = real_max(w->max_step[o], box_gaps_norm(x - last_x, y - last_y) + turn * radius);
         }
         w->box_x[o * w->max_n + i] = x;
@@ -282,10 +304,11 @@ static void band_boxes_load_boxes(const BandBatch *q, int b, BandWork *w, int o)
 /* Return the gap to an obstacle with the ego at a node. */
 static double band_gaps_gap_at(const BandWork *w, int o, int i)
 {
-    return cca_oriented_box_gap(w->box_x[o * w->max_n + i] - w->center_x[i], w->box_y[o * w->max_n + i]
-        - w->center_y[i], w->ahead_x[i], w->ahead_y[i], w->box_ahead_x[o * w->max_n + i], w->box_ahead_y[o
-        * w->max_n + i], 0.5 * w->length, 0.5 * w->width, w->half_length[o * w->max_n + i], w->half_width[o
-        * w->max_n + i]);
+    int k = band_boxes_node_of(w, o, i);
+    return cca_oriented_box_gap(w->box_x[o * w->max_n + k] - w->center_x[i], w->box_y[o * w->max_n + k]
+        - w->center_y[i], w->ahead_x[i], w->ahead_y[i], w->box_ahead_x[o * w->max_n + k], w->box_ahead_y[o
+        * w->max_n + k], 0.5 * w->length, 0.5 * w->width, w->half_length[o * w->max_n + k], w->half_width[o
+        * w->max_n + k]);
 }
 
 /* Compute the gap to an obstacle at equal parts from a node to the next, whose gaps are given. */
@@ -302,12 +325,13 @@ static void band_gaps_sample_between(BandWork *w, int o, int i, double first, do
     double bx = cx - w->ahead_x[j] * chord;
     double by = cy - w->ahead_y[j] * chord;
     bool changes = w->is_fixed[o] == 0;
-    double box_x = w->box_x[o * w->max_n + i];
-    double box_y = w->box_y[o * w->max_n + i];
-    double heading_x = w->box_ahead_x[o * w->max_n + i];
-    double heading_y = w->box_ahead_y[o * w->max_n + i];
-    double box_length = w->half_length[o * w->max_n + i];
-    double box_width = w->half_width[o * w->max_n + i];
+    int at = band_boxes_node_of(w, o, i);
+    double box_x = w->box_x[o * w->max_n + at];
+    double box_y = w->box_y[o * w->max_n + at];
+    double heading_x = w->box_ahead_x[o * w->max_n + at];
+    double heading_y = w->box_ahead_y[o * w->max_n + at];
+    double box_length = w->half_length[o * w->max_n + at];
+    double box_width = w->half_width[o * w->max_n + at];
     double length = 0.5 * w->length;
     double width = 0.5 * w->width;
     w->parts[0] = first;
@@ -418,10 +442,11 @@ static void band_gaps_find_near(BandWork *w)
             if (i < next_node) {
                 continue;
             }
-            double distance = box_gaps_norm(w->box_x[o * w->max_n + i] - w->center_x[i], w->box_y[o
-                * w->max_n + i] - w->center_y[i]);
-            double gap = distance - (w->radius[o * w->max_n + i] + half);
-            upper = real_min(upper, distance - w->half_width[o * w->max_n + i]);
+            int k = band_boxes_node_of(w, o, i);
+            double distance = box_gaps_norm(w->box_x[o * w->max_n + k] - w->center_x[i], w->box_y[o
+                * w->max_n + k] - w->center_y[i]);
+            double gap = distance - (w->radius[o * w->max_n + k] + half);
+            upper = real_min(upper, distance - w->half_width[o * w->max_n + k]);
             double near = real_max(w->clearance, upper - 0.5 * w->width) + 2.0 * moves;
             if (gap > near) {
                 double excess = distance - (w->max_radius[o] + half) - near;
@@ -571,11 +596,12 @@ static double band_gaps_end_gap(const BandWork *w, int o)
     double first = cca_oriented_box_gap(w->box_x[o * w->max_n + 0] - x, w->box_y[o * w->max_n + 0] - y,
         w->heading_x0, w->heading_y0, w->box_ahead_x[o * w->max_n + 0], w->box_ahead_y[o * w->max_n + 0], 0.5
         * w->length, 0.5 * w->width, w->half_length[o * w->max_n + 0], w->half_width[o * w->max_n + 0]);
+    int k = band_boxes_node_of(w, o, e);
     x = w->route_x[e] - w->tangent_y[e] * w->free[e] + w->box_offset * w->heading_x1;
     y = w->route_y[e] + w->tangent_x[e] * w->free[e] + w->box_offset * w->heading_y1;
-    double last = cca_oriented_box_gap(w->box_x[o * w->max_n + e] - x, w->box_y[o * w->max_n + e] - y,
-        w->heading_x1, w->heading_y1, w->box_ahead_x[o * w->max_n + e], w->box_ahead_y[o * w->max_n + e], 0.5
-        * w->length, 0.5 * w->width, w->half_length[o * w->max_n + e], w->half_width[o * w->max_n + e]);
+    double last = cca_oriented_box_gap(w->box_x[o * w->max_n + k] - x, w->box_y[o * w->max_n + k] - y,
+        w->heading_x1, w->heading_y1, w->box_ahead_x[o * w->max_n + k], w->box_ahead_y[o * w->max_n + k], 0.5
+        * w->length, 0.5 * w->width, w->half_length[o * w->max_n + k], w->half_width[o * w->max_n + k]);
     return real_min(first, last);
 }
 
@@ -655,7 +681,7 @@ static void band_spline_fit_spline(BandWork *w)
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
         double tx = ax[i];
         double ty = ay[i];
-        double speed = real_max(box_gaps_norm(tx, ty), CONSTANTS_TINY);
+        double speed = real_max(sqrt(tx * tx + ty * ty), CONSTANTS_TINY);
         tx /= speed;
         ty /= speed;
         ax[i] = tx;
@@ -841,18 +867,19 @@ static bool band_corridor_measure_overlaps(BandWork *w)
 static void band_corridor_measure_range(BandWork *w, int o, int i, bool aligned)
 {
     double reach = 0.5 * w->length;
-    double dx = w->box_x[o * w->max_n + i] - w->route_x[i];
-    double dy = w->box_y[o * w->max_n + i] - w->route_y[i];
+    int k = band_boxes_node_of(w, o, i);
+    double dx = w->box_x[o * w->max_n + k] - w->route_x[i];
+    double dy = w->box_y[o * w->max_n + k] - w->route_y[i];
     double x = dx * w->tangent_x[i] + dy * w->tangent_y[i] - w->box_offset;
     double y = dy * w->tangent_x[i] - dx * w->tangent_y[i];
-    double turn_cos = w->box_ahead_x[o * w->max_n + i] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n
-        + i] * w->tangent_y[i];
-    double turn_sin = w->box_ahead_y[o * w->max_n + i] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
-        + i] * w->tangent_y[i];
+    double turn_cos = w->box_ahead_x[o * w->max_n + k] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n
+        + k] * w->tangent_y[i];
+    double turn_sin = w->box_ahead_y[o * w->max_n + k] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
+        + k] * w->tangent_y[i];
     double cosine = fabs(turn_cos);
     double sine = fabs(turn_sin);
-    double along = w->half_length[o * w->max_n + i] + w->clearance;
-    double across = w->half_width[o * w->max_n + i] + w->clearance;
+    double along = w->half_length[o * w->max_n + k] + w->clearance;
+    double across = w->half_width[o * w->max_n + k] + w->clearance;
     double half_y = along * sine + across * cosine;
     double upper = half_y;
     double lower = half_y;
@@ -1470,8 +1497,8 @@ static int band_frame_measure_route(BandWork *w)
         return BAND_WORKSPACE_UNEVEN_SPACING;
     }
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        int a = int_max(i - 1, 0);
-        int b = int_min(i + 1, n - 1);
+        int a = i > 0 ? i - 1 : 0;
+        int b = i < n - 1 ? i + 1 : i;
         double dx = x[b] - x[a];
         double dy = y[b] - y[a];
         double length = box_gaps_norm(dx, dy);

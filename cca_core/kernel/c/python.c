@@ -2043,7 +2043,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "b5496dfd4eaa4ced2ba0d9a89e42ba7d86aed1c2af2365c522b6338da60ff359") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "75ad75d8b4873f5b86e2ffdbb9071bf2d4a8653c9e57cd10e4232a4f6bc1da30") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
