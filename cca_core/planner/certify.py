@@ -68,8 +68,11 @@ class Certifier:
         if not work.min_margin >= 0.0:
             self._set_severity(plan, asked)
             plan.impact_id = plan.decides
-            if plan.path.kind.is_evasive and which >= 0:
-                plan.rejection = self._lane_rejection(plan, which)
+            if plan.path.kind.is_evasive and plan.decides:
+                plan.rejection = Rejection(
+                    kind=RejectionKind.CLEARANCE, side=plan.path.side, vehicle_id=plan.decides,
+                    value=max(plan.gap, 0.0), limit=asked if plan.decides in plan.path.overtaken else touch,
+                )  # fmt: skip
             return
         if plan.peak > _GRIP_SHARE * around.limits.grip:
             plan.severity = 0.5 + plan.peak - around.limits.grip

@@ -13,6 +13,8 @@ from cca_core.planner.records import DrivenPlan, Mode, Observation, PathKind
 from cca_core.planner.scene import TIMES
 from cca_core.vehicle import VehicleParams
 
+_NOISE = 0.1  # a smaller acceleration needs no explanation [m/s^2]
+
 
 def explain(
     mode: Mode,
@@ -50,10 +52,16 @@ def explain(
             lead_id=plan.yields_to,
         )
     if mode is Mode.BRAKE or (mode is Mode.FOLLOW and lead is None):
-        name = plan.impact_id or plan.limited_by or plan.yields_to
-        activity = f"braking for {name}" if name else "braking"
-        cause = f"plan brakes with {max(-a_x, 0.0):.1f} m/s²; {why or 'no other plan is certified'}"
-        return explained(action, activity, cause, lead_id=name or None)
+        named = (plan.impact_id, plan.limited_by, plan.yields_to)
+        cause_id = next((each for each in named if each in vehicles), None)
+        limit = None if cause_id else _limit_ahead(observation, cap)
+        if limit and a_x < -_NOISE:
+            return explained(action, *limit)
+        verb = "braking" if a_x < -_NOISE else "releasing the brakes" if a_x < 0.0 else "following"
+        activity = verb if cause_id is None else f"{verb} {'' if verb == 'following' else 'for '}{cause_id}"
+        needs = f"needs {-a_x:.1f} m/s²" if a_x < -_NOISE else f"drives {observation.v:.1f} m/s"
+        cause = f"{needs}; {why or 'no faster plan is certified'}"
+        return explained(action, activity, cause, lead_id=cause_id)
     if lead is not None and (mode is Mode.FOLLOW or a_x < -0.2):
         gap = lead.rear - observation.s - vehicle.front
         stands = abs(float(lead.v_s)) < 0.5
