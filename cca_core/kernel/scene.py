@@ -39,6 +39,8 @@ class Scene:
     cap: OnRoute  # squared speed limit
     lane_right: Real
     lane_left: Real
+    edge_right: Real  # far boundaries of the adjacent lanes
+    edge_left: Real
     other_lanes: OtherLanes  # right and left boundary of each
     # candidate paths: lateral offset, squared speed limit, vehicles that are overtaken
     d: OnPaths

@@ -53,6 +53,14 @@ def travel(w: Scene, v: Real, a: Real, t: Real) -> tuple[Real, Real]:
     return v * changing + 0.5 * a * (changing * changing) + speed * (t - changing), max(speed, 0.0)
 
 
+def set_adjacent(w: Scene, j: Int, right: Real, left: Real) -> None:
+    """Mark whether a body is in an adjacent lane, or moves there from beyond."""
+    last = w.steps - 1
+    in_left = left > w.lane_left + w.entry_tolerance and w.right[j, last] < w.edge_left - w.entry_tolerance
+    in_right = right < w.lane_right - w.entry_tolerance and w.left[j, last] > w.edge_right + w.entry_tolerance
+    w.adjacent[j] = (1 if in_left else 0) + (2 if in_right else 0)
+
+
 def locate_along(w: Scene, j: Int) -> None:
     """Motion of a vehicle along the route."""
     v = w.seen[j, SPEED]
@@ -67,9 +75,7 @@ def locate_along(w: Scene, j: Int) -> None:
         w.d_o[j, k] = w.seen[j, D] + across
         w.right[j, k] = w.seen[j, D] - w.seen[j, HALF_W] + min(across, 0.0)
         w.left[j, k] = w.seen[j, D] + w.seen[j, HALF_W] + max(across, 0.0)
-    left = w.seen[j, D] + w.seen[j, HALF_W] > w.lane_left + w.entry_tolerance
-    right = w.seen[j, D] - w.seen[j, HALF_W] < w.lane_right - w.entry_tolerance
-    w.adjacent[j] = (1 if left else 0) + (2 if right else 0)
+    set_adjacent(w, j, w.seen[j, D] - w.seen[j, HALF_W], w.seen[j, D] + w.seen[j, HALF_W])
 
 
 def reach_along(w: Scene, j: Int, passed: Flag) -> None:
@@ -182,7 +188,7 @@ def locate_assumed(w: Scene, j: Int) -> None:
         w.high_passed[j, k] = at
         w.right[j, k] = w.seen[j, D] - ASSUMED_HALF_WIDTH
         w.left[j, k] = w.seen[j, D] + ASSUMED_HALF_WIDTH
-    w.adjacent[j] = 1 if w.seen[j, D] > 0.0 else 2
+    set_adjacent(w, j, w.seen[j, D] - ASSUMED_HALF_WIDTH, w.seen[j, D] + ASSUMED_HALF_WIDTH)
 
 
 def is_in(w: Scene, j: Int, right: Real, left: Real) -> Flag:

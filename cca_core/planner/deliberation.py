@@ -15,6 +15,7 @@ from cca_core.planner.actuate import safe_stop
 from cca_core.planner.candidates import (
     Rollout,
     Stop,
+    adjacent_lane,
     find_stops,
     home_paths,
     maneuver_paths,
@@ -236,7 +237,10 @@ def numbers_of(
 ) -> dict[str, float]:
     """Return the ego, its limits and the assumptions of the settings as numbers of a scene."""
     certificate, lane, crossing = settings.certificate, road.ego_lane, settings.crossing
+    left, right = adjacent_lane(road, "left"), adjacent_lane(road, "right")
     return {
+        "edge_left": math.inf if left is None else left.left,
+        "edge_right": -math.inf if right is None else right.right,
         "lane_right": lane.right, "lane_left": lane.left, "half_length": 0.5 * vehicle.length,
         "half_width": 0.5 * vehicle.width, "offset": vehicle.box_offset, "a_max": limits.a_max,
         "b_comfort": limits.b_comfort, "b_max": limits.b_max,

@@ -3195,6 +3195,17 @@ static cca_dd traffic_travel(const Scene *w, double v, double a, double t)
         real_max(speed, 0.0)};
 }
 
+/* Mark whether a body is in an adjacent lane, or moves there from beyond. */
+static void traffic_set_adjacent(Scene *w, int j, double right, double left)
+{
+    int last = w->steps - 1;
+    bool in_left = left > w->lane_left + w->entry_tolerance && w->right[j * w->steps + last]
+        < w->edge_left - w->entry_tolerance;
+    bool in_right = right < w->lane_right - w->entry_tolerance && w->left[j * w->steps + last]
+        > w->edge_right + w->entry_tolerance;
+    w->adjacent[j] = (in_left ? 1 : 0) + (in_right ? 2 : 0);
+}
+
 /* Motion of a vehicle along the route. */
 static void traffic_locate_along(Scene *w, int j)
 {
@@ -3215,11 +3226,8 @@ static void traffic_locate_along(Scene *w, int j)
         w->left[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] + w->seen[j * 24 + TRAFFIC_HALF_W]
             + real_max(across, 0.0);
     }
-    bool left = w->seen[j * 24 + TRAFFIC_D] + w->seen[j * 24 + TRAFFIC_HALF_W] > w->lane_left
-        + w->entry_tolerance;
-    bool right = w->seen[j * 24 + TRAFFIC_D] - w->seen[j * 24 + TRAFFIC_HALF_W] < w->lane_right
-        - w->entry_tolerance;
-    w->adjacent[j] = (left ? 1 : 0) + (right ? 2 : 0);
+    traffic_set_adjacent(w, j, w->seen[j * 24 + TRAFFIC_D] - w->seen[j * 24 + TRAFFIC_HALF_W], w->seen[j
+        * 24 + TRAFFIC_D] + w->seen[j * 24 + TRAFFIC_HALF_W]);
 }
 
 /* Worst case along the route of a vehicle that is overtaken, or of one that is not. */
@@ -3372,7 +3380,8 @@ static void traffic_locate_assumed(Scene *w, int j)
         w->right[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH;
         w->left[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH;
     }
-    w->adjacent[j] = w->seen[j * 24 + TRAFFIC_D] > 0.0 ? 1 : 2;
+    traffic_set_adjacent(w, j, w->seen[j * 24 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH, w->seen[j * 24
+        + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH);
 }
 
 /* Whether a body is at least in part in a lane. */

@@ -223,6 +223,8 @@ typedef struct Scene {
     double *cap; /* [n] */
     double lane_right;
     double lane_left;
+    double edge_right;
+    double edge_left;
     double *other_lanes; /* [max_lanes][2] */
     double *d; /* [max_paths][n] */
     double *path_cap; /* [max_paths][n] */

@@ -2043,7 +2043,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "75ad75d8b4873f5b86e2ffdbb9071bf2d4a8653c9e57cd10e4232a4f6bc1da30") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "50be5a32757808956e7c7b25e57811a3b0ce0c558c1b83f31f6c39daad756da6") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
