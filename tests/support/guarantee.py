@@ -174,7 +174,7 @@ def decide(case: Case, settings: EvasionSettings) -> Decided:
     road = road_of(case.road)
     planner = Planner(CAR, road, cruise_speed=case.cruise, evasion=settings)
     remotes = hear(case)
-    t, s, state = 0.0, START, _state(road, START, case.d, case.angle, case.v)
+    t, s, state = 0.0, START, state_at(road, START, case.d, case.angle, case.v)
     if case.driven and name_of(0) in remotes:
         t, s, state = _drive(case, planner, road, remotes[name_of(0)])
     command = planner.step(t, state, list(remotes.values()))
@@ -189,7 +189,7 @@ def _drive(
     path, speed = road.path, case.senders[0].v
     s, v, d = START - case.v * n * CYCLE, case.v, 0.0
     ahead = case.senders[0].s + speed * (case.senders[0].age - n * CYCLE)
-    state = _state(road, s, 0.0, 0.0, v)
+    state = state_at(road, s, 0.0, 0.0, v)
     for k in range(n):
         at = ahead + speed * k * CYCLE
         x, y = path.to_cartesian(at, case.senders[0].d)
@@ -204,11 +204,12 @@ def _drive(
         here = (0.0, 0.0) if driven is None else (driven.offset_at(s), driven.offset_at(s + 1.0))
         d, slope = here[0], here[1] - here[0]
         kappa = float(path.curvature_at(s))
-        state = _state(road, s, d, math.atan(slope / (1.0 - d * kappa)), v)
+        state = state_at(road, s, d, math.atan(slope / (1.0 - d * kappa)), v)
     return n * CYCLE, s, state
 
 
-def _state(road: Road, s: float, d: float, angle: float, v: float) -> VehicleState:
+def state_at(road: Road, s: float, d: float, angle: float, v: float) -> VehicleState:
+    """State of an ego on a road."""
     x, y = road.path.to_cartesian(s, d)
     kappa = float(road.path.curvature_at(s))
     psi = float(road.path.heading(s)) + angle
