@@ -26,7 +26,7 @@ def find_duty(w: Scene, row: Int, wait: Real) -> Int:
     w.duty_from = back
     for k in range(back, w.steps):
         if back > 0 and w.t[k] < w.t[back] + wait:
-            w.duty_from = k
+            w.duty_from = k + 2  # a touch before the first step after that time is seen in that step
     return back
 
 
@@ -236,7 +236,7 @@ def check_worst_case(
                 continue
             if w.assumed[j] != 0:
                 continue
-            if not w.v[row, k] >= STANDSTILL and w.crosses[j] == 0 and not out and k > 0:
+            if k > 0 and not w.v[row, k - 1] >= STANDSTILL and w.crosses[j] == 0 and not out:
                 continue  # what stands in its lane touches nothing
             gap = worst_gap(w, row, p, j, k)
             if k == 0:

@@ -38,6 +38,16 @@ def test_certified_safe_stop_is_not_touched(reacts: bool) -> None:
     assert certified >= 50
 
 
+@pytest.mark.parametrize("index", [27, 139, 166])
+def test_follower_that_comes_near_at_return_is_seen(index: int) -> None:
+    """Between two steps: before its duty to keep its distance begins, or while the ego comes to rest."""
+    decided = decide(sample_case(np.random.default_rng((1, index))), CAUTIOUS)
+    certificate = decided.command.certificate
+    assert certificate is not None
+    gap = min_gap(decided, np.random.default_rng((1, index, 1)), reacts=False)
+    assert gap > 0.0 or not certificate.keeps_worst_case
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(1, 101))
 def test_certified_safe_stop_is_not_touched_in_many(block: int) -> None:

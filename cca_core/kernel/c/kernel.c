@@ -3569,7 +3569,7 @@ static int gap_checks_find_duty(Scene *w, int row, double wait)
     w->duty_from = back;
     for (int k = back, k_end_ = w->steps; k < k_end_; k += 1) {
         if (back > 0 && w->t[k] < w->t[back] + wait) {
-            w->duty_from = k;
+            w->duty_from = k + 2;
         }
     }
     return back;
@@ -3827,7 +3827,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
             if (w->assumed[j] != 0) {
                 continue;
             }
-            if (!(w->v[row * w->steps + k] >= GAP_CHECKS_STANDSTILL) && w->crosses[j] == 0 && !out && k > 0) {
+            if (k > 0 && !(w->v[row * w->steps + k - 1] >= GAP_CHECKS_STANDSTILL) && w->crosses[j] == 0
+                && !out) {
                 continue;
             }
             double gap = gap_checks_worst_gap(w, row, p, j, k);
