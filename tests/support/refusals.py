@@ -91,7 +91,9 @@ def _is_clear(
     shortest = u * slows - 0.5 * BRAKING * slows**2
     longest = u * since + 0.5 * ACCELERATION * gains**2 + ACCELERATION * gains * (since - gains)
     begin = sender.s
-    low, high = (begin + shortest, begin + longest) if sender.v >= 0.0 else (begin - longest, begin - shortest)
+    low, high = (
+        (begin + shortest, begin + longest) if sender.v >= 0.0 else (begin - longest, begin - shortest)
+    )
     aside = np.abs(d - offset) - 0.5 * (CAR.width + sender.width) - 2.0 * remote.sigma_across
     aside -= 0.5 * CAR.length * np.abs(np.gradient(d, s + 1e-6 * t))
     center = s + CAR.box_offset
