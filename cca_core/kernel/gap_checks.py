@@ -53,15 +53,53 @@ def is_established(w: Scene, j: Int) -> Flag:
     return w.adjacent[j] == w.established or w.adjacent[j] == 3 or (w.leaves and inside)
 
 
-def rear_gap(w: Scene, row: Int, j: Int, k: Int, x_safety: Real) -> Real:
-    """Gap to a vehicle behind in the adjacent lane, beyond what its driver needs to react."""
-    before = max(k - 1, 0)
-    v = w.v_o[j, k]
-    if k > before:
-        v = (w.high[j, k] - w.high[j, before]) / (w.t[k] - w.t[before])
-    closing = max(v - w.v[row, k], 0.0)
-    need = x_safety + closing * w.rear_reaction + closing * closing / (2.0 * w.rear_braking)
-    return w.s[row, k] + w.offset - w.half_length - w.high[j, k] - need
+def zone_begin(w: Scene, since: Real) -> Int:
+    """Index of the first time that is not before another."""
+    begin = w.steps - 1
+    for k in range(w.steps):
+        if w.t[k] >= since - TIME_EPS:
+            begin = min(begin, k)
+    return begin
+
+
+def is_in_zone_lane(w: Scene, j: Int) -> Flag:
+    """Whether a vehicle is in the adjacent lane that the maneuver enters."""
+    return w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side
+
+
+def rear_gap(w: Scene, row: Int, begin: Int, front: Real, speed: Real) -> Real:
+    """Least gap behind the ego to a driver who reacts to it from a time on; his front and speed are given."""
+    gap = FAR
+    position = front
+    v = speed
+    for k in range(begin, w.steps):
+        gap = min(gap, w.s[row, k] + w.offset - w.half_length - position)
+        has_reacted = w.t[k] - w.t[begin] >= w.rear_reaction - TIME_EPS
+        if k + 1 == w.steps or (has_reacted and not v > w.v[row, k]):
+            break
+        h = w.t[k + 1] - w.t[k]
+        then = max(v - w.rear_braking * h, 0.0) if has_reacted else v
+        position = position + 0.5 * (v + then) * h
+        v = then
+    return gap
+
+
+def reacts(w: Scene, row: Int, j: Int, begin: Int) -> Flag:
+    """Whether a driver behind in the adjacent lane has the room to react to the ego from a time on."""
+    if not w.rear_reaction > 0.0 or w.crosses[j] != 0 or not is_in_zone_lane(w, j):
+        return False
+    front = w.s_o[j, begin] + w.half_l[j]
+    if not w.v_o[j, begin] >= ONCOMING or not front < w.s[row, begin] + w.offset - w.half_length:
+        return False
+    return rear_gap(w, row, begin, front, w.v_o[j, begin]) > 0.0
+
+
+def worst_rear_gap(w: Scene, row: Int, j: Int, begin: Int) -> Real:
+    """Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts."""
+    speed = w.v_o[j, begin]
+    if begin > 0:
+        speed = (w.high[j, begin] - w.high[j, begin - 1]) / (w.t[begin] - w.t[begin - 1])
+    return rear_gap(w, row, begin, w.high[j, begin], speed)
 
 
 def pose(w: Scene, at: Real, d: Real, turn: Real) -> tuple[Real, Real, Real, Real]:
@@ -137,6 +175,7 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
     """Least gap to the nominal motion of others beyond what is asked, and the first overlap."""
     back = find_duty(w, row, wait)
     set_poses(w, row, p)
+    begin = 0 if w.established != 0 else zone_begin(w, w.zone_from)
     w.min_margin = FAR
     w.gap = FAR
     w.which = -1
@@ -145,8 +184,9 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
     hit = w.steps
     for j in range(w.m):
         asked = clearance if w.overtakes[p, j] != 0.0 else touch
+        keeps_off = reacts(w, row, j, begin)
         for k in range(w.steps):
-            if has_duty(w, j, k, back):
+            if has_duty(w, j, k, back) or (keeps_off and begin <= k and k <= back):
                 continue
             gap = nominal_gap(w, row, j, k, pet)
             if k == 0:
@@ -180,6 +220,18 @@ def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
     return ego_gap(w, row, k, low - w.margin, high + w.margin, w.right[j, k] - bulge, w.left[j, k] + bulge)
 
 
+def worst_impact(w: Scene, row: Int, j: Int, k: Int) -> Real:
+    """Speed at which the ego and a vehicle of the worst case close at a time."""
+    v = w.v[row, k]
+    if w.crosses[j] != 0:
+        return v
+    i = max(k, 1)
+    h = w.t[i] - w.t[i - 1]
+    if w.s_o[j, 0] > w.s_0 + w.offset:
+        return max(v - (w.low[j, i] - w.low[j, i - 1]) / h, 0.0)
+    return max((w.high[j, i] - w.high[j, i - 1]) / h - v, 0.0)
+
+
 def check_worst_case(
     w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real, x_safety: Real, which: Int
 ) -> Flag:
@@ -187,24 +239,24 @@ def check_worst_case(
 
     `which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
     ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
-    it enters that lane, or from when the maneuver begins if the vehicle comes nearer.
+    it enters that lane, or from when the maneuver begins if the vehicle comes nearer. `impact` is the closing
+    speed at the first overlap.
     """
     back = find_duty(w, row, wait)
     set_poses(w, row, p)
     w.min_margin = FAR
     w.which = -1
     w.when = w.steps
+    w.impact = 0.0
+    hit = w.steps
     for j in range(w.m):
         passed = w.overtakes[p, j] != 0.0
         nears = w.v_o[j, 0] < ONCOMING or w.v_o[j, 0] > w.v_0 or w.assumed[j] != 0
         since = w.begin_from if nears else w.zone_from
-        begin = w.steps - 1
-        for k in range(w.steps):
-            if w.t[k] >= since - TIME_EPS:
-                begin = min(begin, k)
+        begin = zone_begin(w, since)
         same = w.v_o[j, 0] >= ONCOMING and w.assumed[j] == 0
         ahead = same and w.s_o[j, begin] > w.s[row, begin] + w.offset
-        adjacent = not passed and (w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side)
+        adjacent = not passed and is_in_zone_lane(w, j)
         in_zone_lane = adjacent and (which == 1 or not ahead)
         if (which == 1 and not in_zone_lane) or (which == 2 and in_zone_lane):
             continue
@@ -228,7 +280,7 @@ def check_worst_case(
                     middle - w.half_length - (w.high[j, k] + x_safety),
                 )
                 if same and not ahead and w.rear_reaction > 0.0:  # it keeps its distance from then on
-                    zone_gap = rear_gap(w, row, j, k, x_safety) if k == begin else FAR
+                    zone_gap = worst_rear_gap(w, row, j, k) - x_safety if k == begin else FAR
                 if not zone_gap >= w.min_margin:
                     w.min_margin = zone_gap
                     w.which = j
@@ -239,6 +291,9 @@ def check_worst_case(
             if k > 0 and not w.v[row, k - 1] >= STANDSTILL and w.crosses[j] == 0 and not out:
                 continue  # what stands in its lane touches nothing
             gap = worst_gap(w, row, p, j, k)
+            if gap < 0.0 and k < hit:
+                hit = k
+                w.impact = worst_impact(w, row, j, k)
             if k == 0:
                 asked = min(asked, max(gap - 0.02, 0.0))
             if not gap - asked >= w.min_margin:

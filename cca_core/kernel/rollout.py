@@ -156,12 +156,15 @@ def roll_out(
                 gap = w.s_follow[j, k] - w.half_l[j] - front
                 gap -= min(w.passing_distance[j], max(now - w.standstill_gap, 0.0))
                 final = gap + (w.s_follow[j, w.steps - 1] - w.s_follow[j, k])
+                stops = w.stands[j] != 0
+                if passes and not abs(lateral(w, p, w.s_follow[j, w.steps - 1])) <= TOLERANCE:
+                    stops = False  # where it comes to rest it is passed
                 if w.t[k] < w.risk_until and tail <= 0.0:
                     excess = (
                         min(needed_braking(w, speed, gap, w.v_follow[j, k]), 3.0 * w.b_max) / w.b_soft - 1.0
                     )
                     risk = max(risk, max(excess, 0.0) * max(excess, 0.0))
-                a = follow_at_gap(w, speed, gap, w.v_follow[j, k], final, w.stands[j] != 0)
+                a = follow_at_gap(w, speed, gap, w.v_follow[j, k], final, stops)
                 if a < want:
                     want = a
                     limit = j

@@ -99,6 +99,7 @@ class Scene:
     min_pet: Real
     braking_time: Real
     acceleration_time: Real
+    crossing_time: Real  # the same of vehicles that cross
     keeps: Flag  # whether all keep their motion
     entry_tolerance: Real
     queue_gap: Real

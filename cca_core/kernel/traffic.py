@@ -43,11 +43,11 @@ BULGE = 22  # width that a bend of curvature 1 adds to the straight body; of a b
 BEND_W = 23  # part of the half extent across that the bend adds in which it is now
 
 
-def travel(w: Scene, v: Real, a: Real, t: Real) -> tuple[Real, Real]:
+def travel(w: Scene, v: Real, a: Real, lasts: Real, t: Real) -> tuple[Real, Real]:
     """Nominal distance and speed without sign; a reported acceleration lasts for a bounded time."""
     if abs(a) < NO_ACCELERATION or (w.keeps and a > 0.0):
         return v * t, v
-    until = min(w.braking_time, v / -a) if a < 0.0 else min(w.acceleration_time, max(w.v_limit - v, 0.0) / a)
+    until = min(w.braking_time, v / -a) if a < 0.0 else min(lasts, max(w.v_limit - v, 0.0) / a)
     changing = min(t, until)
     speed = v + a * changing
     return v * changing + 0.5 * a * (changing * changing) + speed * (t - changing), max(speed, 0.0)
@@ -68,7 +68,7 @@ def locate_along(w: Scene, j: Int) -> None:
     side = w.seen[j, SIDE_SPEED]
     sign = math.copysign(1.0, v)
     for k in range(w.steps):
-        distance, now = travel(w, speed, w.seen[j, NOMINAL_RATE], w.t[k])
+        distance, now = travel(w, speed, w.seen[j, NOMINAL_RATE], w.acceleration_time, w.t[k])
         w.s_o[j, k] = w.seen[j, S] + sign * distance
         w.v_o[j, k] = sign * now
         across = math.copysign(min(abs(side) * w.t[k], w.seen[j, SIDE_RANGE]), side)
@@ -102,7 +102,7 @@ def reach_along(w: Scene, j: Int, passed: Flag) -> None:
         low = 0.0
         high = 0.0
         if w.keeps:
-            distance, _ = travel(w, abs(v), nominal, w.t[k])
+            distance, _ = travel(w, abs(v), nominal, w.acceleration_time, w.t[k])
             low = math.copysign(1.0, v) * distance
             high = low
         else:
@@ -125,7 +125,7 @@ def reach_along(w: Scene, j: Int, passed: Flag) -> None:
                     high = min(high, 0.0)
         if passed:
             if v >= 0.0:  # a reported acceleration is believed for a while
-                distance, _ = travel(w, abs(v), w.seen[j, NOMINAL_RATE], w.t[k])
+                distance, _ = travel(w, abs(v), w.seen[j, NOMINAL_RATE], w.acceleration_time, w.t[k])
                 high = max(high, distance)
             w.low_passed[j, k] = rear + low
             w.high_passed[j, k] = front + high
@@ -148,19 +148,17 @@ def locate_crossing(w: Scene, j: Int) -> None:
     v = w.seen[j, V_X]
     speed = abs(v)
     sign = math.copysign(1.0, v)
-    a = 0.0 if w.seen[j, A_X] * v > -NO_ACCELERATION else w.seen[j, A_X]
-    stops = -v / a if a * v < 0.0 else math.inf
+    rate = sign * w.seen[j, A_X]
     kappa = w.seen[j, TURN_RATE] / v if speed > STANDSTILL_SPEED else 0.0
-    braking = 0.0 if w.keeps else w.b_crossing
-    acceleration = 0.0 if w.keeps else w.a_crossing
+    braking = 0.0 if w.keeps else max(w.b_crossing, -rate)
+    acceleration = 0.0 if w.keeps else max(w.a_crossing, rate)
     age = w.seen[j, AGE]
     measured, counted, still = measured_motion(speed, age, 0.0, braking)
     for k in range(w.steps):
         w.s_o[j, k] = w.seen[j, S]
-        w.v_o[j, k] = speed
+        distance, w.v_o[j, k] = travel(w, speed, rate, w.crossing_time, w.t[k])
         w.d_o[j, k] = w.seen[j, D]
-        moves = min(w.t[k], stops)
-        s = v * moves + 0.5 * a * (moves * moves)
+        s = sign * distance
         w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k] = on_arc(w, j, s, kappa * s)
         before = max(w.t[k] - w.min_pet, 0.0)
         after = w.t[k] + w.min_pet

@@ -153,9 +153,13 @@ def profiles(
         found.append(Profile("pass", passes=True, yields=n_stops))
     if not path.kind.is_evasive or path.is_last or desperate:
         for braking in (b_comfort, 0.5 * (b_comfort + b_max), b_max):
-            found.append(Profile(f"brake {braking:.0f}", yields=n_stops, braking=braking))
+            found.append(
+                Profile(
+                    f"brake {braking:.0f}", passes=path.kind.is_evasive, yields=n_stops, braking=braking
+                )
+            )  # fmt: skip
     if kept:
-        found.append(Profile("kept", yields=n_stops, kept=True))
+        found.append(Profile("kept", passes=path.kind.is_evasive, yields=n_stops, kept=True))
     return found
 
 

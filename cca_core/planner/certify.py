@@ -34,10 +34,12 @@ class Certifier:
         kept: Array | None,
         stops: Sequence[Stop],
         homes: Sequence[tuple[LateralPath, int]],
+        valid: float,
     ) -> None:  # fmt: skip
         self._scene, self._around, self._inside = scene, around, inside
         self._settings = around.settings.certificate
         self._kept, self._stops, self._homes = kept, stops, homes
+        self._valid = valid  # time after which the last certified plan must brake [s]
         self.count = 0
 
     @property
@@ -48,6 +50,16 @@ class Certifier:
     def certify(self, plan: Plan) -> None:
         """Grade a plan."""
         self.count += 1
+        self._grade(plan)
+        if plan.grade is Grade.NOMINAL and plan.profile.kept and self._valid > 0.0:
+            # others have kept within the bounds of its last certificate, whose safe end is still ahead
+            plan.grade, plan.is_prolonged = Grade.FULL, True
+            plan.braking = self._around.limits.b_max
+            plan.branch = plan.branch._replace(react=self._valid, braking=plan.braking)
+        elif plan.grade is Grade.NOMINAL:
+            plan.exposure = self._exposure(plan)
+
+    def _grade(self, plan: Plan) -> None:
         plan.branch = Branch(
             plan.path, plan.path_row, self._settings.reaction_time, self._around.limits.b_max
         )
@@ -62,6 +74,7 @@ class Certifier:
         work.margin = 0.0 if is_kept else settings.margin
         pet = around.settings.crossing.min_pet * (0.5 if is_kept else 1.0)
         asked = min(clearance, plan.path.clearance)
+        out = self._set_zone(plan)
         check_gaps(work, plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
         which, plan.gap = work.which, work.gap if self.names else math.inf
         plan.decides = self._name(which)
@@ -82,12 +95,28 @@ class Certifier:
         if not lane.right < end - half < end + half < lane.left:
             plan.severity = 0.0  # it comes to rest, or drives on, where it must not stay
             return
-        out = (plan.d + half > lane.left + 0.01) | (plan.d - half < lane.right - 0.01)
         if out.any() and plan.path.kind.is_evasive:
             self._certify_maneuver(plan, out, touch, clearance)
         else:
             plan.braking = self._needed_braking(plan, touch, clearance)
             self._grade_by_braking(plan, out_now=bool(out[0]))
+
+    def _set_zone(self, plan: Plan) -> Mask:
+        """Set when and on which side a plan leaves the lane; return when it is outside."""
+        around, half = self._around, 0.5 * self._around.vehicle.width
+        lane = around.road.ego_lane
+        left, right = plan.d + half > lane.left + 0.01, plan.d - half < lane.right - 0.01
+        out: Mask = left | right
+        begins = np.flatnonzero(plan.s + around.lateral.base >= plan.path.begin)
+        steps = np.flatnonzero(out)
+        is_left = plan.path.kind is PathKind.LEFT or (not plan.path.kind.is_evasive and bool(left.any()))
+        set_numbers(
+            self._scene,
+            begin_from=float(TIMES[begins[0]]) if len(begins) else 0.0,
+            zone_from=float(TIMES[steps[0]]) if len(steps) else math.inf,
+            zone_side=0 if not len(steps) else 1 if is_left else 2,
+        )
+        return out
 
     def _passes_stop_line(self, plan: Plan) -> bool:
         """Whether a plan passes a stop line and goes behind a crossing vehicle without waiting there."""
@@ -100,6 +129,15 @@ class Certifier:
                 return True
         return False
 
+    def _exposure(self, plan: Plan) -> float:
+        """Return the impact speed in the worst case if the ego brakes fully after the reaction time."""
+        work, decides = self._scene.workspace, plan.decides
+        work.margin = 0.0
+        here = Branch(plan.path, plan.path_row, self._settings.reaction_time, self._around.limits.b_max)
+        safe = self._is_safe(plan, here, 0.0, 0.0)
+        plan.decides = decides
+        return 0.0 if safe else float(work.impact)
+
     def _set_severity(self, plan: Plan, clearance: float) -> None:
         """Rate a plan that comes too close: by the impact, or by the gap that lacks if bodies stay apart."""
         work, settings = self._scene.workspace, self._settings
@@ -109,7 +147,9 @@ class Certifier:
             # a later impact is less certain: others and the ego can still react
             plan.severity = 1.0 + work.impact**2 * math.exp(-plan.t_impact / self._settings.foresight)
         else:
-            plan.severity = max(-work.min_margin, 0.01)
+            lack = max(-work.min_margin, 0.01)
+            plan.exposure = self._exposure(plan)
+            plan.severity = min(lack + self._settings.exposure * plan.exposure, 0.9)
 
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
@@ -144,13 +184,6 @@ class Certifier:
         steps = np.flatnonzero(out)
         back = float(TIMES[min(int(steps[-1]) + 1, len(TIMES) - 1)])
         x_safety = around.settings.x_safety * (0.5 if plan.path.is_last else 1.0) if self._inside else 0.0
-        begins = np.flatnonzero(plan.s + around.lateral.base >= plan.path.begin)
-        set_numbers(
-            self._scene,
-            begin_from=float(TIMES[begins[0]]) if len(begins) else 0.0,
-            zone_from=float(TIMES[steps[0]]),
-            zone_side=1 if plan.path.kind is PathKind.LEFT else 2,
-        )
         here = Branch(plan.path, plan.path_row, settings.reaction_time, around.limits.b_max)
         ends = here._replace(react=max(back, settings.reaction_time))
         side: Side = "left" if plan.path.kind is PathKind.LEFT else "right"

@@ -44,8 +44,9 @@ def assess(
         change += weights.hard
     if path.level is Level.NARROW and not path.is_last:
         change += weights.narrow
-    if path.kind.is_evasive and path.level is Level.COMFORT and not path.is_last:
-        sharp = plan.peak / around.limits.a_y - weights.sharp_from
+    if path.kind.is_evasive and not path.is_last:
+        aim = around.limits.a_y if path.level is Level.COMFORT else around.limits.a_y_hard
+        sharp = plan.peak / aim - weights.sharp_from
         change += weights.sharp * max(sharp, 0.0) ** 2
     if path.kind is PathKind.RIGHT and row[_TERMS["outside"]] > 0.0:
         change += weights.right
@@ -77,19 +78,23 @@ def choose(plans: Sequence[Plan], certifier: Certifier, around: Surroundings) ->
             excess = (plan.braking - soft) / max(limits.b_max - soft, 0.1)
             weight = settings.cost.safe_end + settings.cost.silence * plan.silence
             plan.costs = plan.costs._replace(safe_end=weight * excess * excess)
-        if _goes_on(plan, around.s):
+        elif plan.grade is Grade.NOMINAL:
+            plan.costs = plan.costs._replace(safe_end=settings.cost.exposure * plan.exposure)
+        if _goes_on(plan, around):
             plan.costs = plan.costs._replace(safe_end=settings.cost.uncertified)
-        if not best.is_certified or _key(plan, around.s) < _key(best, around.s):
+        if not best.is_certified or _key(plan, around) < _key(best, around):
             best = plan
     return best
 
 
-def _key(plan: Plan, s: float) -> tuple[float, float, float]:
+def _key(plan: Plan, around: Surroundings) -> tuple[float, float, float]:
     """Rank of a plan; a maneuver that is under way and nominally safe is compared with certified plans."""
     severity = round(plan.severity, 1) if plan.grade is Grade.SEVERITY else 0.0
-    return Grade.RESPONSE.tier if _goes_on(plan, s) else plan.grade.tier, severity, plan.cost
+    return Grade.RESPONSE.tier if _goes_on(plan, around) else plan.grade.tier, severity, plan.cost
 
 
-def _goes_on(plan: Plan, s: float) -> bool:
-    path = plan.path
-    return plan.grade is Grade.NOMINAL and path.is_last and path.kind.is_evasive and path.begin <= s
+def _goes_on(plan: Plan, around: Surroundings) -> bool:
+    """Whether a plan goes on with a maneuver that begins within the time in which paths do not change."""
+    path, committed = plan.path, around.settings.replan.committed_time * around.v
+    begins = path.is_last and path.kind.is_evasive and path.begin <= around.s + committed
+    return begins and plan.grade is Grade.NOMINAL

@@ -132,7 +132,7 @@ class Deliberation:
         self._kept = None if self._last is None else shifted(self._last.a, observation.t - self._last.t)
         self._certifier = Certifier(
             scene, around, inside=inside, kept=self._kept, stops=self._stops,
-            homes=tuple(zip(homes, rows, strict=True)),
+            homes=tuple(zip(homes, rows, strict=True)), valid=self._valid_time(),
         )  # fmt: skip
         for path, row in zip(homes, rows, strict=True):
             self._add(path, row)
@@ -195,14 +195,28 @@ class Deliberation:
             path = replace(path, reference=reference)
         stop = safe_stop(setup.scenes.route, *self._certifier.safe_end(best), setup.vehicle)
         limited_by, yields_to = self._limit_of(best)
+        certified = observation.t if best.grade <= Grade.RESPONSE else -math.inf
+        if best.is_prolonged and last is not None:
+            certified = last.t_certified
         rejected = (p.rejection for p in self._plans if p.rejection is not None and p.cost < best.cost)
         return DrivenPlan(
             t=observation.t, path=path, reference=reference, profile=best.profile, s=best.s + self._base,
             v=best.v.copy(), a=best.a.copy(), a_0=self._state.a_x, limited_by=limited_by,
             certificate=self._certifier.certificate(best), yields_to=yields_to,
             free_a=float(self._free.a[3]), rejections=(*self._rejections, *rejected), safe_stop=stop,
-            costs=best.costs, impact_id=best.impact_id or self._cause_of(best),
+            costs=best.costs, impact_id=best.impact_id or self._cause_of(best), t_certified=certified,
         )  # fmt: skip
+
+    def _valid_time(self) -> float:
+        """Return the time until the last certified plan must brake, if another decision precedes that [s].
+
+        A vehicle that is new was not within the bounds of its certificate.
+        """
+        if self._last is None or self._state.has_news:
+            return 0.0
+        settings, elapsed = self._setup.settings, self._observation.t - self._last.t_certified
+        left = settings.certificate.reaction_time - elapsed
+        return left if left > settings.decision.period + 1e-6 else 0.0
 
     def _limit_of(self, plan: Plan) -> tuple[str, str]:
         """Return what limits the speed of a plan now, and the vehicle that it yields to."""
@@ -241,6 +255,7 @@ def numbers_of(
     return {
         "edge_left": math.inf if left is None else left.left,
         "edge_right": -math.inf if right is None else right.right,
+        "crossing_time": crossing.acceleration_time,
         "lane_right": lane.right, "lane_left": lane.left, "half_length": 0.5 * vehicle.length,
         "half_width": 0.5 * vehicle.width, "offset": vehicle.box_offset, "a_max": limits.a_max,
         "b_comfort": limits.b_comfort, "b_max": limits.b_max,

@@ -96,6 +96,8 @@ class CertificateSettings:
         The same of the plan that is being driven [m]: less, so that it is kept.
     foresight : float
         Time constant with which the weight of a predicted impact falls [s].
+    exposure : float
+        Weight of an impact speed in the worst case, beside a gap that lacks nominally [s].
     margin : float
         Distance along the road that a new plan keeps beyond the worst case [m].
     duty_delay : float
@@ -123,6 +125,7 @@ class CertificateSettings:
     touch: float = 0.3
     touch_kept: float = 0.1
     foresight: float = 2.0
+    exposure: float = 0.05
     margin: float = 1.0
     duty_delay: float = 1.0
     silence_time: float = 2.0
@@ -163,7 +166,7 @@ class CostSettings:
     narrow, hard : float
         Of the levels beyond comfort [s].
     sharp, sharp_from : float
-        Of a comfortable maneuver whose peak lateral acceleration exceeds `sharp_from` times the one at which
+        Of a maneuver whose peak lateral acceleration exceeds `sharp_from` times the one at which
         it aims; of the square of the excess [s], [-].
     safe_end : float
         Of a safe end that needs full braking [s]; it grows with the square of the deceleration.
@@ -172,6 +175,8 @@ class CostSettings:
         [s], in addition: what it does will not be seen in time to begin later.
     uncertified : float
         Of going on with a maneuver that has lost its certificate but not its nominal one [s].
+    exposure : float
+        Of a plan without certificate: of its impact speed in the worst case [s^2/m].
     astray : float
         Of a path that does not end in the ego lane [s].
     risk : float
@@ -206,6 +211,7 @@ class CostSettings:
     safe_end: float = 1.5
     silence: float = 40.0
     uncertified: float = 4.0
+    exposure: float = 0.5
     astray: float = 2.0
     risk: float = 0.5
     risk_braking: float = 5.0

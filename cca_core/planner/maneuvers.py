@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,6 +45,18 @@ def plan_path(
     window = _window(around, group, side, lane, level, last)
     if isinstance(window, Rejection):
         return window
+    found = _bend_path(around, group, side, lane, level, last, window)
+    narrowest = min(around.settings.last_resort.clearance, _MIN_CLEARANCE)
+    if level is Level.NARROW and isinstance(found, Rejection) and window.clearance > narrowest:
+        return _bend_path(around, group, side, lane, level, last, replace(window, clearance=narrowest))
+    return found
+
+
+def _bend_path(
+    around: Surroundings, group: Sequence[int], side: Side, lane: Lane | None, level: Level,
+    last: LateralPath | None, window: _Window,
+) -> LateralPath | Rejection:  # fmt: skip
+    """Return the band in a window."""
     state, path, ongoing = around.lateral, around.road.path, last is not None or not around.lateral.on_route
     spacing = max(1, math.ceil((window.end - window.start) / _MAX_NODES))
     stations, start = _nodes(around, window, spacing, ongoing=ongoing)

@@ -233,7 +233,8 @@ class Planner:
         seen = frozenset((n.id, n.remote.events) for n in observation.vehicles)
         if observation.t - state.t_decided < self.evasion.decision.period - 1e-6 and seen == state.seen:
             return False
-        self._state = replace(state, seen=seen, t_decided=observation.t)
+        has_news = not seen <= state.seen
+        self._state = replace(state, seen=seen, has_news=has_news, t_decided=observation.t)
         return True
 
     def _decide(self, observation: Observation) -> None:

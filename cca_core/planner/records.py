@@ -172,6 +172,8 @@ class Plan:
     decides: str = ""  # vehicle to which the certificate leaves least, or that prevents it
     gap: float = math.inf  # least nominal gap [m]
     severity: float = 0.0
+    is_prolonged: bool = False  # it has no new certificate, but the last one is still valid
+    exposure: float = 0.0  # impact speed in the worst case, with full braking after the reaction time [m/s]
     t_impact: float = math.inf
     impact_id: str = ""
     rejection: Rejection | None = None
@@ -281,6 +283,7 @@ class DrivenPlan:
     rejections: tuple[Rejection, ...] = ()
     costs: Costs = field(default_factory=Costs)
     impact_id: str = ""
+    t_certified: float = -math.inf  # of the decision that certified it [s]
 
     @property
     def grade(self) -> Grade:
@@ -303,6 +306,7 @@ class PlannerState:
     a_true: float = 0.0  # after the lag of the brakes
     delta: float = 0.0
     seen: frozenset[tuple[str, frozenset[str]]] = frozenset()
+    has_news: bool = True  # whether a vehicle or an event was new at the last decision
     estimate: VehicleState | None = None  # last known or dead-reckoned
     memory: Memory = field(default_factory=Memory)  # of other vehicles
 

@@ -136,6 +136,9 @@ class YieldSettings:
         Time after that at which a yielding ego means to arrive [s].
     assumed_braking, assumed_acceleration : float
         Assumed maximum deceleration and acceleration of crossing vehicles [m/s^2].
+    acceleration_time : float
+        Time for which a reported acceleration of a crossing vehicle is expected to last [s]: shorter than
+        along the route, as pedestrians reach their speed at once.
 
     Raises
     ------
@@ -148,6 +151,7 @@ class YieldSettings:
     hold_pet: float = 0.5
     assumed_braking: float = 2.0
     assumed_acceleration: float = 2.0
+    acceleration_time: float = 0.5
 
     def __post_init__(self) -> None:
         check_fields(self)

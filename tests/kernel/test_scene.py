@@ -44,7 +44,7 @@ def numbers(random: Random) -> dict[str, Any]:
     }
     return values | bounds | {
         "lane_right": -1.75, "lane_left": 1.75, "edge_right": -5.25, "edge_left": 5.25,
-        "offset": float(random.normal(0.0, 1.0)),
+        "crossing_time": 0.5, "offset": float(random.normal(0.0, 1.0)),
         "s_0": float(random.uniform(15.0, 40.0)), "v_0": float(random.uniform(0.0, 25.0)),
         "a_0": float(random.normal(0.0, 2.0)), "a_true": float(random.normal(0.0, 2.0)), "a_passed": 0.0,
         "margin": float(random.uniform(0.0, 1.0)), "rear_reaction": float(random.choice([0.0, 1.5])),

@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.trials.closed_loop.episode import Episode
 from tests.trials.closed_loop.families import FAMILIES
 from tests.trials.faults import TABLE
 from tests.trials.faults.table import Table, outcome
@@ -18,6 +19,18 @@ def test_table_lists_all_cases(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_closed_loop_has_twenty_families() -> None:
     assert len(FAMILIES) == 20
+
+
+def drives(seeds: range) -> list:
+    """Seeds, those beyond the first three marked as slow."""
+    return [pytest.param(i, marks=[pytest.mark.slow] * (i >= seeds.start + 3)) for i in seeds]
+
+
+@pytest.mark.parametrize("seed", drives(range(40)))
+def test_traffic_that_reacts_is_not_hit(seed: int) -> None:
+    result = Episode(seed, "reacting").run()
+    assert result["collision"] is None
+    assert "error" not in result
 
 
 @pytest.mark.parametrize("name", CONTROLS)

@@ -2600,13 +2600,17 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
                 gap -= real_min(w->passing_distance[j], real_max(now - w->standstill_gap, 0.0));
                 double final = gap + (w->s_follow[j * w->steps + w->steps - 1] - w->s_follow[j * w->steps
                     + k]);
+                bool stops = w->stands[j] != 0;
+                if (passes && !(fabs(scene_lateral(w, p, w->s_follow[j * w->steps + w->steps - 1]))
+                    <= SCENE_TOLERANCE)) {
+                    stops = false;
+                }
                 if (w->t[k] < w->risk_until && tail <= 0.0) {
                     double excess = real_min(rollout_needed_braking(w, speed, gap, w->v_follow[j
                         * w->steps + k]), 3.0 * w->b_max) / w->b_soft - 1.0;
                     risk = real_max(risk, real_max(excess, 0.0) * real_max(excess, 0.0));
                 }
-                double a = rollout_follow_at_gap(w, speed, gap, w->v_follow[j * w->steps + k], final,
-                    w->stands[j] != 0);
+                double a = rollout_follow_at_gap(w, speed, gap, w->v_follow[j * w->steps + k], final, stops);
                 if (a < want) {
                     want = a;
                     limit = j;
@@ -3182,13 +3186,13 @@ void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double
 #define TRAFFIC_BEND_W 23
 
 /* Nominal distance and speed without sign; a reported acceleration lasts for a bounded time. */
-static cca_dd traffic_travel(const Scene *w, double v, double a, double t)
+static cca_dd traffic_travel(const Scene *w, double v, double a, double lasts, double t)
 {
     if (fabs(a) < TRAFFIC_NO_ACCELERATION || (w->keeps && a > 0.0)) {
         return (cca_dd){v * t, v};
     }
-    double until = a < 0.0 ? real_min(w->braking_time, v / -a) : real_min(w->acceleration_time,
-        real_max(w->v_limit - v, 0.0) / a);
+    double until = a < 0.0 ? real_min(w->braking_time, v / -a) : real_min(lasts, real_max(w->v_limit - v,
+        0.0) / a);
     double changing = real_min(t, until);
     double speed = v + a * changing;
     return (cca_dd){v * changing + 0.5 * a * (changing * changing) + speed * (t - changing),
@@ -3214,7 +3218,8 @@ static void traffic_locate_along(Scene *w, int j)
     double side = w->seen[j * 24 + TRAFFIC_SIDE_SPEED];
     double sign = copysign(1.0, v);
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        const cca_dd result1_ = traffic_travel(w, speed, w->seen[j * 24 + TRAFFIC_NOMINAL_RATE], w->t[k]);
+        const cca_dd result1_ = traffic_travel(w, speed, w->seen[j * 24 + TRAFFIC_NOMINAL_RATE],
+            w->acceleration_time, w->t[k]);
         double distance = result1_.item0;
         double now = result1_.item1;
         w->s_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_S] + sign * distance;
@@ -3259,7 +3264,7 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
         double low = 0.0;
         double high = 0.0;
         if (w->keeps) {
-            const cca_dd result2_ = traffic_travel(w, fabs(v), nominal, w->t[k]);
+            const cca_dd result2_ = traffic_travel(w, fabs(v), nominal, w->acceleration_time, w->t[k]);
             double distance = result2_.item0;
             low = copysign(1.0, v) * distance;
             high = low;
@@ -3291,7 +3296,7 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
         if (passed) {
             if (v >= 0.0) {
                 const cca_dd result4_ = traffic_travel(w, fabs(v), w->seen[j * 24 + TRAFFIC_NOMINAL_RATE],
-                    w->t[k]);
+                    w->acceleration_time, w->t[k]);
                 double distance = result4_.item0;
                 high = real_max(high, distance);
             }
@@ -3321,12 +3326,10 @@ static void traffic_locate_crossing(Scene *w, int j)
     double v = w->seen[j * 24 + TRAFFIC_V_X];
     double speed = fabs(v);
     double sign = copysign(1.0, v);
-    double a = w->seen[j * 24 + TRAFFIC_A_X] * v > -TRAFFIC_NO_ACCELERATION ? 0.0 : w->seen[j * 24
-        + TRAFFIC_A_X];
-    double stops = a * v < 0.0 ? -v / a : HUGE_VAL;
+    double rate = sign * w->seen[j * 24 + TRAFFIC_A_X];
     double kappa = speed > CONSTANTS_STANDSTILL_SPEED ? w->seen[j * 24 + TRAFFIC_TURN_RATE] / v : 0.0;
-    double braking = w->keeps ? 0.0 : w->b_crossing;
-    double acceleration = w->keeps ? 0.0 : w->a_crossing;
+    double braking = w->keeps ? 0.0 : real_max(w->b_crossing, -rate);
+    double acceleration = w->keeps ? 0.0 : real_max(w->a_crossing, rate);
     double age = w->seen[j * 24 + TRAFFIC_AGE];
     const cca_ddd result1_ = reach_measured_motion(speed, age, 0.0, braking);
     double measured = result1_.item0;
@@ -3334,30 +3337,31 @@ static void traffic_locate_crossing(Scene *w, int j)
     double still = result1_.item2;
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
         w->s_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_S];
-        w->v_o[j * w->steps + k] = speed;
+        const cca_dd result2_ = traffic_travel(w, speed, rate, w->crossing_time, w->t[k]);
+        double distance = result2_.item0;
+        w->v_o[j * w->steps + k] = result2_.item1;
         w->d_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D];
-        double moves = real_min(w->t[k], stops);
-        double s = v * moves + 0.5 * a * (moves * moves);
-        const cca_ddd result2_ = traffic_on_arc(w, j, s, kappa * s);
-        w->x_o[j * w->steps + k] = result2_.item0;
-        w->y_o[j * w->steps + k] = result2_.item1;
-        w->psi_o[j * w->steps + k] = result2_.item2;
+        double s = sign * distance;
+        const cca_ddd result3_ = traffic_on_arc(w, j, s, kappa * s);
+        w->x_o[j * w->steps + k] = result3_.item0;
+        w->y_o[j * w->steps + k] = result3_.item1;
+        w->psi_o[j * w->steps + k] = result3_.item2;
         double before = real_max(w->t[k] - w->min_pet, 0.0);
         double after = w->t[k] + w->min_pet;
-        const cca_dd result3_ = reach_reach(speed, before, age, braking, acceleration, measured, counted,
+        const cca_dd result4_ = reach_reach(speed, before, age, braking, acceleration, measured, counted,
             still);
-        double low = result3_.item0;
-        const cca_dd result4_ = reach_reach(speed, after, age, braking, acceleration, measured, counted,
+        double low = result4_.item0;
+        const cca_dd result5_ = reach_reach(speed, after, age, braking, acceleration, measured, counted,
             still);
-        double high = result4_.item1;
+        double high = result5_.item1;
         double middle = 0.5 * (low + high);
         double extent = 0.5 * (high - low);
         double turn = real_min(real_max(kappa * middle * sign, -0.5 * 3.141592653589793), 0.5
             * 3.141592653589793);
-        const cca_ddd result5_ = traffic_on_arc(w, j, sign * middle, turn);
-        w->x_w[j * w->steps + k] = result5_.item0;
-        w->y_w[j * w->steps + k] = result5_.item1;
-        w->psi_w[j * w->steps + k] = result5_.item2;
+        const cca_ddd result6_ = traffic_on_arc(w, j, sign * middle, turn);
+        w->x_w[j * w->steps + k] = result6_.item0;
+        w->y_w[j * w->steps + k] = result6_.item1;
+        w->psi_w[j * w->steps + k] = result6_.item2;
         w->half_l_w[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_BODY_L] + extent;
         w->half_w_w[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_BODY_W] + real_min(0.25 * fabs(kappa)
             * extent * extent, extent);
@@ -3606,17 +3610,67 @@ static bool gap_checks_is_established(const Scene *w, int j)
     return w->adjacent[j] == w->established || w->adjacent[j] == 3 || (w->leaves && inside);
 }
 
-/* Gap to a vehicle behind in the adjacent lane, beyond what its driver needs to react. */
-static double gap_checks_rear_gap(const Scene *w, int row, int j, int k, double x_safety)
+/* Index of the first time that is not before another. */
+static int gap_checks_zone_begin(const Scene *w, double since)
 {
-    int before = int_max(k - 1, 0);
-    double v = w->v_o[j * w->steps + k];
-    if (k > before) {
-        v = (w->high[j * w->steps + k] - w->high[j * w->steps + before]) / (w->t[k] - w->t[before]);
+    int begin = w->steps - 1;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (w->t[k] >= since - ROLLOUT_TIME_EPS) {
+            begin = int_min(begin, k);
+        }
     }
-    double closing = real_max(v - w->v[row * w->steps + k], 0.0);
-    double need = x_safety + closing * w->rear_reaction + closing * closing / (2.0 * w->rear_braking);
-    return w->s[row * w->steps + k] + w->offset - w->half_length - w->high[j * w->steps + k] - need;
+    return begin;
+}
+
+/* Whether a vehicle is in the adjacent lane that the maneuver enters. */
+static bool gap_checks_is_in_zone_lane(const Scene *w, int j)
+{
+    return w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side;
+}
+
+/* Least gap behind the ego to a driver who reacts to it from a time on; his front and speed are given. */
+static double gap_checks_rear_gap(const Scene *w, int row, int begin, double front, double speed)
+{
+    double gap = GAP_CHECKS_FAR;
+    double position = front;
+    double v = speed;
+    for (int k = begin, k_end_ = w->steps; k < k_end_; k += 1) {
+        gap = real_min(gap, w->s[row * w->steps + k] + w->offset - w->half_length - position);
+        bool has_reacted = w->t[k] - w->t[begin] >= w->rear_reaction - ROLLOUT_TIME_EPS;
+        if (k + 1 == w->steps || (has_reacted && !(v > w->v[row * w->steps + k]))) {
+            break;
+        }
+        double h = w->t[k + 1] - w->t[k];
+        double then = has_reacted ? real_max(v - w->rear_braking * h, 0.0) : v;
+        position = position + 0.5 * (v + then) * h;
+        v = then;
+    }
+    return gap;
+}
+
+/* Whether a driver behind in the adjacent lane has the room to react to the ego from a time on. */
+static bool gap_checks_reacts(const Scene *w, int row, int j, int begin)
+{
+    if (!(w->rear_reaction > 0.0) || w->crosses[j] != 0 || !gap_checks_is_in_zone_lane(w, j)) {
+        return false;
+    }
+    double front = w->s_o[j * w->steps + begin] + w->half_l[j];
+    if (!(w->v_o[j * w->steps + begin] >= ROLLOUT_ONCOMING) || !(front < w->s[row * w->steps + begin]
+        + w->offset - w->half_length)) {
+        return false;
+    }
+    return gap_checks_rear_gap(w, row, begin, front, w->v_o[j * w->steps + begin]) > 0.0;
+}
+
+/* Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts. */
+static double gap_checks_worst_rear_gap(const Scene *w, int row, int j, int begin)
+{
+    double speed = w->v_o[j * w->steps + begin];
+    if (begin > 0) {
+        speed = (w->high[j * w->steps + begin] - w->high[j * w->steps + begin - 1]) / (w->t[begin]
+            - w->t[begin - 1]);
+    }
+    return gap_checks_rear_gap(w, row, begin, w->high[j * w->steps + begin], speed);
 }
 
 /* Center of the ego's body in the plane, cosine and sine of its heading. */
@@ -3709,6 +3763,7 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
 {
     int back = gap_checks_find_duty(w, row, wait);
     gap_checks_set_poses(w, row, p);
+    int begin = w->established != 0 ? 0 : gap_checks_zone_begin(w, w->zone_from);
     w->min_margin = GAP_CHECKS_FAR;
     w->gap = GAP_CHECKS_FAR;
     w->which = -1;
@@ -3717,8 +3772,9 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
     int hit = w->steps;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         double asked = w->overtakes[p * w->max_m + j] != 0.0 ? clearance : touch;
+        bool keeps_off = gap_checks_reacts(w, row, j, begin);
         for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            if (gap_checks_has_duty(w, j, k, back)) {
+            if (gap_checks_has_duty(w, j, k, back) || (keeps_off && begin <= k && k <= back)) {
                 continue;
             }
             double gap = gap_checks_nominal_gap(w, row, j, k, pet);
@@ -3763,11 +3819,27 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
         - bulge, w->left[j * w->steps + k] + bulge);
 }
 
+/* Speed at which the ego and a vehicle of the worst case close at a time. */
+static double gap_checks_worst_impact(const Scene *w, int row, int j, int k)
+{
+    double v = w->v[row * w->steps + k];
+    if (w->crosses[j] != 0) {
+        return v;
+    }
+    int i = int_max(k, 1);
+    double h = w->t[i] - w->t[i - 1];
+    if (w->s_o[j * w->steps + 0] > w->s_0 + w->offset) {
+        return real_max(v - (w->low[j * w->steps + i] - w->low[j * w->steps + i - 1]) / h, 0.0);
+    }
+    return real_max((w->high[j * w->steps + i] - w->high[j * w->steps + i - 1]) / h - v, 0.0);
+}
+
 /* Whether vehicles within the declared bounds cannot touch the ego.
 
 `which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
 ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
-it enters that lane, or from when the maneuver begins if the vehicle comes nearer. */
+it enters that lane, or from when the maneuver begins if the vehicle comes nearer. `impact` is the closing
+speed at the first overlap. */
 bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
     double x_safety, int which)
 {
@@ -3776,20 +3848,17 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
     w->min_margin = GAP_CHECKS_FAR;
     w->which = -1;
     w->when = w->steps;
+    w->impact = 0.0;
+    int hit = w->steps;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         bool passed = w->overtakes[p * w->max_m + j] != 0.0;
         bool nears = w->v_o[j * w->steps + 0] < ROLLOUT_ONCOMING || w->v_o[j * w->steps + 0] > w->v_0
             || w->assumed[j] != 0;
         double since = nears ? w->begin_from : w->zone_from;
-        int begin = w->steps - 1;
-        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            if (w->t[k] >= since - ROLLOUT_TIME_EPS) {
-                begin = int_min(begin, k);
-            }
-        }
+        int begin = gap_checks_zone_begin(w, since);
         bool same = w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING && w->assumed[j] == 0;
         bool ahead = same && w->s_o[j * w->steps + begin] > w->s[row * w->steps + begin] + w->offset;
-        bool adjacent = !passed && (w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side);
+        bool adjacent = !passed && gap_checks_is_in_zone_lane(w, j);
         bool in_zone_lane = adjacent && (which == 1 || !ahead);
         if ((which == 1 && !in_zone_lane) || (which == 2 && in_zone_lane)) {
             continue;
@@ -3815,7 +3884,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
                 double zone_gap = real_max(rear - x_safety - (middle + w->half_length), middle
                     - w->half_length - (w->high[j * w->steps + k] + x_safety));
                 if (same && !ahead && w->rear_reaction > 0.0) {
-                    zone_gap = k == begin ? gap_checks_rear_gap(w, row, j, k, x_safety) : GAP_CHECKS_FAR;
+                    zone_gap = k == begin ? gap_checks_worst_rear_gap(w, row, j, k) - x_safety
+                        : GAP_CHECKS_FAR;
                 }
                 if (!(zone_gap >= w->min_margin)) {
                     w->min_margin = zone_gap;
@@ -3832,6 +3902,10 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
                 continue;
             }
             double gap = gap_checks_worst_gap(w, row, p, j, k);
+            if (gap < 0.0 && k < hit) {
+                hit = k;
+                w->impact = gap_checks_worst_impact(w, row, j, k);
+            }
             if (k == 0) {
                 asked = real_min(asked, real_max(gap - 0.02, 0.0));
             }

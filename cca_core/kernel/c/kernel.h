@@ -278,6 +278,7 @@ typedef struct Scene {
     double min_pet;
     double braking_time;
     double acceleration_time;
+    double crossing_time;
     bool keeps;
     double entry_tolerance;
     double queue_gap;
@@ -450,7 +451,8 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
 
 `which`: 0 all vehicles; 1 those of the adjacent lane on `zone_side`; 2 all others. With `x_safety` the
 ego keeps that distance along the road to vehicles of the adjacent lane until it has returned: from when
-it enters that lane, or from when the maneuver begins if the vehicle comes nearer. */
+it enters that lane, or from when the maneuver begins if the vehicle comes nearer. `impact` is the closing
+speed at the first overlap. */
 bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
     double x_safety, int which);
 

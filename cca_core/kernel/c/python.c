@@ -2043,7 +2043,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "281986f001f194d41bdf175c7ee24896486cfeca1f4c1174128f3407364bdf37") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "f7f2668fd209af72192c924deb37a40b54b7df51bd55f83b71b4ce0c21c79fcf") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;

@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.trials import closed_loop
 from tests.trials.closed_loop.episode import Episode
-from tests.trials.closed_loop.families import FAMILIES
+from tests.trials.closed_loop.families import FAMILIES, MORE_FAMILIES
 
 COLUMNS = "drives", "errors", "stationary", "avoidable", "in 1 s", "other"
 
@@ -61,7 +61,7 @@ def main() -> None:
         prog="python -m tests.trials.closed_loop", description=closed_loop.__doc__.splitlines()[0]
     )
     parser.add_argument("--seeds", default="0:40", help="first:last, without the last")
-    parser.add_argument("--family", choices=FAMILIES, help="all seeds of one family")
+    parser.add_argument("--family", choices=[*FAMILIES, *MORE_FAMILIES], help="all seeds of one family")
     parser.add_argument("--json", help="file for a line of JSON for each drive")
     arguments = parser.parse_args()
     first, last = map(int, arguments.seeds.split(":"))

@@ -10,7 +10,7 @@ import numpy as np
 from cca_core import EvasionSettings, Lane, Planner, Road, VehicleParams, fit_path
 from tests.trials.boxes import box_distance, corners
 from tests.trials.closed_loop.car import Car
-from tests.trials.closed_loop.families import FAMILIES
+from tests.trials.closed_loop.families import FAMILIES, MORE_FAMILIES
 from tests.trials.closed_loop.geometry import Geometry
 from tests.trials.closed_loop.plant import Plant
 from tests.trials.closed_loop.reports import KINDS, Reports
@@ -29,7 +29,7 @@ LAYOUTS = {  # other lanes: side in lane widths, direction; whether a shoulder 2
 }
 FREQUENCY = "1", "1s", "2o", "2o", "2o", "2s", "2s", "3s", "2o_r", "4", "2os"
 NEEDS_OPPOSING = "oncoming_overtaker", "slow_with_oncoming"
-NEEDS_ADJACENT = "cut_in", "stop_alongside", "slow_with_adjacent"
+NEEDS_ADJACENT = "cut_in", "stop_alongside", "slow_with_adjacent", "reacting"
 SIZES = (4.5, 1.8), (4.5, 1.8), (18.0, 2.5), (2.0, 0.8), (12.0, 2.5)
 
 
@@ -53,7 +53,7 @@ class Episode:
         kind, self.jitter = rng.choice(KINDS), rng.choice([False] * 4 + [True])
         awareness_range = rng.choice([150.0, 300.0, 400.0])
         self.reports = Reports(rng, kind, awareness_range)
-        FAMILIES[family](self, rng)
+        (FAMILIES | MORE_FAMILIES)[family](self, rng)
         self._add_background()
         road = Road(path, self.lanes, speed_limit=self.limit)
         evasion = EvasionSettings(awareness_range=awareness_range)

@@ -5,6 +5,7 @@ import random
 from typing import TYPE_CHECKING
 
 from tests.trials.closed_loop.crossings import crossing, pedestrian
+from tests.trials.closed_loop.reacting import reacting
 
 if TYPE_CHECKING:
     from tests.trials.closed_loop.episode import Episode
@@ -261,3 +262,6 @@ FAMILIES = {
         mixed,
     )
 }
+
+MORE_FAMILIES = {"reacting": reacting}
+"""Families that are driven only if they are named."""
