@@ -14,6 +14,7 @@ import pytest
 from tests.support.declared_motion import min_gap
 from tests.support.guarantee import CAUTIOUS, DEFAULT, decide, sample_case
 from tests.support.guarantee_search import search
+from tests.support.refusals import is_refused
 
 
 def touched(block: int, count: int, *, reacts: bool) -> tuple[list[tuple[int, int, float]], int]:
@@ -64,3 +65,11 @@ def test_searches_find_no_contact(block: int) -> None:
     reacts = block % 2 == 0
     gaps = [search((block, i), DEFAULT if reacts else CAUTIOUS, 60, reacts=reacts)[0] for i in range(20)]
     assert [(i, gap) for i, gap in enumerate(gaps) if gap < 0.0] == []
+
+
+@pytest.mark.slow
+def test_safe_maneuvers_are_seldom_refused() -> None:
+    """Of those that an oracle knows to be safe in the worst case, with any gap."""
+    found = [is_refused(sample_case(np.random.default_rng((200, i))), DEFAULT) for i in range(300, 1200)]
+    assert found.count(False) >= 60
+    assert found.count(True) <= 0.1 * (found.count(True) + found.count(False))
