@@ -3452,9 +3452,20 @@ static void traffic_keep_behind(Scene *w, int j, int k, double sign)
         + 0] - space) {
         return;
     }
+    double start = w->t[w->steps - 1];
+    double braking = w->b_comfort;
+    for (int i = 1, i_end_ = w->steps; i < i_end_; i += 1) {
+        double lack = sign * (w->s_follow[j * w->steps + i] - w->s_follow[k * w->steps + i]) + space;
+        if (lack > 0.0 && !(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
+            start = real_min(start, w->t[i] - sqrt(2.0 * lack / w->b_comfort));
+            braking = real_max(braking, 2.0 * lack / (w->t[i] * w->t[i]));
+        }
+    }
+    start = real_max(start, 0.0);
     double farthest = begin;
     for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
-        double at = sign * w->s_follow[j * w->steps + i];
+        double late = real_max(w->t[i] - start, 0.0);
+        double at = sign * w->s_follow[j * w->steps + i] - 0.5 * braking * (late * late);
         if (!(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
             at = real_min(at, sign * w->s_follow[k * w->steps + i] - space);
         }
