@@ -1,7 +1,7 @@
 """Actuation: acceleration along the plan, the safe stop, and dead reckoning of a lost state."""
 
 import math
-from dataclasses import replace
+from bisect import bisect_right
 
 import numpy as np
 
@@ -10,8 +10,9 @@ from cca_core.follow import friction_limited
 from cca_core.planner.limits import Limits
 from cca_core.planner.records import DrivenPlan, SafeStop
 from cca_core.planner.scene import TIMES
-from cca_core.vehicle import VehicleParams, VehicleState
+from cca_core.vehicle import GRAVITY, VehicleParams, VehicleState
 
+_TIMES = tuple(TIMES.tolist())
 _STOP_TIME = 5.0  # [s]
 _STOP_STEP = 0.1  # [s]
 _HOLD = 1.0  # deceleration that holds a stationary vehicle [m/s^2]
@@ -21,9 +22,11 @@ def planned_acceleration(
     plan: DrivenPlan, t: float, v: float, a_y: float, limits: Limits, mu: float
 ) -> float:
     """Return the acceleration of the plan at a time, within the friction [m/s^2]."""
-    at = np.append(0.0, TIMES[1:])
-    a = float(np.interp(t - plan.t, at, np.append(plan.a_0, plan.a[:-1])))
-    a = friction_limited(a, a_y, mu, grip_fraction=limits.grip / (mu * 9.81))
+    elapsed = min(max(t - plan.t, 0.0), _TIMES[-1])
+    i = min(bisect_right(_TIMES, elapsed), len(_TIMES) - 1)  # the plan's acceleration is the one of steps
+    before, after = plan.a_0 if i == 1 else float(plan.a[i - 2]), float(plan.a[i - 1])
+    a = (after - before) / (_TIMES[i] - _TIMES[i - 1]) * (elapsed - _TIMES[i - 1]) + before
+    a = friction_limited(a, a_y, mu, grip_fraction=limits.grip / (mu * GRAVITY))
     return max(a, -_HOLD) if v < 0.05 and a < 0.0 else a
 
 
@@ -52,7 +55,9 @@ def safe_stop(
 
 def since(stop: SafeStop, elapsed: float) -> SafeStop:
     """Return a safe stop as seen some time after its decision."""
-    return stop if elapsed < 1e-6 else replace(stop, t=stop.t - elapsed)
+    if elapsed < 1e-6:
+        return stop
+    return SafeStop(t=stop.t - elapsed, delta=stop.delta, a_x=stop.a_x, v=stop.v, poses=stop.poses)
 
 
 def dead_reckon(

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from cca_core.frenet import FrenetVehicle
 from cca_core.frenet.convert import NO_VEHICLE
@@ -18,8 +19,7 @@ _MAX_SIGMA, _MAX_AGE, _MAX_REVERSING = 1e3, 3600.0, 20.0  # of a valid record [m
 _SAME_BODY = 0.3  # gap to a dead-reckoned body below which another id is that of the same vehicle [m]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Known:
+class Known(NamedTuple):
     """Last report of a vehicle, since when it is known, and whether it was once in a complete list."""
 
     remote: RemoteVehicle
@@ -75,7 +75,8 @@ def recall(
             faults.append(f"{', '.join(list(missing)[:5])} not reported for {gap:.1f} s; dead-reckoned")
         missing |= _coasting(known, t, now, missing, settings)
     recalled = [dead_reckoned(last.remote, t - last.t) for last in missing.values()]
-    return replace(memory, known=missing | now), recalled, tuple(faults)
+    memory = Memory(known=missing | now, blind_since=since, listen_until=listen_until)
+    return memory, recalled, tuple(faults)
 
 
 def _missing(
@@ -123,7 +124,7 @@ def _coasting(
         if heir is None:
             coasting[name] = last
         else:
-            now[heir] = replace(now[heir], since=min(now[heir].since, last.since))
+            now[heir] = now[heir]._replace(since=min(now[heir].since, last.since))
     return coasting
 
 

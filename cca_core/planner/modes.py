@@ -1,6 +1,5 @@
 """Modes: the label of the driven plan, and the only writer of the planner's state."""
 
-from dataclasses import replace
 from typing import Any
 
 from cca_core.decide import Action
@@ -58,4 +57,4 @@ def advance(state: PlannerState, t: float, wish: Mode, **changes: Any) -> Planne
             t_wish = since
     else:
         mode, t_wish = wish, t
-    return replace(state, mode=mode, wish=wish, t_wish=t_wish, **changes)
+    return state._replace(mode=mode, wish=wish, t_wish=t_wish, **changes)

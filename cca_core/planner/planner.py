@@ -211,7 +211,6 @@ class Planner:
             self._state.memory, self._clock.t, vehicles, dropped, settings,
             lost=bool(incomplete) or not is_list(remotes), blind=is_blind,
         )  # fmt: skip
-        self._state = replace(self._state, memory=memory)
         if missing:
             vehicles += to_frenet(missing, path, {}, self._lateral_range, branches)[0]
         vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, settings)
@@ -224,7 +223,7 @@ class Planner:
         return Observation(
             t=self._clock.t, s=s, d=d, angle=angle, v=max(state.v_x, 0.0),
             bend=state.r / max(state.v_x, 3.0) - kappa, vehicles=tuple(vehicles),
-            awareness_range=min(known, self.evasion.awareness_range),
+            awareness_range=min(known, self.evasion.awareness_range), memory=memory,
         ), dropped  # fmt: skip
 
     def _is_due(self, observation: Observation) -> bool:
@@ -234,14 +233,14 @@ class Planner:
         if observation.t - state.t_decided < self.evasion.decision.period - 1e-6 and seen == state.seen:
             return False
         has_news = not seen <= state.seen
-        self._state = replace(state, seen=seen, has_news=has_news, t_decided=observation.t)
+        self._state = state._replace(seen=seen, has_news=has_news, t_decided=observation.t)
         return True
 
     def _decide(self, observation: Observation) -> None:
         """Enumerate, certify and choose."""
         state = self._state
         deliberation = Deliberation(self._setup, state, observation, self._speed_profile, self._cruise_speed)
-        self._state = replace(state, plan=deliberation.decide())
+        self._state = state._replace(plan=deliberation.decide())
 
     def _act(
         self, observation: Observation, state: VehicleState, dt: float, dropped: tuple[tuple[str, str], ...]
@@ -258,16 +257,9 @@ class Planner:
         lag = 1.0 - math.exp(-dt / self.evasion.certificate.lag)
         a_true = self._state.a_true + (a_x - self._state.a_true) * lag
         self._state = modes.advance(
-            self._state,
-            observation.t,
-            wish,
-            s=observation.s,
-            v=observation.v,
-            a_x=a_x,
-            a_true=a_true,
-            delta=delta,
-            estimate=state,
-        )
+            self._state, observation.t, wish, s=observation.s, v=observation.v, a_x=a_x, a_true=a_true,
+            delta=delta, estimate=state, memory=observation.memory,
+        )  # fmt: skip
         mode = self._state.mode
         decision = explain(mode, plan, observation, a_x, self.vehicle, self._speed_profile)
         beyond_comfort = plan.grade >= Grade.NOMINAL or plan.path.level is not Level.COMFORT

@@ -28,7 +28,6 @@ def explain(
     vehicles = {n.id: n for n in observation.vehicles}
     action = ACTIONS[mode]
     lead = vehicles.get(plan.limited_by)
-    why = "; ".join(dict.fromkeys(str(r) for r in plan.rejections))
     if mode in (Mode.EVADE_LEFT, Mode.EVADE_RIGHT):
         side = "left" if mode is Mode.EVADE_LEFT else "right"
         name = ", ".join(sorted(plan.path.overtaken)) or "the vehicle"
@@ -39,7 +38,10 @@ def explain(
         return explained(action, f"passing {name} on the {side}", until, lead_id=_first(plan))
     if mode is Mode.RETURN:
         return explained(
-            action, "returning to the ego lane", why or "the maneuver ended", lead_id=plan.limited_by or None
+            action,
+            "returning to the ego lane",
+            _why(plan) or "the maneuver ended",
+            lead_id=plan.limited_by or None,
         )
     if plan.yields_to and plan.limited_by.startswith("yield"):
         n = vehicles.get(plan.yields_to)
@@ -54,13 +56,13 @@ def explain(
     if mode is Mode.BRAKE or (mode is Mode.FOLLOW and lead is None):
         named = (plan.impact_id, plan.limited_by, plan.yields_to)
         cause_id = next((each for each in named if each in vehicles), None)
-        limit = None if cause_id else _limit_ahead(observation, cap)
-        if limit and a_x < -_NOISE:
+        limit = _limit_ahead(observation, cap) if cause_id is None and a_x < -_NOISE else None
+        if limit:
             return explained(action, *limit)
         verb = "braking" if a_x < -_NOISE else "releasing the brakes" if a_x < 0.0 else "following"
         activity = verb if cause_id is None else f"{verb} {'' if verb == 'following' else 'for '}{cause_id}"
         needs = f"needs {-a_x:.1f} m/s²" if a_x < -_NOISE else f"drives {observation.v:.1f} m/s"
-        cause = f"{needs}; {why or 'no faster plan is certified'}"
+        cause = f"{needs}; {_why(plan) or 'no faster plan is certified'}"
         return explained(action, activity, cause, lead_id=cause_id)
     if lead is not None and (mode is Mode.FOLLOW or a_x < -0.2):
         gap = lead.rear - observation.s - vehicle.front
@@ -68,26 +70,30 @@ def explain(
         activity = f"stopping behind {lead.id}" if stands else f"following {lead.id}"
         numbers = f" ({'stationary' if stands else f'{lead.v_s:.1f} m/s'}, gap {gap:.0f} m)"
         return explained(
-            action, activity, why or "its speed limits the ego's", numbers=numbers, lead_id=lead.id
+            action, activity, _why(plan) or "its speed limits the ego's", numbers=numbers, lead_id=lead.id
         )
     if plan.path.kind.is_evasive and observation.s < plan.path.begin:
         side = "left" if plan.path.kind is PathKind.LEFT else "right"
         cause = f"{side} maneuver feasible, starts in {plan.path.begin - observation.s:.0f} m"
         return explained(action, f"approaching {_first(plan)}", cause, lead_id=_first(plan))
-    limit = _limit_ahead(observation, cap)
-    if limit and a_x < -0.1:
-        activity, cause = limit
-        return explained(action, activity, cause)
+    limit = _limit_ahead(observation, cap) if a_x < -_NOISE else None
+    if limit:
+        return explained(action, *limit)
     if lead is not None:
         gap = lead.rear - observation.s - vehicle.front
         return explained(
             action, "keeping lane", f"{lead.id} {gap:.0f} m ahead, no action needed yet", lead_id=lead.id
         )
     nearest = _ahead(observation, vehicle)
-    if nearest is not None or a_x < -0.1:
-        cause = "releasing the brakes" if a_x < -0.1 else "no action needed for the vehicles around"
+    if nearest is not None or a_x < -_NOISE:
+        cause = "releasing the brakes" if a_x < -_NOISE else "no action needed for the vehicles around"
         return explained(action, f"keeping lane at {observation.v:.1f} m/s", cause)
     return explained(action, f"keeping lane at {observation.v:.1f} m/s", "no blocking vehicle")
+
+
+def _why(plan: DrivenPlan) -> str:
+    """Text of the rejections of other plans."""
+    return "; ".join(dict.fromkeys(str(r) for r in plan.rejections))
 
 
 def _first(plan: DrivenPlan) -> str | None:
@@ -110,8 +116,8 @@ def _limit_ahead(observation: Observation, cap: tuple[Array, Array]) -> tuple[st
     stations, squared = cap
     v = observation.v
     reach = observation.s + v * v / 2.0 + 30.0
-    ahead = (stations > observation.s) & (stations < reach)
-    if not ahead.any():
+    ahead = slice(*np.searchsorted(stations, (observation.s, reach)))
+    if ahead.start >= ahead.stop:
         return f"slowing to {v:.1f} m/s", "the route ends"
     x, limit = stations[ahead] - observation.s, squared[ahead]
     need = (v * v - limit) / (2.0 * np.maximum(x, 1.0))

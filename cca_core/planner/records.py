@@ -291,8 +291,7 @@ class DrivenPlan:
         return self.certificate.grade
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PlannerState:
+class PlannerState(NamedTuple):
     """All that the planner remembers from cycle to cycle."""
 
     s: float | None = None
@@ -308,7 +307,7 @@ class PlannerState:
     seen: frozenset[tuple[str, frozenset[str]]] = frozenset()
     has_news: bool = True  # whether a vehicle or an event was new at the last decision
     estimate: VehicleState | None = None  # last known or dead-reckoned
-    memory: Memory = field(default_factory=Memory)  # of other vehicles
+    memory: Memory = Memory()  # of other vehicles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -323,3 +322,4 @@ class Observation:
     v: float
     vehicles: tuple[FrenetVehicle, ...]
     awareness_range: float
+    memory: Memory = field(default_factory=Memory)

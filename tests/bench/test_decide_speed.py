@@ -61,9 +61,7 @@ def test_decision_cycle_of_planner(slowness: float, budget: Budget, record_prope
         clock[0] += 0.1
         return planner.step(clock[0], ego, others)
 
-    reason = step().decision.reason
-    assert "left" in reason
-    assert "right" in reason
+    assert step().decision.action is Action.FOLLOW
     took = median_us(step, 40)
     record_property("us", round(took))
     budget(1e-3 * took, "ms", max_value=6.0 * slowness)

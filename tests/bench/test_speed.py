@@ -42,7 +42,7 @@ def test_reference_solve_banded(reference_us: float, record_property: Callable[[
     [
         (((120.0, 0.0), (170.0, 3.5), (-60.0, 3.5)), False, "KEEP"),
         (((60.0, 0.0), (25.0, 3.5), (25.0, -3.5)), True, "FOLLOW"),
-        (((55.0, 0.0),), True, "EVADE"),
+        (((75.0, 0.0),), True, "EVADE"),
     ],
     ids=["keeps", "follows", "evades"],
 )
@@ -52,13 +52,15 @@ def test_planner_step(
     """One cycle: without a new decision; with rejected candidates on both sides; replanning a maneuver."""
     road = Road(route, (Lane(d=0.0), Lane(d=3.5), Lane(d=-3.5)))
     planner = Planner(CAR, road, cruise_speed=20.0, evasion=EvasionSettings(awareness_range=np.inf))
-    ego = _state(route, 20.0)
-    others = []
-    for i, (s, d) in enumerate(positions):
-        x, y = route.to_cartesian(s, d)
-        v = 12.0 if d == 0.0 else 20.0
-        others.append(RemoteVehicle(id=str(i), x=float(x), y=float(y), psi=float(route.heading(s)), v_x=v))
-    clock = [0.0]
+    for t in (0.0, 0.1, 0.2, 0.3, 0.4):  # a maneuver begins ahead of the ego
+        ego, others = _state(route, 20.0 + 20.0 * t), []
+        for i, (s, d) in enumerate(positions):
+            v = 12.0 if d == 0.0 else 20.0
+            x, y = route.to_cartesian(s + v * t, d)
+            psi = float(route.heading(s + v * t))
+            others.append(RemoteVehicle(id=str(i), x=float(x), y=float(y), psi=psi, v_x=v))
+        planner.step(t, ego, others)
+    clock = [t]
 
     def step() -> Any:
         clock[0] += 0.1 if replans else 1e-4
