@@ -3452,13 +3452,16 @@ static void traffic_keep_behind(Scene *w, int j, int k, double sign)
         + 0] - space) {
         return;
     }
-    double start = w->t[w->steps - 1];
+    int last = w->steps - 1;
+    double start = w->t[last];
     double braking = w->b_comfort;
+    bool must_brake = false;
     for (int i = 1, i_end_ = w->steps; i < i_end_; i += 1) {
         double lack = sign * (w->s_follow[j * w->steps + i] - w->s_follow[k * w->steps + i]) + space;
         if (lack > 0.0 && !(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
             start = real_min(start, w->t[i] - sqrt(2.0 * lack / w->b_comfort));
             braking = real_max(braking, 2.0 * lack / (w->t[i] * w->t[i]));
+            must_brake = true;
         }
     }
     start = real_max(start, 0.0);
@@ -3466,6 +3469,10 @@ static void traffic_keep_behind(Scene *w, int j, int k, double sign)
     for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
         double late = real_max(w->t[i] - start, 0.0);
         double at = sign * w->s_follow[j * w->steps + i] - 0.5 * braking * (late * late);
+        if (must_brake) {
+            at = real_min(at, sign * (w->s_follow[j * w->steps + i] + w->s_follow[k * w->steps + i]
+                - w->s_follow[k * w->steps + 0] - w->v_o[k * w->steps + 0] * w->t[i]));
+        }
         if (!(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
             at = real_min(at, sign * w->s_follow[k * w->steps + i] - space);
         }

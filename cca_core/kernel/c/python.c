@@ -2043,7 +2043,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "b2c96f8a0eeee3c84d52a5e91ece5db5a1bee2d0bc1c28f558086ab83c3b5efa") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "a7a811db771df9da44ae746142ca20fe90c0d77894761f6c26a4850ba9ce925a") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
