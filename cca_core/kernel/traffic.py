@@ -249,7 +249,9 @@ def keep_behind(w: Scene, j: Int, k: Int, sign: Real) -> None:
         late = max(w.t[i] - start, 0.0)
         at = sign * w.s_follow[j, i] - 0.5 * braking * (late * late)
         if must_brake:
-            at = min(at, sign * (w.s_follow[j, i] + w.s_follow[k, i] - w.s_follow[k, 0] - w.v_o[k, 0] * w.t[i]))
+            at = min(
+                at, sign * (w.s_follow[j, i] + w.s_follow[k, i] - w.s_follow[k, 0] - w.v_o[k, 0] * w.t[i])
+            )
         if not abs(w.d_o[j, i] - w.d_o[k, i]) >= apart:
             at = min(at, sign * w.s_follow[k, i] - space)
         farthest = max(farthest, at)

@@ -157,7 +157,11 @@ class Certifier:
         plan.silence = self._silence(plan.decides)
         response = limits.b_comfort + (limits.b_max - limits.b_comfort) * plan.silence
         stands = float(plan.v[:k].max()) < STANDSTILL_SPEED
-        responds = stands or float(plan.a[:k].min()) <= -response + 0.05
+        soon = int(np.searchsorted(TIMES, self._settings.reaction_time))
+        begun = max(-response, float(plan.a[0]) - 0.5 * self._around.jerk * self._settings.reaction_time)
+        responds = stands or (
+            float(plan.a[soon]) <= begun + 0.05 and float(plan.a[k - 1]) <= -response + 0.05
+        )
         if plan.braking <= self._settings.comfortable_braking:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:

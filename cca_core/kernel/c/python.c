@@ -2043,7 +2043,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "a7a811db771df9da44ae746142ca20fe90c0d77894761f6c26a4850ba9ce925a") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "b320f1f0727849ba3fb45e10a44e4a449e9c0db0d2ae3d19e6a35a2f1cb6b505") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
