@@ -3,103 +3,27 @@
 import math
 
 from cca_core.kernel.box_gaps import norm, oriented_box_gap
-from cca_core.kernel.rollout import ONCOMING, TIME_EPS
-from cca_core.kernel.scene import TOLERANCE, Scene, at_station, is_outside, slope, station
+from cca_core.kernel.duties import (
+    FAR,
+    find_duty,
+    has_duty,
+    is_behind,
+    is_established,
+    is_in_zone_lane,
+    reacts,
+    worst_rear_gap,
+    zone_begin,
+)
+from cca_core.kernel.rollout import ONCOMING
+from cca_core.kernel.scene import Scene, at_station, is_outside, slope, station
 from cca_core.kernel.traffic import BEND_W, BULGE
 from cca_core.kernel.types import Flag, Int, Real
 
 __all__ = ["check_nominal", "check_worst_case"]
 
-FAR = 1e3  # gap where there is no vehicle [m]
 STANDSTILL = 0.2  # speed below which the ego stands [m/s]
 FAR_IN_PLANE = 15.0  # gap from which on a crossing vehicle is far [m]
 NEAR = 12.0  # part of an interval beyond the body that matters [m]
-
-
-def find_duty(w: Scene, row: Int, wait: Real) -> Int:
-    """Find from when on vehicles behind the ego must keep their distance; return when it is in its lane."""
-    back = 0
-    for k in range(w.steps):
-        if is_outside(w, w.offset_at[row, k], TOLERANCE):
-            back = min(k + 1, w.steps - 1)
-    w.rear = w.s[row, back] + w.offset - w.half_length
-    w.duty_from = back
-    for k in range(back, w.steps):
-        if back > 0 and w.t[k] < w.t[back] + wait:
-            w.duty_from = k + 2  # a touch before the first step after that time is seen in that step
-    return back
-
-
-def has_duty(w: Scene, j: Int, k: Int, back: Int) -> Flag:
-    """Whether a vehicle is behind the ego in its lane, for good."""
-    if w.crosses[j] != 0 or k < w.duty_from or not w.v_o[j, 0] >= ONCOMING:
-        return False
-    return w.s_o[j, back] + 0.5 * w.half_l[j] < w.rear
-
-
-def is_behind(w: Scene, row: Int, p: Int, j: Int, back: Int) -> Flag:
-    """Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane."""
-    high = w.high_passed[j, back] if w.overtakes[p, j] != 0.0 else w.high[j, back]
-    return high < w.rear or abs(w.d_o[j, back] - w.offset_at[row, back]) < w.half_width
-
-
-def is_established(w: Scene, j: Int) -> Flag:
-    """Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in."""
-    if w.established == 0 or w.crosses[j] != 0 or not w.v_o[j, 0] >= ONCOMING:
-        return False
-    if not w.s_o[j, 0] + w.half_l[j] < w.s_0 + w.offset - w.half_length:
-        return False
-    inside = w.right[j, 0] < w.lane_left and w.left[j, 0] > w.lane_right
-    return w.adjacent[j] == w.established or w.adjacent[j] == 3 or (w.leaves and inside)
-
-
-def zone_begin(w: Scene, since: Real) -> Int:
-    """Index of the first time that is not before another."""
-    begin = w.steps - 1
-    for k in range(w.steps):
-        if w.t[k] >= since - TIME_EPS:
-            begin = min(begin, k)
-    return begin
-
-
-def is_in_zone_lane(w: Scene, j: Int) -> Flag:
-    """Whether a vehicle is in the adjacent lane that the maneuver enters."""
-    return w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side
-
-
-def rear_gap(w: Scene, row: Int, begin: Int, front: Real, speed: Real) -> Real:
-    """Least gap behind the ego to a driver who reacts to it from a time on; his front and speed are given."""
-    gap = FAR
-    position = front
-    v = speed
-    for k in range(begin, w.steps):
-        gap = min(gap, w.s[row, k] + w.offset - w.half_length - position)
-        has_reacted = w.t[k] - w.t[begin] >= w.rear_reaction - TIME_EPS
-        if k + 1 == w.steps or (has_reacted and not v > w.v[row, k]):
-            break
-        h = w.t[k + 1] - w.t[k]
-        then = max(v - w.rear_braking * h, 0.0) if has_reacted else v
-        position = position + 0.5 * (v + then) * h
-        v = then
-    return gap
-
-
-def reacts(w: Scene, row: Int, j: Int, begin: Int) -> Flag:
-    """Whether a driver behind in the adjacent lane has the room to react to the ego from a time on."""
-    if not w.rear_reaction > 0.0 or w.crosses[j] != 0 or not is_in_zone_lane(w, j):
-        return False
-    front = w.s_o[j, begin] + w.half_l[j]
-    if not w.v_o[j, begin] >= ONCOMING or not front < w.s[row, begin] + w.offset - w.half_length:
-        return False
-    return rear_gap(w, row, begin, front, w.v_o[j, begin]) > 0.0
-
-
-def worst_rear_gap(w: Scene, row: Int, j: Int, begin: Int) -> Real:
-    """Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts."""
-    speed = w.v_o[j, begin]
-    if begin > 0:
-        speed = (w.high[j, begin] - w.high[j, begin - 1]) / (w.t[begin] - w.t[begin - 1])
-    return rear_gap(w, row, begin, w.high[j, begin], speed)
 
 
 def pose(w: Scene, at: Real, d: Real, turn: Real) -> tuple[Real, Real, Real, Real]:

@@ -3,6 +3,7 @@
 import math
 
 from cca_core.kernel.constants import STANDSTILL_SPEED
+from cca_core.kernel.order import set_following_speed, set_order
 from cca_core.kernel.reach import measured_motion, reach
 from cca_core.kernel.scene import Scene
 from cca_core.kernel.types import Flag, Int, Real
@@ -13,7 +14,6 @@ GONE = 1e6  # station of a vehicle that is nominally not there [m]
 NO_ACCELERATION = 0.5  # a smaller reported acceleration is noise [m/s^2]
 SPEEDING = 0.5  # above the speed limit, that a vehicle may drive faster than now [m/s]
 ABREAST = 1.5  # lateral distance below which stationary vehicles are in one queue [m]
-OVERLAP = 0.2  # of bodies across the road that still pass each other [m]
 ASSUMED_HALF_WIDTH = 0.9  # of a vehicle beyond the awareness range [m]
 
 # columns of what is seen of a vehicle; stations as in the scene
@@ -194,7 +194,7 @@ def is_in(w: Scene, j: Int, right: Real, left: Real) -> Flag:
     return w.seen[j, D] - w.seen[j, HALF_W] <= left and w.seen[j, D] + w.seen[j, HALF_W] >= right
 
 
-def is_free(w: Scene, j: Int, n: Int, right: Real, left: Real) -> Flag:
+def is_clear(w: Scene, j: Int, n: Int, right: Real, left: Real) -> Flag:
     """Whether no stationary vehicle is in a lane next to a vehicle or a little ahead."""
     rear = w.seen[j, S] - w.seen[j, HALF_L]
     end = w.seen[j, S] + w.seen[j, HALF_L] + w.queue_gap
@@ -207,7 +207,7 @@ def is_free(w: Scene, j: Int, n: Int, right: Real, left: Real) -> Flag:
 
 
 def distance_to_pass(w: Scene, j: Int, n: Int) -> Real:
-    """Distance kept behind a single stationary vehicle beside which a lane is free, to pass it later."""
+    """Distance kept behind a single stationary vehicle next to a clear lane, for a later maneuver."""
     if not abs(w.seen[j, SPEED]) <= STANDSTILL_SPEED or w.crosses[j] != 0:
         return 0.0
     if not is_in(w, j, w.lane_right, w.lane_left):
@@ -217,78 +217,9 @@ def distance_to_pass(w: Scene, j: Int, n: Int) -> Real:
         if i != j and 0.0 < gap < w.queue_gap and abs(w.seen[i, D] - w.seen[j, D]) < ABREAST:
             return 0.0  # a queue drives on
     for i in range(w.max_lanes):
-        if is_free(w, j, n, w.other_lanes[i, 0], w.other_lanes[i, 1]):
+        if is_clear(w, j, n, w.other_lanes[i, 0], w.other_lanes[i, 1]):
             return w.passing_gap
     return 0.0
-
-
-def keep_behind(w: Scene, j: Int, k: Int, sign: Real) -> None:
-    """Keep the nominal motion of a vehicle behind another one of its lane and direction, a meter apart."""
-    space = w.half_l[j] + w.half_l[k]
-    apart = w.half_w[j] + w.half_w[k] - OVERLAP
-    begin = sign * w.s_o[j, 0]
-    if not sign * w.s_o[k, 0] - begin > space or abs(w.d_o[j, 0] - w.d_o[k, 0]) >= apart:
-        return
-    space += 1.0
-    drive_on = sign * w.v_o[j, 0] >= 0.0 and sign * w.v_o[k, 0] >= 0.0
-    if drive_on and sign * w.s_follow[j, w.steps - 1] <= sign * w.s_follow[k, 0] - space:
-        return  # it never comes near
-    last = w.steps - 1
-    start = w.t[last]  # its driver brakes in comfort, at once as hard as needed, or as the one ahead does
-    braking = w.b_comfort
-    must_brake = False
-    for i in range(1, w.steps):
-        lack = sign * (w.s_follow[j, i] - w.s_follow[k, i]) + space
-        if lack > 0.0 and not abs(w.d_o[j, i] - w.d_o[k, i]) >= apart:
-            start = min(start, w.t[i] - math.sqrt(2.0 * lack / w.b_comfort))
-            braking = max(braking, 2.0 * lack / (w.t[i] * w.t[i]))
-            must_brake = True
-    start = max(start, 0.0)
-    farthest = begin
-    for i in range(w.steps):
-        late = max(w.t[i] - start, 0.0)
-        at = sign * w.s_follow[j, i] - 0.5 * braking * (late * late)
-        if must_brake:
-            at = min(
-                at, sign * (w.s_follow[j, i] + w.s_follow[k, i] - w.s_follow[k, 0] - w.v_o[k, 0] * w.t[i])
-            )
-        if not abs(w.d_o[j, i] - w.d_o[k, i]) >= apart:
-            at = min(at, sign * w.s_follow[k, i] - space)
-        farthest = max(farthest, at)
-        w.s_follow[j, i] = sign * farthest
-
-
-def set_order(w: Scene, sign: Real) -> None:
-    """Keep the vehicles of one direction behind each other, the first one first."""
-    count = 0
-    for j in range(w.m):
-        if w.crosses[j] != 0 or w.assumed[j] != 0 or not sign * w.v_o[j, 0] > -STANDSTILL_SPEED:
-            continue
-        at = count
-        for _ in range(count):
-            if not sign * w.s_o[w.order[at - 1], 0] < sign * w.s_o[j, 0]:
-                break
-            w.order[at] = w.order[at - 1]
-            at -= 1
-        w.order[at] = j
-        count += 1
-    for i in range(count):
-        for k in range(i):
-            keep_behind(w, w.order[i], w.order[k], sign)
-
-
-def set_following_speed(w: Scene, j: Int) -> None:
-    """Speed of a vehicle that stays behind others; second order for unequal steps."""
-    last = w.steps - 1
-    w.v_follow[j, 0] = (w.s_follow[j, 1] - w.s_follow[j, 0]) / (w.t[1] - w.t[0])
-    w.v_follow[j, last] = (w.s_follow[j, last] - w.s_follow[j, last - 1]) / (w.t[last] - w.t[last - 1])
-    for i in range(1, last):
-        h = w.t[i] - w.t[i - 1]
-        g = w.t[i + 1] - w.t[i]
-        before = (w.s_follow[j, i] - w.s_follow[j, i - 1]) / h
-        after = (w.s_follow[j, i + 1] - w.s_follow[j, i]) / g
-        w.v_follow[j, i] = (g * before + h * after) / (h + g)
-    w.stands[j] = 1 if abs(w.v_follow[j, last]) < STANDSTILL_SPEED else 0
 
 
 def locate_vehicles(w: Scene, seen: Int) -> None:

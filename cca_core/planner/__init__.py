@@ -1,5 +1,6 @@
 """Planner: one cycle from vehicles around the ego to steering and acceleration."""
 
+from cca_core.planner.certificate import Certificate, Grade, SafeStop
 from cca_core.planner.command import Command
 from cca_core.planner.maneuver_tuning import (
     AbortSettings,
@@ -9,7 +10,7 @@ from cca_core.planner.maneuver_tuning import (
     ReplanSettings,
 )
 from cca_core.planner.planner import Planner
-from cca_core.planner.records import Certificate, Grade, Mode, SafeStop
+from cca_core.planner.records import Mode
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.tuning import ActuationSettings, DecisionSettings, LeadSettings, YieldSettings
 

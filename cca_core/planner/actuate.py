@@ -7,8 +7,9 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.follow import friction_limited
+from cca_core.planner.certificate import SafeStop
 from cca_core.planner.limits import Limits
-from cca_core.planner.records import DrivenPlan, SafeStop
+from cca_core.planner.records import DrivenPlan
 from cca_core.planner.scene import TIMES
 from cca_core.vehicle import GRAVITY, VehicleParams, VehicleState
 

@@ -149,7 +149,7 @@ def profiles(
 ) -> list[Profile]:
     """Return the speed profiles of a path."""
     found = [Profile("go", yields=y) for y in range(n_stops + 1)]
-    if path.kind.is_evasive:  # whoever is on the path now may be gone when the ego comes
+    if path.kind.is_evasive:  # a vehicle on the path now may have left it when the ego arrives
         found.append(Profile("pass", passes=True, yields=n_stops))
     if not path.kind.is_evasive or path.is_last or desperate:
         for braking in (b_comfort, 0.5 * (b_comfort + b_max), b_max):

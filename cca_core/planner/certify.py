@@ -11,8 +11,9 @@ from cca_core.decide import Rejection, RejectionKind
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.planner.candidates import Stop, adjacent_lane, lane_refusal
+from cca_core.planner.certificate import Certificate, Grade
 from cca_core.planner.paths import Surroundings
-from cca_core.planner.records import Branch, Certificate, Grade, LateralPath, Level, PathKind, Plan
+from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED
 

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 
 from cca_core._checks import Array
+from cca_core.planner.certificate import Grade
 from cca_core.planner.certify import Certifier
 from cca_core.planner.paths import Surroundings
-from cca_core.planner.records import Costs, Grade, LateralPath, Level, PathKind, Plan
+from cca_core.planner.records import Costs, LateralPath, Level, PathKind, Plan
 
 _TERMS = {
     "a_x": 0,

@@ -6,7 +6,8 @@ from cca_core.band import Band
 from cca_core.decide import Decision
 from cca_core.errors import Status
 from cca_core.path import Path
-from cca_core.planner.records import Certificate, Mode, SafeStop
+from cca_core.planner.certificate import Certificate, SafeStop
+from cca_core.planner.records import Mode
 
 __all__ = ["Command"]
 

@@ -22,6 +22,7 @@ from cca_core.planner.candidates import (
     profiles,
     shifted,
 )
+from cca_core.planner.certificate import Grade
 from cca_core.planner.certify import Certifier
 from cca_core.planner.choose import assess, choose
 from cca_core.planner.limits import Limits, limits_of
@@ -29,7 +30,6 @@ from cca_core.planner.occupancy import predict_vehicles
 from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
 from cca_core.planner.records import (
     DrivenPlan,
-    Grade,
     LateralPath,
     Level,
     Observation,

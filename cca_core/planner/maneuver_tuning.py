@@ -97,7 +97,7 @@ class CertificateSettings:
     foresight : float
         Time constant with which the weight of a predicted impact falls [s].
     exposure : float
-        Weight of an impact speed in the worst case, beside a gap that lacks nominally [s].
+        Weight of an impact speed in the worst case, added to the lack of a nominal gap [s].
     margin : float
         Distance along the road that a new plan keeps beyond the worst case [m].
     duty_delay : float

@@ -17,6 +17,7 @@ from cca_core.frenet.branches import Branches
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner import modes
 from cca_core.planner.actuate import dead_reckon, planned_acceleration, since
+from cca_core.planner.certificate import Grade
 from cca_core.planner.command import Command
 from cca_core.planner.deliberation import Deliberation, Setup
 from cca_core.planner.inputs import (
@@ -32,7 +33,7 @@ from cca_core.planner.inputs import (
 )
 from cca_core.planner.last_known import recall
 from cca_core.planner.reasons import explain
-from cca_core.planner.records import Grade, LateralPath, Level, Mode, Observation, PathKind, PlannerState
+from cca_core.planner.records import LateralPath, Level, Mode, Observation, PathKind, PlannerState
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 

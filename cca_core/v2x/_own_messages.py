@@ -51,8 +51,8 @@ class EgoMotion:
 class EgoLikeness:
     """Evidence that a sender is the ego.
 
-    Another body cannot be where the ego is. A receiver's error may drift, and put the messages beside the
-    ego for seconds: then they still change their speed when the ego does, by as much.
+    Another body cannot be where the ego is. The error of a receiver may drift, and shift the messages
+    to the side for seconds. They still change their speed when the ego does, by as much.
     """
 
     __slots__ = ("_across", "_along", "_count", "_needed", "_shares_motion", "_speeds", "_t", "is_certain")

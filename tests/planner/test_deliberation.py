@@ -11,8 +11,9 @@ from cca_core import EvasionSettings, Lane, RemoteVehicle, Road
 from cca_core.decide import RssSettings, rss_same_direction
 from cca_core.follow import SpeedSettings, squared_speed_limit
 from cca_core.frenet import to_frenet
+from cca_core.planner.certificate import Grade
 from cca_core.planner.deliberation import Deliberation, Setup
-from cca_core.planner.records import DrivenPlan, Grade, Observation, PathKind, PlannerState
+from cca_core.planner.records import DrivenPlan, Observation, PathKind, PlannerState
 from tests.support.planner_drives import ALL_KNOWN, CAR, car, straight
 
 S = 100.0  # station of the ego [m]

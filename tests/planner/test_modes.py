@@ -5,18 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cca_core.planner.certificate import Certificate, Grade, SafeStop
 from cca_core.planner.modes import ACTIONS, advance, wished_mode
-from cca_core.planner.records import (
-    Certificate,
-    DrivenPlan,
-    Grade,
-    LateralPath,
-    Mode,
-    PathKind,
-    PlannerState,
-    Profile,
-    SafeStop,
-)
+from cca_core.planner.records import DrivenPlan, LateralPath, Mode, PathKind, PlannerState, Profile
 from cca_core.planner.scene import TIMES
 from cca_core.planner.tuning import DecisionSettings
 from tests.support.planner_drives import straight

@@ -2370,6 +2370,9 @@ void cca_join_cubics(int segments, const double *nodes, const double *moments, d
 
 /* gap_checks.py: Gaps of the ego's motions to other vehicles, nominally and in the worst case. */
 
+/* duties.py: Duties: which vehicles behind the ego keep their distance to it, and how far their drivers
+    can. */
+
 /* rollout.py: Motions of the ego along candidate paths: cruise, follow, yield and brake; and what they
     cost. */
 
@@ -2700,8 +2703,216 @@ void cca_sum_costs(Scene *w, int row, int p, double until)
     w->terms[row * 9 + 6] = w->v[row * w->steps + last];
     w->terms[row * 9 + 7] = w->offset_at[row * w->steps + w->steps - 1];
 }
+#define DUTIES_FAR 1000.0
+
+/* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
+int cca_find_duty(Scene *w, int row, double wait)
+{
+    int back = 0;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (scene_is_outside(w, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)) {
+            back = int_min(k + 1, w->steps - 1);
+        }
+    }
+    w->rear = w->s[row * w->steps + back] + w->offset - w->half_length;
+    w->duty_from = back;
+    for (int k = back, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (back > 0 && w->t[k] < w->t[back] + wait) {
+            w->duty_from = k + 2;
+        }
+    }
+    return back;
+}
+
+/* Whether a vehicle is behind the ego in its lane, for good. */
+bool cca_has_duty(const Scene *w, int j, int k, int back)
+{
+    if (w->crosses[j] != 0 || k < w->duty_from || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
+        return false;
+    }
+    return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
+}
+
+/* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
+bool cca_is_behind(const Scene *w, int row, int p, int j, int back)
+{
+    double high = w->overtakes[p * w->max_m + j] != 0.0 ? w->high_passed[j * w->steps + back] : w->high[j
+        * w->steps + back];
+    return high < w->rear || fabs(w->d_o[j * w->steps + back] - w->offset_at[row * w->steps + back])
+        < w->half_width;
+}
+
+/* Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in. */
+bool cca_is_established(const Scene *w, int j)
+{
+    if (w->established == 0 || w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
+        return false;
+    }
+    if (!(w->s_o[j * w->steps + 0] + w->half_l[j] < w->s_0 + w->offset - w->half_length)) {
+        return false;
+    }
+    bool inside = w->right[j * w->steps + 0] < w->lane_left && w->left[j * w->steps + 0] > w->lane_right;
+    return w->adjacent[j] == w->established || w->adjacent[j] == 3 || (w->leaves && inside);
+}
+
+/* Index of the first time that is not before another. */
+int cca_zone_begin(const Scene *w, double since)
+{
+    int begin = w->steps - 1;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (w->t[k] >= since - ROLLOUT_TIME_EPS) {
+            begin = int_min(begin, k);
+        }
+    }
+    return begin;
+}
+
+/* Whether a vehicle is in the adjacent lane that the maneuver enters. */
+bool cca_is_in_zone_lane(const Scene *w, int j)
+{
+    return w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side;
+}
+
+/* Least gap behind the ego to a driver who reacts to it from a time on, given their front and speed. */
+static double duties_rear_gap(const Scene *w, int row, int begin, double front, double speed)
+{
+    double gap = DUTIES_FAR;
+    double position = front;
+    double v = speed;
+    for (int k = begin, k_end_ = w->steps; k < k_end_; k += 1) {
+        gap = real_min(gap, w->s[row * w->steps + k] + w->offset - w->half_length - position);
+        bool has_reacted = w->t[k] - w->t[begin] >= w->rear_reaction - ROLLOUT_TIME_EPS;
+        if (k + 1 == w->steps || (has_reacted && !(v > w->v[row * w->steps + k]))) {
+            break;
+        }
+        double h = w->t[k + 1] - w->t[k];
+        double then = has_reacted ? real_max(v - w->rear_braking * h, 0.0) : v;
+        position = position + 0.5 * (v + then) * h;
+        v = then;
+    }
+    return gap;
+}
+
+/* Whether a driver behind in the adjacent lane has the room to react to the ego from a time on. */
+bool cca_reacts(const Scene *w, int row, int j, int begin)
+{
+    if (!(w->rear_reaction > 0.0) || w->crosses[j] != 0 || !cca_is_in_zone_lane(w, j)) {
+        return false;
+    }
+    double front = w->s_o[j * w->steps + begin] + w->half_l[j];
+    if (!(w->v_o[j * w->steps + begin] >= ROLLOUT_ONCOMING) || !(front < w->s[row * w->steps + begin]
+        + w->offset - w->half_length)) {
+        return false;
+    }
+    return duties_rear_gap(w, row, begin, front, w->v_o[j * w->steps + begin]) > 0.0;
+}
+
+/* Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts. */
+double cca_worst_rear_gap(const Scene *w, int row, int j, int begin)
+{
+    double speed = w->v_o[j * w->steps + begin];
+    if (begin > 0) {
+        speed = (w->high[j * w->steps + begin] - w->high[j * w->steps + begin - 1]) / (w->t[begin]
+            - w->t[begin - 1]);
+    }
+    return duties_rear_gap(w, row, begin, w->high[j * w->steps + begin], speed);
+}
 
 /* traffic.py: Other vehicles of a scene over time: nominal motion, worst case, and order in the lane. */
+
+/* order.py: Order of the vehicles in a lane: drivers brake behind each other, and no vehicle drives
+    through another. */
+#define ORDER_OVERLAP 0.2
+
+/* Keep the nominal motion of a vehicle behind another one of its lane and direction, a meter apart. */
+static void order_keep_behind(Scene *w, int j, int k, double sign)
+{
+    double space = w->half_l[j] + w->half_l[k];
+    double apart = w->half_w[j] + w->half_w[k] - ORDER_OVERLAP;
+    double begin = sign * w->s_o[j * w->steps + 0];
+    if (!(sign * w->s_o[k * w->steps + 0] - begin > space) || fabs(w->d_o[j * w->steps + 0] - w->d_o[k
+        * w->steps + 0]) >= apart) {
+        return;
+    }
+    space += 1.0;
+    bool drive_on = sign * w->v_o[j * w->steps + 0] >= 0.0 && sign * w->v_o[k * w->steps + 0] >= 0.0;
+    if (drive_on && sign * w->s_follow[j * w->steps + w->steps - 1] <= sign * w->s_follow[k * w->steps
+        + 0] - space) {
+        return;
+    }
+    int last = w->steps - 1;
+    double start = w->t[last];
+    double braking = w->b_comfort;
+    bool must_brake = false;
+    for (int i = 1, i_end_ = w->steps; i < i_end_; i += 1) {
+        double lack = sign * (w->s_follow[j * w->steps + i] - w->s_follow[k * w->steps + i]) + space;
+        if (lack > 0.0 && !(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
+            start = real_min(start, w->t[i] - sqrt(2.0 * lack / w->b_comfort));
+            braking = real_max(braking, 2.0 * lack / (w->t[i] * w->t[i]));
+            must_brake = true;
+        }
+    }
+    start = real_max(start, 0.0);
+    double farthest = begin;
+    for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
+        double late = real_max(w->t[i] - start, 0.0);
+        double at = sign * w->s_follow[j * w->steps + i] - 0.5 * braking * (late * late);
+        if (must_brake) {
+            at = real_min(at, sign * (w->s_follow[j * w->steps + i] + w->s_follow[k * w->steps + i]
+                - w->s_follow[k * w->steps + 0] - w->v_o[k * w->steps + 0] * w->t[i]));
+        }
+        if (!(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
+            at = real_min(at, sign * w->s_follow[k * w->steps + i] - space);
+        }
+        farthest = real_max(farthest, at);
+        w->s_follow[j * w->steps + i] = sign * farthest;
+    }
+}
+
+/* Keep the vehicles of one direction behind each other, the first one first. */
+void cca_set_order(Scene *w, double sign)
+{
+    int count = 0;
+    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
+        if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(sign * w->v_o[j * w->steps + 0] >
+            -CONSTANTS_STANDSTILL_SPEED)) {
+            continue;
+        }
+        int at = count;
+        for (int turn2_ = 0, turn2__end_ = count; turn2_ < turn2__end_; turn2_ += 1) {
+            if (!(sign * w->s_o[w->order[at - 1] * w->steps + 0] < sign * w->s_o[j * w->steps + 0])) {
+                break;
+            }
+            w->order[at] = w->order[at - 1];
+            at -= 1;
+        }
+        w->order[at] = j;
+        count += 1;
+    }
+    for (int i = 0, i_end_ = count; i < i_end_; i += 1) {
+        for (int k = 0, k_end_ = i; k < k_end_; k += 1) {
+            order_keep_behind(w, w->order[i], w->order[k], sign);
+        }
+    }
+}
+
+/* Speed of a vehicle that stays behind others; second order for unequal steps. */
+void cca_set_following_speed(Scene *w, int j)
+{
+    int last = w->steps - 1;
+    w->v_follow[j * w->steps + 0] = (w->s_follow[j * w->steps + 1] - w->s_follow[j * w->steps + 0])
+        / (w->t[1] - w->t[0]);
+    w->v_follow[j * w->steps + last] = (w->s_follow[j * w->steps + last] - w->s_follow[j * w->steps + last
+        - 1]) / (w->t[last] - w->t[last - 1]);
+    for (int i = 1, i_end_ = last; i < i_end_; i += 1) {
+        double h = w->t[i] - w->t[i - 1];
+        double g = w->t[i + 1] - w->t[i];
+        double before = (w->s_follow[j * w->steps + i] - w->s_follow[j * w->steps + i - 1]) / h;
+        double after = (w->s_follow[j * w->steps + i + 1] - w->s_follow[j * w->steps + i]) / g;
+        w->v_follow[j * w->steps + i] = (g * before + h * after) / (h + g);
+    }
+    w->stands[j] = fabs(w->v_follow[j * w->steps + last]) < CONSTANTS_STANDSTILL_SPEED ? 1 : 0;
+}
 
 /* reach.py: Where other vehicles may be: distances, reachable and occupied intervals, danger zones,
     occupancy boxes. */
@@ -3158,7 +3369,6 @@ void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double
 #define TRAFFIC_NO_ACCELERATION 0.5
 #define TRAFFIC_SPEEDING 0.5
 #define TRAFFIC_ABREAST 1.5
-#define TRAFFIC_OVERLAP 0.2
 #define TRAFFIC_ASSUMED_HALF_WIDTH 0.9
 #define TRAFFIC_S 0
 #define TRAFFIC_D 1
@@ -3396,7 +3606,7 @@ static bool traffic_is_in(const Scene *w, int j, double right, double left)
 }
 
 /* Whether no stationary vehicle is in a lane next to a vehicle or a little ahead. */
-static bool traffic_is_free(const Scene *w, int j, int n, double right, double left)
+static bool traffic_is_clear(const Scene *w, int j, int n, double right, double left)
 {
     double rear = w->seen[j * 24 + TRAFFIC_S] - w->seen[j * 24 + TRAFFIC_HALF_L];
     double end = w->seen[j * 24 + TRAFFIC_S] + w->seen[j * 24 + TRAFFIC_HALF_L] + w->queue_gap;
@@ -3411,7 +3621,7 @@ static bool traffic_is_free(const Scene *w, int j, int n, double right, double l
     return true;
 }
 
-/* Distance kept behind a single stationary vehicle beside which a lane is free, to pass it later. */
+/* Distance kept behind a single stationary vehicle next to a clear lane, for a later maneuver. */
 static double traffic_distance_to_pass(const Scene *w, int j, int n)
 {
     if (!(fabs(w->seen[j * 24 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED) || w->crosses[j] != 0) {
@@ -3429,101 +3639,11 @@ static double traffic_distance_to_pass(const Scene *w, int j, int n)
         }
     }
     for (int i = 0, i_end_ = w->max_lanes; i < i_end_; i += 1) {
-        if (traffic_is_free(w, j, n, w->other_lanes[i * 2 + 0], w->other_lanes[i * 2 + 1])) {
+        if (traffic_is_clear(w, j, n, w->other_lanes[i * 2 + 0], w->other_lanes[i * 2 + 1])) {
             return w->passing_gap;
         }
     }
     return 0.0;
-}
-
-/* Keep the nominal motion of a vehicle behind another one of its lane and direction, a meter apart. */
-static void traffic_keep_behind(Scene *w, int j, int k, double sign)
-{
-    double space = w->half_l[j] + w->half_l[k];
-    double apart = w->half_w[j] + w->half_w[k] - TRAFFIC_OVERLAP;
-    double begin = sign * w->s_o[j * w->steps + 0];
-    if (!(sign * w->s_o[k * w->steps + 0] - begin > space) || fabs(w->d_o[j * w->steps + 0] - w->d_o[k
-        * w->steps + 0]) >= apart) {
-        return;
-    }
-    space += 1.0;
-    bool drive_on = sign * w->v_o[j * w->steps + 0] >= 0.0 && sign * w->v_o[k * w->steps + 0] >= 0.0;
-    if (drive_on && sign * w->s_follow[j * w->steps + w->steps - 1] <= sign * w->s_follow[k * w->steps
-        + 0] - space) {
-        return;
-    }
-    int last = w->steps - 1;
-    double start = w->t[last];
-    double braking = w->b_comfort;
-    bool must_brake = false;
-    for (int i = 1, i_end_ = w->steps; i < i_end_; i += 1) {
-        double lack = sign * (w->s_follow[j * w->steps + i] - w->s_follow[k * w->steps + i]) + space;
-        if (lack > 0.0 && !(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
-            start = real_min(start, w->t[i] - sqrt(2.0 * lack / w->b_comfort));
-            braking = real_max(braking, 2.0 * lack / (w->t[i] * w->t[i]));
-            must_brake = true;
-        }
-    }
-    start = real_max(start, 0.0);
-    double farthest = begin;
-    for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
-        double late = real_max(w->t[i] - start, 0.0);
-        double at = sign * w->s_follow[j * w->steps + i] - 0.5 * braking * (late * late);
-        if (must_brake) {
-            at = real_min(at, sign * (w->s_follow[j * w->steps + i] + w->s_follow[k * w->steps + i]
-                - w->s_follow[k * w->steps + 0] - w->v_o[k * w->steps + 0] * w->t[i]));
-        }
-        if (!(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
-            at = real_min(at, sign * w->s_follow[k * w->steps + i] - space);
-        }
-        farthest = real_max(farthest, at);
-        w->s_follow[j * w->steps + i] = sign * farthest;
-    }
-}
-
-/* Keep the vehicles of one direction behind each other, the first one first. */
-static void traffic_set_order(Scene *w, double sign)
-{
-    int count = 0;
-    for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(sign * w->v_o[j * w->steps + 0] >
-            -CONSTANTS_STANDSTILL_SPEED)) {
-            continue;
-        }
-        int at = count;
-        for (int turn2_ = 0, turn2__end_ = count; turn2_ < turn2__end_; turn2_ += 1) {
-            if (!(sign * w->s_o[w->order[at - 1] * w->steps + 0] < sign * w->s_o[j * w->steps + 0])) {
-                break;
-            }
-            w->order[at] = w->order[at - 1];
-            at -= 1;
-        }
-        w->order[at] = j;
-        count += 1;
-    }
-    for (int i = 0, i_end_ = count; i < i_end_; i += 1) {
-        for (int k = 0, k_end_ = i; k < k_end_; k += 1) {
-            traffic_keep_behind(w, w->order[i], w->order[k], sign);
-        }
-    }
-}
-
-/* Speed of a vehicle that stays behind others; second order for unequal steps. */
-static void traffic_set_following_speed(Scene *w, int j)
-{
-    int last = w->steps - 1;
-    w->v_follow[j * w->steps + 0] = (w->s_follow[j * w->steps + 1] - w->s_follow[j * w->steps + 0])
-        / (w->t[1] - w->t[0]);
-    w->v_follow[j * w->steps + last] = (w->s_follow[j * w->steps + last] - w->s_follow[j * w->steps + last
-        - 1]) / (w->t[last] - w->t[last - 1]);
-    for (int i = 1, i_end_ = last; i < i_end_; i += 1) {
-        double h = w->t[i] - w->t[i - 1];
-        double g = w->t[i + 1] - w->t[i];
-        double before = (w->s_follow[j * w->steps + i] - w->s_follow[j * w->steps + i - 1]) / h;
-        double after = (w->s_follow[j * w->steps + i + 1] - w->s_follow[j * w->steps + i]) / g;
-        w->v_follow[j * w->steps + i] = (g * before + h * after) / (h + g);
-    }
-    w->stands[j] = fabs(w->v_follow[j * w->steps + last]) < CONSTANTS_STANDSTILL_SPEED ? 1 : 0;
 }
 
 /* Predict the vehicles in `seen`, the first of which are real, the others assumed. */
@@ -3555,10 +3675,10 @@ void cca_locate_vehicles(Scene *w, int seen)
             w->s_follow[j * w->steps + i] = w->s_o[j * w->steps + i];
         }
     }
-    traffic_set_order(w, 1.0);
-    traffic_set_order(w, -1.0);
+    cca_set_order(w, 1.0);
+    cca_set_order(w, -1.0);
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        traffic_set_following_speed(w, j);
+        cca_set_following_speed(w, j);
         if (w->v_o[j * w->steps + 0] < 0.0) {
             for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
                 w->s_o[j * w->steps + i] = w->s_follow[j * w->steps + i];
@@ -3573,123 +3693,9 @@ void cca_locate_vehicles(Scene *w, int seen)
         }
     }
 }
-#define GAP_CHECKS_FAR 1000.0
 #define GAP_CHECKS_STANDSTILL 0.2
 #define GAP_CHECKS_FAR_IN_PLANE 15.0
 #define GAP_CHECKS_NEAR 12.0
-
-/* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
-static int gap_checks_find_duty(Scene *w, int row, double wait)
-{
-    int back = 0;
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        if (scene_is_outside(w, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)) {
-            back = int_min(k + 1, w->steps - 1);
-        }
-    }
-    w->rear = w->s[row * w->steps + back] + w->offset - w->half_length;
-    w->duty_from = back;
-    for (int k = back, k_end_ = w->steps; k < k_end_; k += 1) {
-        if (back > 0 && w->t[k] < w->t[back] + wait) {
-            w->duty_from = k + 2;
-        }
-    }
-    return back;
-}
-
-/* Whether a vehicle is behind the ego in its lane, for good. */
-static bool gap_checks_has_duty(const Scene *w, int j, int k, int back)
-{
-    if (w->crosses[j] != 0 || k < w->duty_from || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
-        return false;
-    }
-    return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
-}
-
-/* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
-static bool gap_checks_is_behind(const Scene *w, int row, int p, int j, int back)
-{
-    double high = w->overtakes[p * w->max_m + j] != 0.0 ? w->high_passed[j * w->steps + back] : w->high[j
-        * w->steps + back];
-    return high < w->rear || fabs(w->d_o[j * w->steps + back] - w->offset_at[row * w->steps + back])
-        < w->half_width;
-}
-
-/* Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in. */
-static bool gap_checks_is_established(const Scene *w, int j)
-{
-    if (w->established == 0 || w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
-        return false;
-    }
-    if (!(w->s_o[j * w->steps + 0] + w->half_l[j] < w->s_0 + w->offset - w->half_length)) {
-        return false;
-    }
-    bool inside = w->right[j * w->steps + 0] < w->lane_left && w->left[j * w->steps + 0] > w->lane_right;
-    return w->adjacent[j] == w->established || w->adjacent[j] == 3 || (w->leaves && inside);
-}
-
-/* Index of the first time that is not before another. */
-static int gap_checks_zone_begin(const Scene *w, double since)
-{
-    int begin = w->steps - 1;
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        if (w->t[k] >= since - ROLLOUT_TIME_EPS) {
-            begin = int_min(begin, k);
-        }
-    }
-    return begin;
-}
-
-/* Whether a vehicle is in the adjacent lane that the maneuver enters. */
-static bool gap_checks_is_in_zone_lane(const Scene *w, int j)
-{
-    return w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side;
-}
-
-/* Least gap behind the ego to a driver who reacts to it from a time on; his front and speed are given. */
-static double gap_checks_rear_gap(const Scene *w, int row, int begin, double front, double speed)
-{
-    double gap = GAP_CHECKS_FAR;
-    double position = front;
-    double v = speed;
-    for (int k = begin, k_end_ = w->steps; k < k_end_; k += 1) {
-        gap = real_min(gap, w->s[row * w->steps + k] + w->offset - w->half_length - position);
-        bool has_reacted = w->t[k] - w->t[begin] >= w->rear_reaction - ROLLOUT_TIME_EPS;
-        if (k + 1 == w->steps || (has_reacted && !(v > w->v[row * w->steps + k]))) {
-            break;
-        }
-        double h = w->t[k + 1] - w->t[k];
-        double then = has_reacted ? real_max(v - w->rear_braking * h, 0.0) : v;
-        position = position + 0.5 * (v + then) * h;
-        v = then;
-    }
-    return gap;
-}
-
-/* Whether a driver behind in the adjacent lane has the room to react to the ego from a time on. */
-static bool gap_checks_reacts(const Scene *w, int row, int j, int begin)
-{
-    if (!(w->rear_reaction > 0.0) || w->crosses[j] != 0 || !gap_checks_is_in_zone_lane(w, j)) {
-        return false;
-    }
-    double front = w->s_o[j * w->steps + begin] + w->half_l[j];
-    if (!(w->v_o[j * w->steps + begin] >= ROLLOUT_ONCOMING) || !(front < w->s[row * w->steps + begin]
-        + w->offset - w->half_length)) {
-        return false;
-    }
-    return gap_checks_rear_gap(w, row, begin, front, w->v_o[j * w->steps + begin]) > 0.0;
-}
-
-/* Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts. */
-static double gap_checks_worst_rear_gap(const Scene *w, int row, int j, int begin)
-{
-    double speed = w->v_o[j * w->steps + begin];
-    if (begin > 0) {
-        speed = (w->high[j * w->steps + begin] - w->high[j * w->steps + begin - 1]) / (w->t[begin]
-            - w->t[begin - 1]);
-    }
-    return gap_checks_rear_gap(w, row, begin, w->high[j * w->steps + begin], speed);
-}
 
 /* Center of the ego's body in the plane, cosine and sine of its heading. */
 static cca_dddd gap_checks_pose(const Scene *w, double at, double d, double turn)
@@ -3779,20 +3785,20 @@ static double gap_checks_nominal_gap(const Scene *w, int row, int j, int k, doub
 /* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
 void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet)
 {
-    int back = gap_checks_find_duty(w, row, wait);
+    int back = cca_find_duty(w, row, wait);
     gap_checks_set_poses(w, row, p);
-    int begin = w->established != 0 ? 0 : gap_checks_zone_begin(w, w->zone_from);
-    w->min_margin = GAP_CHECKS_FAR;
-    w->gap = GAP_CHECKS_FAR;
+    int begin = w->established != 0 ? 0 : cca_zone_begin(w, w->zone_from);
+    w->min_margin = DUTIES_FAR;
+    w->gap = DUTIES_FAR;
     w->which = -1;
     w->when = w->steps;
     w->impact = 0.0;
     int hit = w->steps;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         double asked = w->overtakes[p * w->max_m + j] != 0.0 ? clearance : touch;
-        bool keeps_off = gap_checks_reacts(w, row, j, begin);
+        bool keeps_off = cca_reacts(w, row, j, begin);
         for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            if (gap_checks_has_duty(w, j, k, back) || (keeps_off && begin <= k && k <= back)) {
+            if (cca_has_duty(w, j, k, back) || (keeps_off && begin <= k && k <= back)) {
                 continue;
             }
             double gap = gap_checks_nominal_gap(w, row, j, k, pet);
@@ -3861,9 +3867,9 @@ speed at the first overlap. */
 bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
     double x_safety, int which)
 {
-    int back = gap_checks_find_duty(w, row, wait);
+    int back = cca_find_duty(w, row, wait);
     gap_checks_set_poses(w, row, p);
-    w->min_margin = GAP_CHECKS_FAR;
+    w->min_margin = DUTIES_FAR;
     w->which = -1;
     w->when = w->steps;
     w->impact = 0.0;
@@ -3873,10 +3879,10 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
         bool nears = w->v_o[j * w->steps + 0] < ROLLOUT_ONCOMING || w->v_o[j * w->steps + 0] > w->v_0
             || w->assumed[j] != 0;
         double since = nears ? w->begin_from : w->zone_from;
-        int begin = gap_checks_zone_begin(w, since);
+        int begin = cca_zone_begin(w, since);
         bool same = w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING && w->assumed[j] == 0;
         bool ahead = same && w->s_o[j * w->steps + begin] > w->s[row * w->steps + begin] + w->offset;
-        bool adjacent = !passed && gap_checks_is_in_zone_lane(w, j);
+        bool adjacent = !passed && cca_is_in_zone_lane(w, j);
         bool in_zone_lane = adjacent && (which == 1 || !ahead);
         if ((which == 1 && !in_zone_lane) || (which == 2 && in_zone_lane)) {
             continue;
@@ -3884,12 +3890,12 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
         if (w->assumed[j] != 0 && !(x_safety > 0.0)) {
             continue;
         }
-        if (gap_checks_is_established(w, j)) {
+        if (cca_is_established(w, j)) {
             continue;
         }
         double asked = passed ? clearance : touch;
         for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            bool duty = gap_checks_has_duty(w, j, k, back) && gap_checks_is_behind(w, row, p, j, back);
+            bool duty = cca_has_duty(w, j, k, back) && cca_is_behind(w, row, p, j, back);
             if (duty || (which == 1 && k > back)) {
                 continue;
             }
@@ -3902,8 +3908,7 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
                 double zone_gap = real_max(rear - x_safety - (middle + w->half_length), middle
                     - w->half_length - (w->high[j * w->steps + k] + x_safety));
                 if (same && !ahead && w->rear_reaction > 0.0) {
-                    zone_gap = k == begin ? gap_checks_worst_rear_gap(w, row, j, k) - x_safety
-                        : GAP_CHECKS_FAR;
+                    zone_gap = k == begin ? cca_worst_rear_gap(w, row, j, k) - x_safety : DUTIES_FAR;
                 }
                 if (!(zone_gap >= w->min_margin)) {
                     w->min_margin = zone_gap;

@@ -357,6 +357,36 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
 /* Integrals over a time of what a motion costs, and its peak lateral acceleration. */
 void cca_sum_costs(Scene *w, int row, int p, double until);
 
+/* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
+int cca_find_duty(Scene *w, int row, double wait);
+
+/* Whether a vehicle is behind the ego in its lane, for good. */
+bool cca_has_duty(const Scene *w, int j, int k, int back);
+
+/* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
+bool cca_is_behind(const Scene *w, int row, int p, int j, int back);
+
+/* Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in. */
+bool cca_is_established(const Scene *w, int j);
+
+/* Index of the first time that is not before another. */
+int cca_zone_begin(const Scene *w, double since);
+
+/* Whether a vehicle is in the adjacent lane that the maneuver enters. */
+bool cca_is_in_zone_lane(const Scene *w, int j);
+
+/* Whether a driver behind in the adjacent lane has the room to react to the ego from a time on. */
+bool cca_reacts(const Scene *w, int row, int j, int begin);
+
+/* Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts. */
+double cca_worst_rear_gap(const Scene *w, int row, int j, int begin);
+
+/* Keep the vehicles of one direction behind each other, the first one first. */
+void cca_set_order(Scene *w, double sign);
+
+/* Speed of a vehicle that stays behind others; second order for unequal steps. */
+void cca_set_following_speed(Scene *w, int j);
+
 /* A path. The kernel only reads it, so threads may share it. */
 typedef struct Curve {
     int segments;

@@ -1,0 +1,109 @@
+"""Certificate of a plan, and the safe stop that it holds for."""
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+
+from cca_core._checks import Array
+
+__all__ = ["Certificate", "Grade", "SafeStop"]
+
+
+class Grade(IntEnum):
+    """What a plan is certified against; lower is better.
+
+    Attributes
+    ----------
+    COMFORTABLE
+        The worst case: no vehicle within the declared bounds can touch an ego that drives its safe stop,
+        which brakes in comfort.
+    FULL
+        The same; the safe stop brakes harder.
+    RESPONSE
+        The worst case cannot be excluded. The ego brakes in comfort or harder until it can, the proper
+        response of RSS.
+    NOMINAL
+        The nominal motion of others only.
+    SEVERITY
+        Nothing: a collision or too small a gap is predicted, and the least severe plan is driven.
+    REFUSED
+        The same in an adjacent lane that is not known to be free; such a plan is driven if there is no other.
+    """
+
+    COMFORTABLE = 0
+    FULL = 1
+    RESPONSE = 2
+    NOMINAL = 3
+    SEVERITY = 4
+    REFUSED = 5
+
+    @property
+    def tier(self) -> int:
+        """Rank of the choice: the first three are compared by cost."""
+        return max(int(self), 2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SafeStop:
+    """Steering and braking that stop the ego without a planner: what the certificate of a command is about.
+
+    It drives the plan for `CertificateSettings.reaction_time` and brakes then, on the path of the plan or on
+    a way back to the ego lane; or it completes a maneuver first.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Times from the command on [s], until standstill, at least 5 s and at most 20 s. The first ones lie
+        before a command that was not decided anew.
+    delta : ndarray, shape (n,)
+        Road-wheel angles [rad], left positive.
+    a_x : ndarray, shape (n,)
+        Accelerations [m/s^2].
+    v : ndarray, shape (n,)
+        Speeds [m/s].
+    poses : ndarray, shape (n, 3)
+        x [m], y [m] of the center of gravity, and heading [rad].
+    """
+
+    t: Array
+    delta: Array
+    a_x: Array
+    v: Array
+    poses: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Certificate:
+    """What is certified of the plan that is driven.
+
+    Parameters
+    ----------
+    grade : Grade
+        What it is certified against.
+    braking : float
+        Deceleration that the safe stop needs [m/s^2]; 0 if the plan is safe in the worst case without, for
+        all of its 20 s; infinite if none suffices.
+    gap : float
+        Least gap to the nominal motion of other vehicles [m], negative if they overlap; infinite without any.
+    vehicle_id : str
+        The vehicle that decides: the one to which the certificate leaves least, or that prevents it; empty if
+        there is none.
+    passed : frozenset of str
+        The vehicles that the safe stop still passes. They are assumed to accelerate with at most
+        `EvasionSettings.assumed_acceleration_passed`.
+
+    Notes
+    -----
+    `safety.md` lists the bounds within which the worst case holds.
+    """
+
+    grade: Grade
+    braking: float = math.inf
+    gap: float = math.inf
+    vehicle_id: str = ""
+    passed: frozenset[str] = frozenset()
+
+    @property
+    def keeps_worst_case(self) -> bool:
+        """Whether no vehicle within the declared bounds can touch an ego that drives its safe stop."""
+        return self.grade <= Grade.FULL
