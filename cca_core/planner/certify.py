@@ -157,11 +157,11 @@ class Certifier:
         k = int(np.searchsorted(TIMES, self._settings.reaction_time + limits.b_comfort / self._around.jerk))
         plan.silence = self._silence(plan.decides)
         response = limits.b_comfort + (limits.b_max - limits.b_comfort) * plan.silence
-        stands = float(plan.v[:k].max()) < STANDSTILL_SPEED
-        soon = int(np.searchsorted(TIMES, self._settings.reaction_time))
-        begun = max(-response, float(plan.a[0]) - 0.5 * self._around.jerk * self._settings.reaction_time)
-        responds = stands or (
-            float(plan.a[soon]) <= begun + 0.05 and float(plan.a[k - 1]) <= -response + 0.05
+        soon, jerk = int(np.searchsorted(TIMES, self._settings.reaction_time)), self._around.jerk
+        begun = max(-response, float(plan.a[0]) - 0.5 * jerk * self._settings.reaction_time)
+        responds = all(
+            plan.v[i] < STANDSTILL_SPEED or plan.a[i] <= a + 0.05
+            for i, a in ((soon, begun), (k - 1, -response))
         )
         if plan.braking <= self._settings.comfortable_braking:
             plan.grade = Grade.COMFORTABLE

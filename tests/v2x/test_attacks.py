@@ -106,11 +106,11 @@ def test_frozen_sender(reals: tuple[Real, ...], which: int, position_only: bool)
 def test_frozen_lead_brakes_to_standstill(brakes_at: float, until: float) -> None:
     """Only the position is frozen: the reported speed shows that it brakes and where it stops."""
     reals = (replace(BRAKING, brakes_at=brakes_at),)
-    run = drive(reals, sent=freeze(0, position_only=True, until=until), duration=18.0, lanes=1)
+    run = drive(reals, sent=freeze(0, position_only=True, until=until), duration=12.0, lanes=1)
     check(run, reals)
     assert not run.leaves_lane.any()
     assert until < 10.0 or run.ego[-50:, 3].max() < 0.5
-    assert (run.tracker.vehicles(18.0)[0].age < 0.3) == (until < 10.0)
+    assert (run.tracker.vehicles(12.0)[0].age < 0.3) == (until < 10.0)
 
 
 @pytest.mark.parametrize("reals", WORLDS)
