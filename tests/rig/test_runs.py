@@ -43,10 +43,10 @@ def log(world: RigWorld) -> Log:
 def test_merged_log_equals_simulation(log: Log) -> None:
     simulated = simulate(SCENARIO)
     assert log.t == pytest.approx(simulated.t)
-    assert np.abs(log.ego[:, :2] - simulated.ego[:, :2]).max() < 0.5  # decisions are up to 0.1 s apart
+    assert np.abs(log.ego[:, :2] - simulated.ego[:, :2]).max() < 0.15
     assert log.actions == simulated.actions
     assert [event[1:] for event in log.events] == [event[1:] for event in simulated.events]
-    assert log.gaps().min() == pytest.approx(simulated.gaps().min(), abs=0.5)
+    assert log.gaps().min() == pytest.approx(simulated.gaps().min(), abs=0.3)
     assert len(log.received) == pytest.approx(len(simulated.received), abs=3)
 
 
