@@ -26,7 +26,7 @@ class RejectionKind(Enum):
     NOT_CONVERGED = "maneuver to the {side} did not converge"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)  # without slots, as its text is kept
 class Rejection:
     """Why a candidate is not feasible.
 
@@ -50,6 +50,7 @@ class Rejection:
     distance: float = math.nan
     value: float = math.nan
     limit: float = math.nan
+    _text = ""  # made once, as reasons repeat it in every cycle
 
     @property
     def where(self) -> str:
@@ -59,6 +60,10 @@ class Rejection:
         return f"{abs(self.distance):.0f} m {'behind' if self.distance < 0.0 else 'ahead'}"
 
     def __str__(self) -> str:
-        return self.kind.value.format(
-            side=self.side, vehicle_id=self.vehicle_id, where=self.where, value=self.value, limit=self.limit
-        )
+        if not self._text:
+            text = self.kind.value.format(
+                side=self.side, vehicle_id=self.vehicle_id, where=self.where, value=self.value,
+                limit=self.limit,
+            )  # fmt: skip
+            object.__setattr__(self, "_text", text)
+        return self._text

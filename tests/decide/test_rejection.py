@@ -26,3 +26,11 @@ def test_distance_has_a_direction(distance: float, text: str) -> None:
 def test_limit_stands_next_to_value() -> None:
     rejection = Rejection(kind=RejectionKind.CLEARANCE, side="right", vehicle_id="R1", value=0.62, limit=1.0)
     assert str(rejection) == "clearance to R1 0.62 m on the right (limit 1.00 m)"
+
+
+def test_text_is_made_once_and_changes_no_equality() -> None:
+    one, other = (Rejection(kind=RejectionKind.NO_LANE, side="left") for _ in range(2))
+    assert str(one) is str(one)
+    assert one == other
+    assert hash(one) == hash(other)
+    assert repr(one) == repr(other)
