@@ -3,14 +3,17 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import Self
 
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core.band import relax_band
 from cca_core.decide import Rejection
 from cca_core.follow import SpeedSettings
-from cca_core.path import Path, Road
+from cca_core.geometry import boxes
+from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.actuate import safe_stop
 from cca_core.planner.candidates import (
     Rollout,
@@ -65,6 +68,12 @@ class Setup:
         limits = limits_of(vehicle, speed, settings)
         lanes = [(lane.right, lane.left) for lane in road.lanes if lane is not road.ego_lane]
         scenes = Scenes(BEHIND + AHEAD, numbers_of(vehicle, road, settings, speed, limits), lanes)
+        # what is slow to import or to build exists before the first cycle
+        scenes.for_vehicles(0)
+        route = [(float(x), 0.0) for x in range(8)]
+        relax_band(route, [boxes(4.0, 9.0, 0.0, 1.0, 1.0)], vehicle=vehicle)
+        interpolate_path(route)
+        import_module("scipy.interpolate")
         return cls(vehicle=vehicle, road=road, settings=settings, speed=speed, limits=limits, scenes=scenes)
 
 

@@ -1,10 +1,10 @@
 """Planner: see, enumerate, certify, choose, act, once a cycle."""
 
+import gc
 import logging
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from cca_core.errors import Status
 from cca_core.follow import PreviewController, SpeedSettings, squared_speed_limit
 from cca_core.frenet import INCOMPLETE, to_frenet
 from cca_core.frenet.branches import Branches
-from cca_core.path import Path, Road, interpolate_path
+from cca_core.path import Path, Road
 from cca_core.planner import modes
 from cca_core.planner.actuate import dead_reckon, planned_acceleration, since
 from cca_core.planner.certificate import Grade
@@ -87,9 +87,6 @@ class Planner:
         self._limits = self._setup.limits
         self._controller = controller or PreviewController(vehicle)
         self._speed_profile = self._profile(self._cruise_speed)
-        # what is slow to import or to build exists before the first cycle
-        interpolate_path([[0.0, 0.0], [1.0, 0.0]])
-        import_module("scipy.interpolate")
         self.road.path.project(self.road.path.position(self.road.path.start))
         margin = self.evasion.clearance + self.evasion.decision.relevance_margin
         self._lateral_range = self.road.right_edge - margin, self.road.left_edge + margin
@@ -174,7 +171,8 @@ class Planner:
             are dropped with a reason; other wrong inputs are listed in `Command.input_faults`; an invalid
             state leads to a safe stop with `Status.INVALID_INPUT`.
         """
-        dt = 0.02
+        dt, collects = 0.02, gc.isenabled()
+        gc.disable()  # a collection waits until the command is there
         try:
             dt, fault = self._clock.advance(t)
             known, faults = usable_range(awareness_range, radio, remotes)
@@ -193,6 +191,9 @@ class Planner:
         except Exception as error:  # no input and no defect may leave the vehicle without a command
             _LOG.exception("internal error at t = %.2f s", self._clock.t)
             return self._safe_stop(f"internal error: {error!r}", dt)
+        finally:
+            if collects:
+                gc.enable()
 
     def _see(
         self, state: VehicleState, remotes: Iterable[RemoteVehicle], known: float, *, is_blind: bool
