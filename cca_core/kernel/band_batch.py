@@ -29,12 +29,15 @@ def load_band(q: BandBatch, b: Int, w: BandWork) -> None:
     w.start_1 = q.start[b, 2]
     right_edge = w.right_edge
     left_edge = w.left_edge
+    route_x = w.route_x
+    route_y = w.route_y
+    limit = w.curvature_limit
     for i in range(w.n):
-        w.route_x[i] = q.nodes[b, 2 * i]
-        w.route_y[i] = q.nodes[b, 2 * i + 1]
+        route_x[i] = q.nodes[b, 2 * i]
+        route_y[i] = q.nodes[b, 2 * i + 1]
         right_edge[i] = -math.inf
         left_edge[i] = math.inf
-        w.curvature_limit[i] = q.curvature_limit[b, i]
+        limit[i] = q.curvature_limit[b, i]
     if q.has_edges:
         for i in range(w.n):
             right_edge[i] = q.right_edge[b, i]
@@ -62,14 +65,21 @@ def store_band(q: BandBatch, b: Int, w: BandWork, columns: Int, found: Found, co
     displacement = moments + 2 * n
     lower = displacement + n
     upper = lower + n
+    x = w.x
+    y = w.y
+    moment_x = w.moment_x
+    moment_y = w.moment_y
+    u = w.u
+    low = w.lower
+    high = w.upper
     for i in range(n):
-        found[points + 2 * i] = w.x[i]
-        found[points + 2 * i + 1] = w.y[i]
-        found[moments + 2 * i] = w.moment_x[i]
-        found[moments + 2 * i + 1] = w.moment_y[i]
-        found[displacement + i] = w.u[i]
-        found[lower + i] = w.lower[i]
-        found[upper + i] = w.upper[i]
+        found[points + 2 * i] = x[i]
+        found[points + 2 * i + 1] = y[i]
+        found[moments + 2 * i] = moment_x[i]
+        found[moments + 2 * i + 1] = moment_y[i]
+        found[displacement + i] = u[i]
+        found[lower + i] = low[i]
+        found[upper + i] = high[i]
     for o in range(w.m):
         q.passes_left[o * q.bands + b] = w.passes_left[o]
     codes[CODES * b + 1] = w.reason

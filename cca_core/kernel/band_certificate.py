@@ -74,15 +74,18 @@ def certify(w: BandWork) -> None:
     u = w.u
     moment_x = w.moment_x
     moment_y = w.moment_y
+    curvatures = w.curvature
+    limits = w.curvature_limit
     sharpest = 0.0
     ratio = 0.0
     size = 0.0  # of all, as a sum keeps what is no number
     for i in range(w.n):
-        curvature = abs(w.curvature[i])
+        curvature = abs(curvatures[i])
         if curvature > sharpest:
             sharpest = curvature
-        if curvature / w.curvature_limit[i] > ratio:
-            ratio = curvature / w.curvature_limit[i]
+        here = curvature / limits[i]
+        if here > ratio:
+            ratio = here
         size += abs(u[i]) + abs(moment_x[i]) + abs(moment_y[i]) + curvature
     w.max_curvature = sharpest
     w.curvature_ratio = ratio

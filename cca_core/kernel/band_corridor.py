@@ -23,6 +23,7 @@ def measure_overlaps(w: BandWork) -> Flag:
     route_y = w.route_y
     tangent_x = w.tangent_x
     tangent_y = w.tangent_y
+    overlap = w.overlap
     max_sine = 0.0
     for o in range(w.m):
         lead = w.lead_distance[o]
@@ -48,7 +49,8 @@ def measure_overlaps(w: BandWork) -> Flag:
             sine = abs(ay * tx - ax * ty)
             if sine > max_sine:
                 max_sine = sine
-            w.overlap[o, i] = half_length * cosine + half_width * sine + reach - max(-x, x - lead)
+            beyond = x - lead if x - lead > -x else -x
+            overlap[o, i] = half_length * cosine + half_width * sine + reach - beyond
     return max_sine < ALIGNED
 
 
@@ -58,12 +60,16 @@ def measure_range(w: BandWork, o: Int, i: Int, aligned: Flag) -> None:
     # ridge at a corner and falls to both sides.
     reach = 0.5 * w.length
     k = node_of(w, o, i)
+    tx = w.tangent_x[i]
+    ty = w.tangent_y[i]
+    ax = w.box_ahead_x[o, k]
+    ay = w.box_ahead_y[o, k]
     dx = w.box_x[o, k] - w.route_x[i]
     dy = w.box_y[o, k] - w.route_y[i]
-    x = dx * w.tangent_x[i] + dy * w.tangent_y[i] - w.box_offset
-    y = dy * w.tangent_x[i] - dx * w.tangent_y[i]
-    turn_cos = w.box_ahead_x[o, k] * w.tangent_x[i] + w.box_ahead_y[o, k] * w.tangent_y[i]
-    turn_sin = w.box_ahead_y[o, k] * w.tangent_x[i] - w.box_ahead_x[o, k] * w.tangent_y[i]
+    x = dx * tx + dy * ty - w.box_offset
+    y = dy * tx - dx * ty
+    turn_cos = ax * tx + ay * ty
+    turn_sin = ay * tx - ax * ty
     cosine = abs(turn_cos)
     sine = abs(turn_sin)
     along = w.half_length[o, k] + w.clearance
@@ -92,23 +98,26 @@ def set_passing(w: BandWork) -> None:
     aligned = measure_overlaps(w)
     slope = END_SLOPE * norm(w.route_x[1] - w.route_x[0], w.route_y[1] - w.route_y[0])
     last = w.n - 1
+    overlaps = w.overlap
+    passing_right = w.passing_right
+    passing_left = w.passing_left
     for o in range(w.m):
-        overlap = w.overlap[o, 0]
+        overlap = overlaps[o, 0]
         after = overlap
         for i in range(w.n):
             before = overlap
             overlap = after
             if i < last:
-                after = w.overlap[o, i + 1]
+                after = overlaps[o, i + 1]
             if before >= 0.0 or overlap >= 0.0 or after >= 0.0:
                 measure_range(w, o, i, aligned)
                 near = max(before, overlap, after)
                 relief = slope * (min(overlap, 0.0) / min(overlap - near, -MIN_DROP))
-                w.passing_right[o, i] += relief
-                w.passing_left[o, i] -= relief
+                passing_right[o, i] += relief
+                passing_left[o, i] -= relief
             else:
-                w.passing_right[o, i] = math.inf
-                w.passing_left[o, i] = -math.inf
+                passing_right[o, i] = math.inf
+                passing_left[o, i] = -math.inf
 
 
 def set_bounds(w: BandWork) -> Int:
@@ -116,16 +125,24 @@ def set_bounds(w: BandWork) -> Int:
     half = 0.5 * w.width
     lower = w.lower
     upper = w.upper
+    right_edge = w.right_edge
+    left_edge = w.left_edge
+    passing_right = w.passing_right
+    passing_left = w.passing_left
     for i in range(w.n):
-        lower[i] = w.right_edge[i] + half
-        upper[i] = w.left_edge[i] - half
+        lower[i] = right_edge[i] + half
+        upper[i] = left_edge[i] - half
     for o in range(w.m):
-        left = w.passes_left[o] != 0
-        for i in range(w.n):
-            if left:
-                lower[i] = max(lower[i], w.passing_left[o, i])
-            else:
-                upper[i] = min(upper[i], w.passing_right[o, i])
+        if w.passes_left[o] != 0:
+            for i in range(w.n):
+                bound = passing_left[o, i]
+                if bound > lower[i]:
+                    lower[i] = bound
+        else:
+            for i in range(w.n):
+                bound = passing_right[o, i]
+                if bound < upper[i]:
+                    upper[i] = bound
     worst = 0.0
     node = -1
     for i in range(w.n):

@@ -22,9 +22,16 @@ def measure_route(w: BandWork) -> Int:
     total = 0.0
     shortest = math.inf
     longest = 0.0
+    chord = w.chord
+    here_x = x[0]
+    here_y = y[0]
     for i in range(n - 1):
-        step = norm(x[i + 1] - x[i], y[i + 1] - y[i])
-        w.chord[i] = step
+        next_x = x[i + 1]
+        next_y = y[i + 1]
+        step = norm(next_x - here_x, next_y - here_y)
+        here_x = next_x
+        here_y = next_y
+        chord[i] = step
         total += step
         if step < shortest:
             shortest = step
@@ -35,23 +42,36 @@ def measure_route(w: BandWork) -> Int:
         return UNEVEN_SPACING
     if not MIN_SPACING <= w.spacing <= MAX_SPACING:
         return UNEVEN_SPACING
+    tangent_x = w.tangent_x
+    tangent_y = w.tangent_y
+    curvature = w.route_curvature
+    here_x = x[0]
+    here_y = y[0]
+    last_x = here_x
+    last_y = here_y
+    last_chord = 0.0
     for i in range(n):
-        a = i - 1 if i > 0 else 0
-        b = i + 1 if i < n - 1 else i
-        dx = x[b] - x[a]
-        dy = y[b] - y[a]
+        next_x = x[i + 1] if i < n - 1 else here_x
+        next_y = y[i + 1] if i < n - 1 else here_y
+        dx = next_x - last_x
+        dy = next_y - last_y
         length = norm(dx, dy)
         if not length > 0.0:  # turns back on the spot
             return UNEVEN_SPACING
-        w.tangent_x[i] = dx / length
-        w.tangent_y[i] = dy / length
-        if 0 < i < n - 1:  # of the circle through three nodes
-            ax = x[i] - x[a]
-            ay = y[i] - y[a]
-            cross = ax * (y[b] - y[i]) - ay * (x[b] - x[i])
-            w.route_curvature[i] = 2.0 * cross / (w.chord[a] * w.chord[i] * length)
-    w.route_curvature[0] = w.route_curvature[1]
-    w.route_curvature[n - 1] = w.route_curvature[n - 2]
+        tangent_x[i] = dx / length
+        tangent_y[i] = dy / length
+        if i < n - 1:
+            here_chord = chord[i]
+            if i > 0:  # of the circle through three nodes
+                cross = (here_x - last_x) * (next_y - here_y) - (here_y - last_y) * (next_x - here_x)
+                curvature[i] = 2.0 * cross / (last_chord * here_chord * length)
+            last_chord = here_chord
+        last_x = here_x
+        last_y = here_y
+        here_x = next_x
+        here_y = next_y
+    curvature[0] = curvature[1]
+    curvature[n - 1] = curvature[n - 2]
     return OK
 
 

@@ -47,8 +47,10 @@ def sample_between(w: BandWork, o: Int, i: Int, first: Real, last: Real) -> None
     box_width = w.half_width[o, at]
     length = 0.5 * w.length
     width = 0.5 * w.width
-    w.parts[0] = first
-    w.parts[PARTS] = last
+    offset = w.box_offset
+    parts = w.parts
+    parts[0] = first
+    parts[PARTS] = last
     for k in range(1, PARTS):
         f = k / 16.0
         e = 1.0 - f
@@ -67,9 +69,9 @@ def sample_between(w: BandWork, o: Int, i: Int, first: Real, last: Real) -> None
             box_y = w.box_y[o, i] + f * (w.box_y[o, j] - w.box_y[o, i])
             box_length = w.half_length[o, i] + f * (w.half_length[o, j] - w.half_length[o, i])
             box_width = w.half_width[o, i] + f * (w.half_width[o, j] - w.half_width[o, i])
-        dx = box_x - (x + f * cx + f * e * (e * ax + f * bx)) - w.box_offset * tx
-        dy = box_y - (y + f * cy + f * e * (e * ay + f * by)) - w.box_offset * ty
-        w.parts[k] = oriented_box_gap(
+        dx = box_x - (x + f * cx + f * e * (e * ax + f * bx)) - offset * tx
+        dy = box_y - (y + f * cy + f * e * (e * ay + f * by)) - offset * ty
+        parts[k] = oriented_box_gap(
             dx, dy, tx, ty, heading_x, heading_y, length, width, box_length, box_width
         )
 
@@ -80,19 +82,22 @@ def min_between(w: BandWork, o: Int, i: Int, first: Real, last: Real) -> Real:
     sample_between(w, o, i, first, last)
     bound = gap[0]
     for k in range(1, PARTS + 1):
-        bound = min(bound, gap[k])
+        if gap[k] < bound:
+            bound = gap[k]
     if w.max_step[o] > 0.0:
         bound -= 0.5 * max(abs(gap[1] - gap[0]), abs(gap[PARTS] - gap[PARTS - 1]))
     else:
         # next to a stationary obstacle the gap lies, in the first and last part, above the next part's secant
         bound = min(bound, gap[1] - max(gap[2] - gap[1], 0.0))
         bound = min(bound, gap[PARTS - 1] + min(gap[PARTS - 1] - gap[PARTS - 2], 0.0))
+    before = gap[1] - gap[0]
+    here = gap[2] - gap[1]
     for k in range(1, PARTS - 1):
-        before = gap[k] - gap[k - 1]
-        here = gap[k + 1] - gap[k]
         after = gap[k + 2] - gap[k + 1]
         if before < 0.0 and after > 0.0:
             bound = min(bound, gap[k] + before * (here - after) / (before - after))
+        before = here
+        here = after
     return bound
 
 
@@ -109,15 +114,21 @@ def set_centers(w: BandWork) -> Real:
     longest = 0.0
     last_x = 0.0
     last_y = 0.0
+    node_x = w.x
+    node_y = w.y
+    ahead_x = w.ahead_x
+    ahead_y = w.ahead_y
     for i in range(w.n):
-        x = w.x[i] + offset * w.ahead_x[i]
-        y = w.y[i] + offset * w.ahead_y[i]
+        x = node_x[i] + offset * ahead_x[i]
+        y = node_y[i] + offset * ahead_y[i]
         center_x[i] = x
         center_y[i] = y
         if i > 0:
             dx = x - last_x
             dy = y - last_y
-            longest = max(longest, dx * dx + dy * dy)
+            squared = dx * dx + dy * dy
+            if squared > longest:
+                longest = squared
         last_x = x
         last_y = y
     return math.sqrt(longest)
@@ -130,19 +141,32 @@ def find_near(w: BandWork) -> None:
     upper = math.inf
     step = set_centers(w)
     change = max_change(w)
+    center_x = w.center_x
+    center_y = w.center_y
+    clearance = w.clearance
+    half_width = 0.5 * w.width
     w.n_pairs = 0
     for o in range(w.m):
         moves = w.max_step[o] + change
         travel = max(w.max_step[o] + step, TINY)
         next_node = 0
+        changes = w.is_fixed[o] == 0
+        x = w.box_x[o, 0]
+        y = w.box_y[o, 0]
+        radius = w.radius[o, 0]
+        box_width = w.half_width[o, 0]
         for i in range(w.n):
             if i < next_node:
                 continue
-            k = node_of(w, o, i)
-            distance = norm(w.box_x[o, k] - w.center_x[i], w.box_y[o, k] - w.center_y[i])
-            gap = distance - (w.radius[o, k] + half)
-            upper = min(upper, distance - w.half_width[o, k])
-            near = max(w.clearance, upper - 0.5 * w.width) + 2.0 * moves
+            if changes:
+                x = w.box_x[o, i]
+                y = w.box_y[o, i]
+                radius = w.radius[o, i]
+                box_width = w.half_width[o, i]
+            distance = norm(x - center_x[i], y - center_y[i])
+            gap = distance - (radius + half)
+            upper = min(upper, distance - box_width)
+            near = max(clearance, upper - half_width) + 2.0 * moves
             if gap > near:
                 excess = distance - (w.max_radius[o] + half) - near
                 next_node = i + floor_within(excess / travel, 1, w.n)

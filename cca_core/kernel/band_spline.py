@@ -9,9 +9,17 @@ from cca_core.kernel.constants import TINY
 
 def displace_nodes(w: BandWork) -> None:
     """Displace the nodes of the route to their left."""
+    x = w.x
+    y = w.y
+    u = w.u
+    route_x = w.route_x
+    route_y = w.route_y
+    tangent_x = w.tangent_x
+    tangent_y = w.tangent_y
     for i in range(w.n):
-        w.x[i] = w.route_x[i] - w.tangent_y[i] * w.u[i]
-        w.y[i] = w.route_y[i] + w.tangent_x[i] * w.u[i]
+        d = u[i]
+        x[i] = route_x[i] - tangent_y[i] * d
+        y[i] = route_y[i] + tangent_x[i] * d
 
 
 def solve_moments(w: BandWork) -> None:
@@ -25,23 +33,36 @@ def solve_moments(w: BandWork) -> None:
     my[0] = w.moment_y0
     mx[n - 1] = w.moment_x1
     my[n - 1] = w.moment_y1
-    factor = h[0]  # of the row before, whose moment is x, y
+    ahead_x = w.ahead_x
+    ahead_y = w.ahead_y
+    # of the row before, whose moment is x, y
+    last_x = ahead_x[0]
+    last_y = ahead_y[0]
+    last_h = h[0]
+    factor = last_h
     x = mx[0]
     y = my[0]
-    last = 0.0
     for i in range(1, n - 1):
-        x = w.ahead_x[i] - w.ahead_x[i - 1] - factor * x
-        y = w.ahead_y[i] - w.ahead_y[i - 1] - factor * y
-        last = 2.0 * (h[i] + h[i - 1]) - (factor * h[i - 1] if i > 1 else 0.0)
+        here_x = ahead_x[i]
+        here_y = ahead_y[i]
+        here_h = h[i]
+        x = here_x - last_x - factor * x
+        y = here_y - last_y - factor * y
+        pivot = 2.0 * (here_h + last_h) - (factor * last_h if i > 1 else 0.0)
         mx[i] = x
         my[i] = y
-        diagonal[i] = last
-        factor = h[i] / last
+        diagonal[i] = pivot
+        factor = here_h / pivot
+        last_x = here_x
+        last_y = here_y
+        last_h = here_h
     x = mx[n - 1]
     y = my[n - 1]
     for i in range(n - 2, 0, -1):
-        x = (mx[i] - h[i] * x) / diagonal[i]
-        y = (my[i] - h[i] * y) / diagonal[i]
+        here_h = h[i]
+        pivot = diagonal[i]
+        x = (mx[i] - here_h * x) / pivot
+        y = (my[i] - here_h * y) / pivot
         mx[i] = x
         my[i] = y
 
@@ -56,9 +77,15 @@ def fit_spline(w: BandWork) -> None:
     my = w.moment_y
     x = w.x
     y = w.y
+    here_x = x[0]
+    here_y = y[0]
     for i in range(n - 1):
-        dx = x[i + 1] - x[i]
-        dy = y[i + 1] - y[i]
+        next_x = x[i + 1]
+        next_y = y[i + 1]
+        dx = next_x - here_x
+        dy = next_y - here_y
+        here_x = next_x
+        here_y = next_y
         chord = max(norm(dx, dy), TINY)
         h[i] = chord
         ax[i] = dx / chord
@@ -67,15 +94,23 @@ def fit_spline(w: BandWork) -> None:
     # the last tangent first: it needs the last slope
     ax[n - 1] = ax[n - 2] + h[n - 2] * (2.0 * mx[n - 1] + mx[n - 2])
     ay[n - 1] = ay[n - 2] + h[n - 2] * (2.0 * my[n - 1] + my[n - 2])
-    for i in range(n - 1):
-        ax[i] -= h[i] * (2.0 * mx[i] + mx[i + 1])
-        ay[i] -= h[i] * (2.0 * my[i] + my[i + 1])
+    curvature = w.curvature
+    here_x = mx[0]
+    here_y = my[0]
     for i in range(n):
+        moment_x = here_x
+        moment_y = here_y
         tx = ax[i]
         ty = ay[i]
+        if i < n - 1:
+            chord = h[i]
+            here_x = mx[i + 1]
+            here_y = my[i + 1]
+            tx -= chord * (2.0 * moment_x + here_x)
+            ty -= chord * (2.0 * moment_y + here_y)
         speed = max(math.sqrt(tx * tx + ty * ty), TINY)  # about 1
         tx /= speed
         ty /= speed
         ax[i] = tx
         ay[i] = ty
-        w.curvature[i] = 6.0 * (tx * my[i] - ty * mx[i]) / (speed * speed)
+        curvature[i] = 6.0 * (tx * moment_y - ty * moment_x) / (speed * speed)

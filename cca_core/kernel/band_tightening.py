@@ -89,19 +89,27 @@ def tighten_curvature(w: BandWork, e: Equilibrium) -> None:
 
 def set_relative_bounds(w: BandWork, e: Equilibrium) -> None:
     """Take the bounds relative to the response to the start, from which the equilibrium counts."""
+    lower = w.lower
+    upper = w.upper
+    relative_lower = e.lower
+    relative_upper = e.upper
+    free = w.free
     for i in range(w.n):
-        e.lower[i] = w.lower[i] - w.free[i]
-        e.upper[i] = w.upper[i] - w.free[i]
+        relative_lower[i] = lower[i] - free[i]
+        relative_upper[i] = upper[i] - free[i]
 
 
 def solve_and_certify(w: BandWork, e: Equilibrium, warm: Flag) -> Flag:
     """Solve between the bounds and certify; with `warm`, begin at the displacement so far."""
     set_relative_bounds(w, e)
+    u = w.u
+    free = w.free
+    relative = e.u
     for i in range(w.n):
-        e.u[i] = w.u[i] - w.free[i] if warm else 0.0
+        relative[i] = u[i] - free[i] if warm else 0.0
     converged = find_equilibrium(e, warm)
     for i in range(w.n):
-        w.u[i] = w.free[i] + e.u[i]
+        u[i] = free[i] + relative[i]
     certify(w)
     return converged
 

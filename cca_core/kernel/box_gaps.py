@@ -90,22 +90,29 @@ def oriented_box_gap(
     across_a = near_y_b - width_a
     along_b = near_x_a - length_b
     across_b = near_y_a - width_b
-    separation = max(along_a, across_a, along_b, across_b)
-    if not math.isfinite(along_a + across_a + along_b + across_b):  # NaN may be lost in a maximum
-        return along_a + across_a + along_b + across_b
+    total = along_a + across_a + along_b + across_b
+    if not math.isfinite(total):  # NaN may be lost in a maximum
+        return total
+    separation = along_a
+    if across_a > separation:
+        separation = across_a
+    if along_b > separation:
+        separation = along_b
+    if across_b > separation:
+        separation = across_b
     if separation <= 0.0:
         return separation
     # and the other coordinate: if it lies next to that side, nothing is closer
     side_y_b = y_b - turn_b * (length_b * s - width_b * c)
-    side_x_b = x_b - turn_b * (length_b * c - width_b * s)
-    side_y_a = y_a - turn_a * (length_a * s - width_a * c)
-    side_x_a = x_a - turn_a * (length_a * c - width_a * s)
     if separation == along_a and abs(side_y_b) <= width_a:
         return separation
+    side_x_b = x_b - turn_b * (length_b * c - width_b * s)
     if separation == across_a and abs(side_x_b) <= length_a:
         return separation
+    side_y_a = y_a - turn_a * (length_a * s - width_a * c)
     if separation == along_b and abs(side_y_a) <= width_b:
         return separation
+    side_x_a = x_a - turn_a * (length_a * c - width_a * s)
     if separation == across_b and abs(side_x_a) <= length_b:
         return separation
     of_b = nearest_corner(near_x_b, side_y_b, side_x_b, near_y_b, length_a, width_a)

@@ -39,11 +39,13 @@ def guess_active_set(e: Equilibrium) -> None:
     n = e.n
     active = e.active
     violation = e.step
+    lower = e.lower
+    upper = e.upper
     for i in range(2, n - 2):
-        low = e.lower[i]
-        high = e.upper[i]
+        low = lower[i]
+        high = upper[i]
         active[i] = side_of(0.0, low, high) if low > 0.0 or high < 0.0 else 0
-        violation[i] = max(low, 0.0) + min(high, 0.0)
+        violation[i] = (0.0 if low < 0.0 else low) + (0.0 if high > 0.0 else high)
     if e.bounded:
         for i in range(1, n - 1):
             e.sharp[i] = side_of(0.0, e.lower_difference[i], e.upper_difference[i])

@@ -1,5 +1,8 @@
 """Run times of calls of the kernel from Python, and of the kernel without its compiled form."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -16,6 +19,16 @@ from tests.bench.timing import Budget, median_us
 
 NEEDS_C = pytest.mark.skipif(kernel.COMPILED is None, reason=kernel.backend_reason())
 CALLS = 1000  # at once: a call is shorter than the clock's step
+NUMPY_US = {"A": 309.0, "B": 496.0}  # of the library before its kernel, where the reference took 14.3 us
+PYTHON_FORM = """
+import sys
+from tests.bench import test_band_speed as band
+from tests.bench.timing import median_us
+problem = getattr(band, sys.argv[1])
+nodes, cars, sides = problem.nodes, problem.obstacles, problem.sides
+asked = {"side": sides, "vehicle": band.CAR, "clearance": problem.clearance}
+print(median_us(lambda: band.relax_band(nodes, cars, **asked).path(), 300))
+"""
 
 
 def call_of(name: str, form: str) -> Callable[[], Any]:
@@ -48,3 +61,15 @@ def test_call(
     record_property("us", round(took, 3))
     record_property("python_form_us", round(median_us(call_of(name, "python"), 1000), 2))
     budget(took, "µs", max_value=limit * slowness)
+
+
+@pytest.mark.parametrize("name", NUMPY_US)
+def test_band_without_compiler(
+    name: str, reference_us: float, budget: Budget, record_property: Callable[[str, object], None]
+) -> None:
+    """Certified path in the kernel's Python: at most 2.5 times the NumPy form that it has replaced."""
+    run = [sys.executable, "-c", PYTHON_FORM, name]
+    found = subprocess.run(run, capture_output=True, check=True, env=os.environ | {"CCA_KERNEL": "python"})
+    took = float(found.stdout)
+    record_property("us", round(took))
+    budget(took / (NUMPY_US[name] * reference_us / 14.3), "times", max_value=2.5)

@@ -130,26 +130,36 @@ double cca_oriented_box_gap(double dx, double dy, double ax, double ay, double b
     double across_a = near_y_b - width_a;
     double along_b = near_x_a - length_b;
     double across_b = near_y_a - width_b;
-    double separation = real_max(real_max(real_max(along_a, across_a), along_b), across_b);
-    if (!isfinite(along_a + across_a + along_b + across_b)) {
-        return along_a + across_a + along_b + across_b;
+    double total = along_a + across_a + along_b + across_b;
+    if (!isfinite(total)) {
+        return total;
+    }
+    double separation = along_a;
+    if (across_a > separation) {
+        separation = across_a;
+    }
+    if (along_b > separation) {
+        separation = along_b;
+    }
+    if (across_b > separation) {
+        separation = across_b;
     }
     if (separation <= 0.0) {
         return separation;
     }
     double side_y_b = y_b - turn_b * (length_b * s - width_b * c);
-    double side_x_b = x_b - turn_b * (length_b * c - width_b * s);
-    double side_y_a = y_a - turn_a * (length_a * s - width_a * c);
-    double side_x_a = x_a - turn_a * (length_a * c - width_a * s);
     if (separation == along_a && fabs(side_y_b) <= width_a) {
         return separation;
     }
+    double side_x_b = x_b - turn_b * (length_b * c - width_b * s);
     if (separation == across_a && fabs(side_x_b) <= length_a) {
         return separation;
     }
+    double side_y_a = y_a - turn_a * (length_a * s - width_a * c);
     if (separation == along_b && fabs(side_y_a) <= width_b) {
         return separation;
     }
+    double side_x_a = x_a - turn_a * (length_a * c - width_a * s);
     if (separation == across_b && fabs(side_x_a) <= length_b) {
         return separation;
     }
@@ -334,8 +344,10 @@ static void band_gaps_sample_between(BandWork *w, int o, int i, double first, do
     double box_width = w->half_width[o * w->max_n + at];
     double length = 0.5 * w->length;
     double width = 0.5 * w->width;
-    w->parts[0] = first;
-    w->parts[BAND_GAPS_PARTS] = last;
+    double offset = w->box_offset;
+    double *parts = w->parts;
+    parts[0] = first;
+    parts[BAND_GAPS_PARTS] = last;
     for (int k = 1, k_end_ = BAND_GAPS_PARTS; k < k_end_; k += 1) {
         double f = k / 16.0;
         double e = 1.0 - f;
@@ -361,10 +373,10 @@ static void band_gaps_sample_between(BandWork *w, int o, int i, double first, do
             box_width = w->half_width[o * w->max_n + i] + f * (w->half_width[o * w->max_n + j]
                 - w->half_width[o * w->max_n + i]);
         }
-        double dx = box_x - (x + f * cx + f * e * (e * ax + f * bx)) - w->box_offset * tx;
-        double dy = box_y - (y + f * cy + f * e * (e * ay + f * by)) - w->box_offset * ty;
-        w->parts[k] = cca_oriented_box_gap(dx, dy, tx, ty, heading_x, heading_y, length, width,
-            box_length, box_width);
+        double dx = box_x - (x + f * cx + f * e * (e * ax + f * bx)) - offset * tx;
+        double dy = box_y - (y + f * cy + f * e * (e * ay + f * by)) - offset * ty;
+        parts[k] = cca_oriented_box_gap(dx, dy, tx, ty, heading_x, heading_y, length, width, box_length,
+            box_width);
     }
 }
 
@@ -375,7 +387,9 @@ static double band_gaps_min_between(BandWork *w, int o, int i, double first, dou
     band_gaps_sample_between(w, o, i, first, last);
     double bound = gap[0];
     for (int k = 1, k_end_ = BAND_GAPS_PARTS + 1; k < k_end_; k += 1) {
-        bound = real_min(bound, gap[k]);
+        if (gap[k] < bound) {
+            bound = gap[k];
+        }
     }
     if (w->max_step[o] > 0.0) {
         bound -= 0.5 * real_max(fabs(gap[1] - gap[0]), fabs(gap[BAND_GAPS_PARTS] - gap[BAND_GAPS_PARTS - 1]));
@@ -384,13 +398,15 @@ static double band_gaps_min_between(BandWork *w, int o, int i, double first, dou
         bound = real_min(bound, gap[BAND_GAPS_PARTS - 1] + real_min(gap[BAND_GAPS_PARTS - 1]
             - gap[BAND_GAPS_PARTS - 2], 0.0));
     }
+    double before = gap[1] - gap[0];
+    double here = gap[2] - gap[1];
     for (int k = 1, k_end_ = BAND_GAPS_PARTS - 1; k < k_end_; k += 1) {
-        double before = gap[k] - gap[k - 1];
-        double here = gap[k + 1] - gap[k];
         double after = gap[k + 2] - gap[k + 1];
         if (before < 0.0 && after > 0.0) {
             bound = real_min(bound, gap[k] + before * (here - after) / (before - after));
         }
+        before = here;
+        here = after;
     }
     return bound;
 }
@@ -410,15 +426,22 @@ static double band_gaps_set_centers(BandWork *w)
     double longest = 0.0;
     double last_x = 0.0;
     double last_y = 0.0;
+    const double *node_x = w->x;
+    const double *node_y = w->y;
+    const double *ahead_x = w->ahead_x;
+    const double *ahead_y = w->ahead_y;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        double x = w->x[i] + offset * w->ahead_x[i];
-        double y = w->y[i] + offset * w->ahead_y[i];
+        double x = node_x[i] + offset * ahead_x[i];
+        double y = node_y[i] + offset * ahead_y[i];
         center_x[i] = x;
         center_y[i] = y;
         if (i > 0) {
             double dx = x - last_x;
             double dy = y - last_y;
-            longest = real_max(longest, dx * dx + dy * dy);
+            double squared = dx * dx + dy * dy;
+            if (squared > longest) {
+                longest = squared;
+            }
         }
         last_x = x;
         last_y = y;
@@ -433,21 +456,34 @@ static void band_gaps_find_near(BandWork *w)
     double upper = HUGE_VAL;
     double step = band_gaps_set_centers(w);
     double change = band_gaps_max_change(w);
+    const double *center_x = w->center_x;
+    const double *center_y = w->center_y;
+    double clearance = w->clearance;
+    double half_width = 0.5 * w->width;
     w->n_pairs = 0;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         double moves = w->max_step[o] + change;
         double travel = real_max(w->max_step[o] + step, CONSTANTS_TINY);
         int next_node = 0;
+        bool changes = w->is_fixed[o] == 0;
+        double x = w->box_x[o * w->max_n + 0];
+        double y = w->box_y[o * w->max_n + 0];
+        double radius = w->radius[o * w->max_n + 0];
+        double box_width = w->half_width[o * w->max_n + 0];
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
             if (i < next_node) {
                 continue;
             }
-            int k = band_boxes_node_of(w, o, i);
-            double distance = box_gaps_norm(w->box_x[o * w->max_n + k] - w->center_x[i], w->box_y[o
-                * w->max_n + k] - w->center_y[i]);
-            double gap = distance - (w->radius[o * w->max_n + k] + half);
-            upper = real_min(upper, distance - w->half_width[o * w->max_n + k]);
-            double near = real_max(w->clearance, upper - 0.5 * w->width) + 2.0 * moves;
+            if (changes) {
+                x = w->box_x[o * w->max_n + i];
+                y = w->box_y[o * w->max_n + i];
+                radius = w->radius[o * w->max_n + i];
+                box_width = w->half_width[o * w->max_n + i];
+            }
+            double distance = box_gaps_norm(x - center_x[i], y - center_y[i]);
+            double gap = distance - (radius + half);
+            upper = real_min(upper, distance - box_width);
+            double near = real_max(clearance, upper - half_width) + 2.0 * moves;
             if (gap > near) {
                 double excess = distance - (w->max_radius[o] + half) - near;
                 next_node = i + floor_within(excess / travel, 1, w->n);
@@ -611,9 +647,17 @@ static double band_gaps_end_gap(const BandWork *w, int o)
 /* Displace the nodes of the route to their left. */
 static void band_spline_displace_nodes(BandWork *w)
 {
+    double *x = w->x;
+    double *y = w->y;
+    const double *u = w->u;
+    const double *route_x = w->route_x;
+    const double *route_y = w->route_y;
+    const double *tangent_x = w->tangent_x;
+    const double *tangent_y = w->tangent_y;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        w->x[i] = w->route_x[i] - w->tangent_y[i] * w->u[i];
-        w->y[i] = w->route_y[i] + w->tangent_x[i] * w->u[i];
+        double d = u[i];
+        x[i] = route_x[i] - tangent_y[i] * d;
+        y[i] = route_y[i] + tangent_x[i] * d;
     }
 }
 
@@ -629,24 +673,36 @@ static void band_spline_solve_moments(BandWork *w)
     my[0] = w->moment_y0;
     mx[n - 1] = w->moment_x1;
     my[n - 1] = w->moment_y1;
-    double factor = h[0];
+    const double *ahead_x = w->ahead_x;
+    const double *ahead_y = w->ahead_y;
+    double last_x = ahead_x[0];
+    double last_y = ahead_y[0];
+    double last_h = h[0];
+    double factor = last_h;
     double x = mx[0];
     double y = my[0];
-    double last = 0.0;
     for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
-        x = w->ahead_x[i] - w->ahead_x[i - 1] - factor * x;
-        y = w->ahead_y[i] - w->ahead_y[i - 1] - factor * y;
-        last = 2.0 * (h[i] + h[i - 1]) - (i > 1 ? factor * h[i - 1] : 0.0);
+        double here_x = ahead_x[i];
+        double here_y = ahead_y[i];
+        double here_h = h[i];
+        x = here_x - last_x - factor * x;
+        y = here_y - last_y - factor * y;
+        double pivot = 2.0 * (here_h + last_h) - (i > 1 ? factor * last_h : 0.0);
         mx[i] = x;
         my[i] = y;
-        diagonal[i] = last;
-        factor = h[i] / last;
+        diagonal[i] = pivot;
+        factor = here_h / pivot;
+        last_x = here_x;
+        last_y = here_y;
+        last_h = here_h;
     }
     x = mx[n - 1];
     y = my[n - 1];
     for (int i = n - 2; i > 0; i -= 1) {
-        x = (mx[i] - h[i] * x) / diagonal[i];
-        y = (my[i] - h[i] * y) / diagonal[i];
+        double here_h = h[i];
+        double pivot = diagonal[i];
+        x = (mx[i] - here_h * x) / pivot;
+        y = (my[i] - here_h * y) / pivot;
         mx[i] = x;
         my[i] = y;
     }
@@ -663,9 +719,15 @@ static void band_spline_fit_spline(BandWork *w)
     const double *my = w->moment_y;
     const double *x = w->x;
     const double *y = w->y;
+    double here_x = x[0];
+    double here_y = y[0];
     for (int i = 0, i_end_ = n - 1; i < i_end_; i += 1) {
-        double dx = x[i + 1] - x[i];
-        double dy = y[i + 1] - y[i];
+        double next_x = x[i + 1];
+        double next_y = y[i + 1];
+        double dx = next_x - here_x;
+        double dy = next_y - here_y;
+        here_x = next_x;
+        here_y = next_y;
         double chord = real_max(box_gaps_norm(dx, dy), CONSTANTS_TINY);
         h[i] = chord;
         ax[i] = dx / chord;
@@ -674,19 +736,27 @@ static void band_spline_fit_spline(BandWork *w)
     band_spline_solve_moments(w);
     ax[n - 1] = ax[n - 2] + h[n - 2] * (2.0 * mx[n - 1] + mx[n - 2]);
     ay[n - 1] = ay[n - 2] + h[n - 2] * (2.0 * my[n - 1] + my[n - 2]);
-    for (int i = 0, i_end_ = n - 1; i < i_end_; i += 1) {
-        ax[i] -= h[i] * (2.0 * mx[i] + mx[i + 1]);
-        ay[i] -= h[i] * (2.0 * my[i] + my[i + 1]);
-    }
+    double *curvature = w->curvature;
+    here_x = mx[0];
+    here_y = my[0];
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
+        double moment_x = here_x;
+        double moment_y = here_y;
         double tx = ax[i];
         double ty = ay[i];
+        if (i < n - 1) {
+            double chord = h[i];
+            here_x = mx[i + 1];
+            here_y = my[i + 1];
+            tx -= chord * (2.0 * moment_x + here_x);
+            ty -= chord * (2.0 * moment_y + here_y);
+        }
         double speed = real_max(sqrt(tx * tx + ty * ty), CONSTANTS_TINY);
         tx /= speed;
         ty /= speed;
         ax[i] = tx;
         ay[i] = ty;
-        w->curvature[i] = 6.0 * (tx * my[i] - ty * mx[i]) / (speed * speed);
+        curvature[i] = 6.0 * (tx * moment_y - ty * moment_x) / (speed * speed);
     }
 }
 
@@ -770,16 +840,19 @@ static void band_certificate_certify(BandWork *w)
     const double *u = w->u;
     const double *moment_x = w->moment_x;
     const double *moment_y = w->moment_y;
+    const double *curvatures = w->curvature;
+    const double *limits = w->curvature_limit;
     double sharpest = 0.0;
     double ratio = 0.0;
     double size = 0.0;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        double curvature = fabs(w->curvature[i]);
+        double curvature = fabs(curvatures[i]);
         if (curvature > sharpest) {
             sharpest = curvature;
         }
-        if (curvature / w->curvature_limit[i] > ratio) {
-            ratio = curvature / w->curvature_limit[i];
+        double here = curvature / limits[i];
+        if (here > ratio) {
+            ratio = here;
         }
         size += fabs(u[i]) + fabs(moment_x[i]) + fabs(moment_y[i]) + curvature;
     }
@@ -829,6 +902,7 @@ static bool band_corridor_measure_overlaps(BandWork *w)
     const double *route_y = w->route_y;
     const double *tangent_x = w->tangent_x;
     const double *tangent_y = w->tangent_y;
+    double *overlap = w->overlap;
     double max_sine = 0.0;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         double lead = w->lead_distance[o];
@@ -856,8 +930,8 @@ static bool band_corridor_measure_overlaps(BandWork *w)
             if (sine > max_sine) {
                 max_sine = sine;
             }
-            w->overlap[o * w->max_n + i] = half_length * cosine + half_width * sine + reach - real_max(-x,
-                x - lead);
+            double beyond = x - lead > -x ? x - lead : -x;
+            overlap[o * w->max_n + i] = half_length * cosine + half_width * sine + reach - beyond;
         }
     }
     return max_sine < BAND_CORRIDOR_ALIGNED;
@@ -868,14 +942,16 @@ static void band_corridor_measure_range(BandWork *w, int o, int i, bool aligned)
 {
     double reach = 0.5 * w->length;
     int k = band_boxes_node_of(w, o, i);
+    double tx = w->tangent_x[i];
+    double ty = w->tangent_y[i];
+    double ax = w->box_ahead_x[o * w->max_n + k];
+    double ay = w->box_ahead_y[o * w->max_n + k];
     double dx = w->box_x[o * w->max_n + k] - w->route_x[i];
     double dy = w->box_y[o * w->max_n + k] - w->route_y[i];
-    double x = dx * w->tangent_x[i] + dy * w->tangent_y[i] - w->box_offset;
-    double y = dy * w->tangent_x[i] - dx * w->tangent_y[i];
-    double turn_cos = w->box_ahead_x[o * w->max_n + k] * w->tangent_x[i] + w->box_ahead_y[o * w->max_n
-        + k] * w->tangent_y[i];
-    double turn_sin = w->box_ahead_y[o * w->max_n + k] * w->tangent_x[i] - w->box_ahead_x[o * w->max_n
-        + k] * w->tangent_y[i];
+    double x = dx * tx + dy * ty - w->box_offset;
+    double y = dy * tx - dx * ty;
+    double turn_cos = ax * tx + ay * ty;
+    double turn_sin = ay * tx - ax * ty;
     double cosine = fabs(turn_cos);
     double sine = fabs(turn_sin);
     double along = w->half_length[o * w->max_n + k] + w->clearance;
@@ -906,25 +982,28 @@ static void band_corridor_set_passing(BandWork *w)
     double slope = BAND_CORRIDOR_END_SLOPE * box_gaps_norm(w->route_x[1] - w->route_x[0], w->route_y[1]
         - w->route_y[0]);
     int last = w->n - 1;
+    const double *overlaps = w->overlap;
+    double *passing_right = w->passing_right;
+    double *passing_left = w->passing_left;
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-        double overlap = w->overlap[o * w->max_n + 0];
+        double overlap = overlaps[o * w->max_n + 0];
         double after = overlap;
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
             double before = overlap;
             overlap = after;
             if (i < last) {
-                after = w->overlap[o * w->max_n + i + 1];
+                after = overlaps[o * w->max_n + i + 1];
             }
             if (before >= 0.0 || overlap >= 0.0 || after >= 0.0) {
                 band_corridor_measure_range(w, o, i, aligned);
                 double near = real_max(real_max(before, overlap), after);
                 double relief = slope * (real_min(overlap, 0.0) / real_min(overlap - near,
                     -BAND_CORRIDOR_MIN_DROP));
-                w->passing_right[o * w->max_n + i] += relief;
-                w->passing_left[o * w->max_n + i] -= relief;
+                passing_right[o * w->max_n + i] += relief;
+                passing_left[o * w->max_n + i] -= relief;
             } else {
-                w->passing_right[o * w->max_n + i] = HUGE_VAL;
-                w->passing_left[o * w->max_n + i] = -HUGE_VAL;
+                passing_right[o * w->max_n + i] = HUGE_VAL;
+                passing_left[o * w->max_n + i] = -HUGE_VAL;
             }
         }
     }
@@ -936,17 +1015,28 @@ static int band_corridor_set_bounds(BandWork *w)
     double half = 0.5 * w->width;
     double *lower = w->lower;
     double *upper = w->upper;
+    const double *right_edge = w->right_edge;
+    const double *left_edge = w->left_edge;
+    const double *passing_right = w->passing_right;
+    const double *passing_left = w->passing_left;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        lower[i] = w->right_edge[i] + half;
-        upper[i] = w->left_edge[i] - half;
+        lower[i] = right_edge[i] + half;
+        upper[i] = left_edge[i] - half;
     }
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
-        bool left = w->passes_left[o] != 0;
-        for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-            if (left) {
-                lower[i] = real_max(lower[i], w->passing_left[o * w->max_n + i]);
-            } else {
-                upper[i] = real_min(upper[i], w->passing_right[o * w->max_n + i]);
+        if (w->passes_left[o] != 0) {
+            for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+                double bound = passing_left[o * w->max_n + i];
+                if (bound > lower[i]) {
+                    lower[i] = bound;
+                }
+            }
+        } else {
+            for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
+                double bound = passing_right[o * w->max_n + i];
+                if (bound < upper[i]) {
+                    upper[i] = bound;
+                }
             }
         }
     }
@@ -1157,11 +1247,13 @@ static void equilibrium_guess_active_set(Equilibrium *e)
     int n = e->n;
     int *active = e->active;
     double *violation = e->step;
+    const double *lower = e->lower;
+    const double *upper = e->upper;
     for (int i = 2, i_end_ = n - 2; i < i_end_; i += 1) {
-        double low = e->lower[i];
-        double high = e->upper[i];
+        double low = lower[i];
+        double high = upper[i];
         active[i] = low > 0.0 || high < 0.0 ? equilibrium_side_of(0.0, low, high) : 0;
-        violation[i] = real_max(low, 0.0) + real_min(high, 0.0);
+        violation[i] = (low < 0.0 ? 0.0 : low) + (high > 0.0 ? 0.0 : high);
     }
     if (e->bounded) {
         for (int i = 1, i_end_ = n - 1; i < i_end_; i += 1) {
@@ -1477,9 +1569,16 @@ static int band_frame_measure_route(BandWork *w)
     double total = 0.0;
     double shortest = HUGE_VAL;
     double longest = 0.0;
+    double *chord = w->chord;
+    double here_x = x[0];
+    double here_y = y[0];
     for (int i = 0, i_end_ = n - 1; i < i_end_; i += 1) {
-        double step = box_gaps_norm(x[i + 1] - x[i], y[i + 1] - y[i]);
-        w->chord[i] = step;
+        double next_x = x[i + 1];
+        double next_y = y[i + 1];
+        double step = box_gaps_norm(next_x - here_x, next_y - here_y);
+        here_x = next_x;
+        here_y = next_y;
+        chord[i] = step;
         total += step;
         if (step < shortest) {
             shortest = step;
@@ -1496,26 +1595,40 @@ static int band_frame_measure_route(BandWork *w)
     if (!(BAND_FRAME_MIN_SPACING <= w->spacing && w->spacing <= BAND_FRAME_MAX_SPACING)) {
         return BAND_WORKSPACE_UNEVEN_SPACING;
     }
+    double *tangent_x = w->tangent_x;
+    double *tangent_y = w->tangent_y;
+    double *curvature = w->route_curvature;
+    here_x = x[0];
+    here_y = y[0];
+    double last_x = here_x;
+    double last_y = here_y;
+    double last_chord = 0.0;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        int a = i > 0 ? i - 1 : 0;
-        int b = i < n - 1 ? i + 1 : i;
-        double dx = x[b] - x[a];
-        double dy = y[b] - y[a];
+        double next_x = i < n - 1 ? x[i + 1] : here_x;
+        double next_y = i < n - 1 ? y[i + 1] : here_y;
+        double dx = next_x - last_x;
+        double dy = next_y - last_y;
         double length = box_gaps_norm(dx, dy);
         if (!(length > 0.0)) {
             return BAND_WORKSPACE_UNEVEN_SPACING;
         }
-        w->tangent_x[i] = dx / length;
-        w->tangent_y[i] = dy / length;
-        if (0 < i && i < n - 1) {
-            double ax = x[i] - x[a];
-            double ay = y[i] - y[a];
-            double cross = ax * (y[b] - y[i]) - ay * (x[b] - x[i]);
-            w->route_curvature[i] = 2.0 * cross / (w->chord[a] * w->chord[i] * length);
+        tangent_x[i] = dx / length;
+        tangent_y[i] = dy / length;
+        if (i < n - 1) {
+            double here_chord = chord[i];
+            if (i > 0) {
+                double cross = (here_x - last_x) * (next_y - here_y) - (here_y - last_y) * (next_x - here_x);
+                curvature[i] = 2.0 * cross / (last_chord * here_chord * length);
+            }
+            last_chord = here_chord;
         }
+        last_x = here_x;
+        last_y = here_y;
+        here_x = next_x;
+        here_y = next_y;
     }
-    w->route_curvature[0] = w->route_curvature[1];
-    w->route_curvature[n - 1] = w->route_curvature[n - 2];
+    curvature[0] = curvature[1];
+    curvature[n - 1] = curvature[n - 2];
     return BAND_WORKSPACE_OK;
 }
 
@@ -1824,9 +1937,14 @@ static void band_tightening_tighten_curvature(BandWork *w, Equilibrium *e)
 /* Take the bounds relative to the response to the start, from which the equilibrium counts. */
 static void band_tightening_set_relative_bounds(const BandWork *w, Equilibrium *e)
 {
+    const double *lower = w->lower;
+    const double *upper = w->upper;
+    double *relative_lower = e->lower;
+    double *relative_upper = e->upper;
+    const double *free = w->free;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        e->lower[i] = w->lower[i] - w->free[i];
-        e->upper[i] = w->upper[i] - w->free[i];
+        relative_lower[i] = lower[i] - free[i];
+        relative_upper[i] = upper[i] - free[i];
     }
 }
 
@@ -1834,12 +1952,15 @@ static void band_tightening_set_relative_bounds(const BandWork *w, Equilibrium *
 static bool band_tightening_solve_and_certify(BandWork *w, Equilibrium *e, bool warm)
 {
     band_tightening_set_relative_bounds(w, e);
+    double *u = w->u;
+    const double *free = w->free;
+    double *relative = e->u;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        e->u[i] = warm ? w->u[i] - w->free[i] : 0.0;
+        relative[i] = warm ? u[i] - free[i] : 0.0;
     }
     bool converged = equilibrium_find_equilibrium(e, warm);
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        w->u[i] = w->free[i] + e->u[i];
+        u[i] = free[i] + relative[i];
     }
     band_certificate_certify(w);
     return converged;
@@ -2228,12 +2349,15 @@ static void band_batch_load_band(const BandBatch *q, int b, BandWork *w)
     w->start_1 = q->start[b * 3 + 2];
     double *right_edge = w->right_edge;
     double *left_edge = w->left_edge;
+    double *route_x = w->route_x;
+    double *route_y = w->route_y;
+    double *limit = w->curvature_limit;
     for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
-        w->route_x[i] = q->nodes[b * (2 * q->max_n) + 2 * i];
-        w->route_y[i] = q->nodes[b * (2 * q->max_n) + 2 * i + 1];
+        route_x[i] = q->nodes[b * (2 * q->max_n) + 2 * i];
+        route_y[i] = q->nodes[b * (2 * q->max_n) + 2 * i + 1];
         right_edge[i] = -HUGE_VAL;
         left_edge[i] = HUGE_VAL;
-        w->curvature_limit[i] = q->curvature_limit[b * q->max_n + i];
+        limit[i] = q->curvature_limit[b * q->max_n + i];
     }
     if (q->has_edges) {
         for (int i = 0, i_end_ = w->n; i < i_end_; i += 1) {
@@ -2267,14 +2391,21 @@ static void band_batch_store_band(BandBatch *q, int b, const BandWork *w, int co
     int displacement = moments + 2 * n;
     int lower = displacement + n;
     int upper = lower + n;
+    const double *x = w->x;
+    const double *y = w->y;
+    const double *moment_x = w->moment_x;
+    const double *moment_y = w->moment_y;
+    const double *u = w->u;
+    const double *low = w->lower;
+    const double *high = w->upper;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        found[points + 2 * i] = w->x[i];
-        found[points + 2 * i + 1] = w->y[i];
-        found[moments + 2 * i] = w->moment_x[i];
-        found[moments + 2 * i + 1] = w->moment_y[i];
-        found[displacement + i] = w->u[i];
-        found[lower + i] = w->lower[i];
-        found[upper + i] = w->upper[i];
+        found[points + 2 * i] = x[i];
+        found[points + 2 * i + 1] = y[i];
+        found[moments + 2 * i] = moment_x[i];
+        found[moments + 2 * i + 1] = moment_y[i];
+        found[displacement + i] = u[i];
+        found[lower + i] = low[i];
+        found[upper + i] = high[i];
     }
     for (int o = 0, o_end_ = w->m; o < o_end_; o += 1) {
         q->passes_left[o * q->bands + b] = w->passes_left[o];
