@@ -8,6 +8,7 @@ from cca_core.kernel.types import Flag, Int, Real
 __all__ = ["limit_path_speed", "roll_out", "sum_costs"]
 
 ONCOMING = -0.5  # speed below which a vehicle drives against the ego [m/s]
+CALM = 0.5  # by which a plan that is kept may brake less than one made anew [m/s^2]
 RELEASE = 12.0  # rate at which brakes are released [m/s^3]
 TIME_EPS = 1e-9
 ROUNDING = 1e-9  # [m]
@@ -179,15 +180,19 @@ def roll_out(
                     limit = FIRST_STOP - j
         if k <= 2:
             w.limited_by[row] = limit
+        free = False  # of limits of its change: what is kept was within them
         if kept:
+            law = want + CALM
             want = min(w.a[row, k], min(cruise, max(there, -w.b_max)) if there < 0.0 else w.a_max)
+            free = want <= law
+            want = min(want, law)
         want = min(want, -braking) if braking > 0.0 else want
         if tail > 0.0 and w.t[k] >= w.react - TIME_EPS:
             want = -tail
         side = (w.kappa[station(w.n, position)] + bend(w, p, position)) * speed * speed
         available = math.sqrt(max(w.grip * w.grip - side * side, 0.25))
         want = min(max(want, -available), available)
-        if not kept or (tail > 0.0 and w.t[k] >= w.react - TIME_EPS):
+        if not free or (tail > 0.0 and w.t[k] >= w.react - TIME_EPS):
             hard = want < -2.0 * w.b_comfort or tail > 0.0
             low = command - (w.jerk_emergency if hard else w.jerk) * h
             high = command + w.jerk * h

@@ -7,13 +7,14 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.follow import friction_limited
-from cca_core.planner.certificate import SafeStop
+from cca_core.planner.certificate import Grade, SafeStop
 from cca_core.planner.limits import Limits
 from cca_core.planner.records import DrivenPlan
 from cca_core.planner.scene import TIMES
 from cca_core.vehicle import GRAVITY, VehicleParams, VehicleState
 
 _TIMES = tuple(TIMES.tolist())
+_FULL = 0.99  # of the braking that plans may use: the plan brakes fully [-]
 _STOP_TIME = 5.0  # [s]
 _STOP_STEP = 0.1  # [s]
 _HOLD = 1.0  # deceleration that holds a stationary vehicle [m/s^2]
@@ -27,7 +28,10 @@ def planned_acceleration(
     i = min(bisect_right(_TIMES, elapsed), len(_TIMES) - 1)  # the plan's acceleration is the one of steps
     before, after = plan.a_0 if i == 1 else float(plan.a[i - 2]), float(plan.a[i - 1])
     a = (after - before) / (_TIMES[i] - _TIMES[i - 1]) * (elapsed - _TIMES[i - 1]) + before
-    a = friction_limited(a, a_y, mu, grip_fraction=limits.grip / (mu * GRAVITY))
+    fraction = limits.grip / (mu * GRAVITY)
+    if plan.grade >= Grade.SEVERITY and a <= -_FULL * limits.b_max:
+        a, fraction = -limits.b_emergency, 1.0
+    a = friction_limited(a, a_y, mu, grip_fraction=fraction)
     return max(a, -_HOLD) if v < 0.05 and a < 0.0 else a
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from cca_core._checks import Array, Mask
 from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
+from cca_core.frenet import FrenetVehicle
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.planner.candidates import Stop, adjacent_lane, lane_refusal
@@ -154,15 +155,8 @@ class Certifier:
 
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
-        k = int(np.searchsorted(TIMES, self._settings.reaction_time + limits.b_comfort / self._around.jerk))
         plan.silence = self._silence(plan.decides)
-        response = limits.b_comfort + (limits.b_max - limits.b_comfort) * plan.silence
-        soon, jerk = int(np.searchsorted(TIMES, self._settings.reaction_time)), self._around.jerk
-        begun = max(-response, float(plan.a[0]) - 0.5 * jerk * self._settings.reaction_time)
-        responds = all(
-            plan.v[i] < STANDSTILL_SPEED or plan.a[i] <= a + 0.05
-            for i, a in ((soon, begun), (k - 1, -response))
-        )
+        responds = self._responds(plan, max(plan.silence, self._braking_ahead()))
         if plan.braking <= self._settings.comfortable_braking:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
@@ -172,16 +166,36 @@ class Certifier:
         else:
             plan.grade = Grade.NOMINAL
 
+    def _responds(self, plan: Plan, urgency: float) -> bool:
+        """Whether a plan brakes soon and stays at it: in comfort, or up to fully where it is urgent."""
+        limits, reaction = self._around.limits, self._settings.reaction_time
+        response = limits.b_comfort + (limits.b_max - limits.b_comfort) * urgency
+        jerk = self._around.jerk + (self._around.jerk_emergency - self._around.jerk) * urgency
+        begun = max(-response, float(plan.a[0]) - 0.5 * jerk * reaction)
+        soon, k = np.searchsorted(TIMES, (reaction, reaction + limits.b_comfort / jerk)).tolist()
+        return all(
+            plan.v[i] < STANDSTILL_SPEED or plan.a[i] <= a + 0.05
+            for i, a in ((soon, begun), (k - 1, -response))
+        )
+
     def _silence(self, name: str) -> float:
         """Part of the time of silence that asks for full braking [-]; 0 for what is not a stale lead."""
-        around, j = self._around, self._around.traffic.index(name)
-        if j < 0 or around.traffic.s[j, 0] < around.s:
-            return 0.0
-        reach = around.traffic.half_w[j] + 0.5 * around.vehicle.width + around.settings.lead.blocking_gap
-        if abs(around.traffic.d[j, 0] - around.lateral.offset) > reach:
-            return 0.0
-        late = around.traffic.vehicles[j].remote.age - STALE_AGE
+        late = max((n.remote.age - STALE_AGE for n in self._leads() if n.id == name), default=0.0)
         return min(max(late, 0.0) / self._settings.silence_time, 1.0)
+
+    def _braking_ahead(self) -> float:
+        """Part of the ego's full braking that is seen ahead, as far as it needs to stop in comfort [-]."""
+        around = self._around
+        until = around.s + around.v**2 / (2.0 * around.limits.b_comfort)
+        braking = max((-n.speed_rate for n in self._leads() if n.rear < until), default=0.0)
+        return min(max(braking / around.limits.b_max, 0.0), 1.0)
+
+    def _leads(self) -> list[FrenetVehicle]:
+        """Return the vehicles ahead of the ego that are in its way across the road."""
+        around, traffic = self._around, self._around.traffic
+        reach = traffic.half_w + 0.5 * around.vehicle.width + around.settings.lead.blocking_gap
+        blocks = (traffic.s[:, 0] >= around.s) & (np.abs(traffic.d[:, 0] - around.lateral.offset) <= reach)
+        return [traffic.vehicles[j] for j in np.flatnonzero(blocks).tolist()]
 
     def _certify_maneuver(self, plan: Plan, out: Mask, touch: float, clearance: float) -> None:
         """Certify a plan that leaves its lane: gap acceptance, and one safe end for all vehicles."""

@@ -128,7 +128,8 @@ class Deliberation:
         around = Surroundings(
             vehicle=vehicle, road=setup.road, settings=setup.settings, limits=setup.limits, traffic=traffic,
             lateral=lateral, s=observation.s, v=observation.v, awareness_range=observation.awareness_range,
-            jerk=setup.speed.jerk, free_s=TIMES, free_v=TIMES,
+            jerk=setup.speed.jerk, jerk_emergency=setup.speed.jerk_emergency,
+            free_s=TIMES, free_v=TIMES,
         )  # fmt: skip
         self._scene, self._rollout = scene, Rollout(scene, around)
         homes = home_paths(around)
@@ -204,7 +205,7 @@ class Deliberation:
             path = replace(path, reference=reference)
         stop = safe_stop(setup.scenes.route, *self._certifier.safe_end(best), setup.vehicle)
         limited_by, yields_to = self._limit_of(best)
-        certified = observation.t if best.grade <= Grade.RESPONSE else -math.inf
+        certified = observation.t if best.grade <= Grade.FULL else -math.inf
         if best.is_prolonged and last is not None:
             certified = last.t_certified
         rejected = (p.rejection for p in self._plans if p.rejection is not None and p.cost < best.cost)

@@ -53,6 +53,7 @@ class Surroundings:
     v: float
     awareness_range: float  # in this cycle [m]
     jerk: float  # of normal driving [m/s^3]
+    jerk_emergency: float
     free_s: Array  # the ego's motion if no vehicle limits it, at `TIMES`
     free_v: Array
 

@@ -2562,6 +2562,7 @@ static bool scene_is_outside(const Scene *w, double d, double tolerance)
     return left || right;
 }
 #define ROLLOUT_ONCOMING (-0.5)
+#define ROLLOUT_CALM 0.5
 #define ROLLOUT_RELEASE 12.0
 #define ROLLOUT_TIME_EPS 1e-09
 #define ROLLOUT_ROUNDING 1e-09
@@ -2766,9 +2767,13 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
         if (k <= 2) {
             w->limited_by[row] = limit;
         }
+        bool free = false;
         if (kept) {
+            double law = want + ROLLOUT_CALM;
             want = real_min(w->a[row * w->steps + k], there < 0.0 ? real_min(cruise, real_max(there,
                 -w->b_max)) : w->a_max);
+            free = want <= law;
+            want = real_min(want, law);
         }
         want = braking > 0.0 ? real_min(want, -braking) : want;
         if (tail > 0.0 && w->t[k] >= w->react - ROLLOUT_TIME_EPS) {
@@ -2777,7 +2782,7 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
         double side = (w->kappa[scene_station(w->n, position)] + scene_bend(w, p, position)) * speed * speed;
         double available = sqrt(real_max(w->grip * w->grip - side * side, 0.25));
         want = real_min(real_max(want, -available), available);
-        if (!kept || (tail > 0.0 && w->t[k] >= w->react - ROLLOUT_TIME_EPS)) {
+        if (!free || (tail > 0.0 && w->t[k] >= w->react - ROLLOUT_TIME_EPS)) {
             bool hard = want < -2.0 * w->b_comfort || tail > 0.0;
             double low = command - (hard ? w->jerk_emergency : w->jerk) * h;
             double high = command + w->jerk * h;

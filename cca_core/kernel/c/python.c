@@ -2347,7 +2347,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "7669c4007e9fb236283f1ce36f61dacb76aae65805f019bd5bc38b70fc467645") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "c9dd4adce60c1fc527fb165709ed3e54c647776ce739075b7b0f63a3aa5491f3") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
