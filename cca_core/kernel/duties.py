@@ -32,9 +32,9 @@ def find_duty(w: Scene, row: Int, wait: Real) -> Int:
     return back
 
 
-def has_duty(w: Scene, j: Int, k: Int, back: Int) -> Flag:
-    """Whether a vehicle is behind the ego in its lane, for good."""
-    if w.crosses[j] != 0 or k < w.duty_from or not w.v_o[j, 0] >= ONCOMING:
+def has_duty(w: Scene, j: Int, back: Int) -> Flag:
+    """Whether a vehicle is behind the ego in its lane from `duty_from` on, for good."""
+    if w.crosses[j] != 0 or not w.v_o[j, 0] >= ONCOMING:
         return False
     return w.s_o[j, back] + 0.5 * w.half_l[j] < w.rear
 

@@ -24,6 +24,7 @@ __all__ = ["check_nominal", "check_worst_case"]
 STANDSTILL = 0.2  # speed below which the ego stands [m/s]
 FAR_IN_PLANE = 15.0  # gap from which on a crossing vehicle is far [m]
 NEAR = 12.0  # part of an interval beyond the body that matters [m]
+ROUNDING = 1e-6  # of gaps, at most [m]
 
 
 def pose(w: Scene, at: Real, d: Real, turn: Real) -> tuple[Real, Real, Real, Real]:
@@ -53,8 +54,8 @@ def set_poses(w: Scene, row: Int, p: Int) -> None:
             w.x_e[k], w.y_e[k], w.c_e[k], w.s_e[k] = pose(w, at, w.offset_at[row, k], turn)
 
 
-def ego_gap(w: Scene, row: Int, k: Int, low: Real, high: Real, right: Real, left: Real) -> Real:
-    """Gap of the ego's body to a rectangle in route coordinates."""
+def ego_gap(w: Scene, row: Int, k: Int, low: Real, high: Real, right: Real, left: Real, enough: Real) -> Real:
+    """Gap of the ego's body to a rectangle in route coordinates; more than `enough` may be more."""
     at = w.s[row, k]
     middle = at + w.offset
     reach = w.half_length + w.half_width
@@ -62,12 +63,15 @@ def ego_gap(w: Scene, row: Int, k: Int, low: Real, high: Real, right: Real, left
         return low - middle - reach
     if not high >= middle - reach - NEAR:
         return middle - reach - high
-    begin = max(low, middle - reach - NEAR)
-    end = max(min(high, middle + reach + NEAR), begin)
     turn = w.turn[k]
     scale = w.scale[k]
-    ahead = 0.5 * (begin + end) - at - w.offset * scale
     aside = 0.5 * (right + left) - w.offset_at[row, k] - w.offset * turn * scale
+    across = abs(aside) - (w.half_length * abs(turn) + w.wide[k]) * scale - 0.5 * (left - right)
+    if across > enough:
+        return across
+    begin = max(low, middle - reach - NEAR)
+    end = max(min(high, middle + reach + NEAR), begin)
+    ahead = 0.5 * (begin + end) - at - w.offset * scale
     return oriented_box_gap(
         ahead, aside, scale, turn * scale, 1.0, 0.0, w.half_length, w.wide[k],
         0.5 * (end - begin), 0.5 * (left - right),
@@ -85,14 +89,14 @@ def plane_gap(w: Scene, k: Int, x: Real, y: Real, psi: Real, length: Real, width
     )
 
 
-def nominal_gap(w: Scene, row: Int, j: Int, k: Int, pet: Real) -> Real:
+def nominal_gap(w: Scene, row: Int, j: Int, k: Int, pet: Real, enough: Real) -> Real:
     """Gap to a vehicle; one that crosses covers where it is within a time."""
     if w.crosses[j] != 0:
         length = w.half_l[j] + pet * w.v_o[j, k]
         return plane_gap(w, k, w.x_o[j, k], w.y_o[j, k], w.psi_o[j, k], length, w.half_w[j])
     s = w.s_o[j, k]
     d = w.d_o[j, k]
-    return ego_gap(w, row, k, s - w.half_l[j], s + w.half_l[j], d - w.half_w[j], d + w.half_w[j])
+    return ego_gap(w, row, k, s - w.half_l[j], s + w.half_l[j], d - w.half_w[j], d + w.half_w[j], enough)
 
 
 def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real, pet: Real) -> None:
@@ -100,40 +104,46 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
     back = find_duty(w, row, wait)
     set_poses(w, row, p)
     begin = 0 if w.established != 0 else zone_begin(w, w.zone_from)
-    w.min_margin = FAR
-    w.gap = FAR
-    w.which = -1
-    w.when = w.steps
+    steps = w.steps
+    margin = FAR
+    least = FAR
+    which = -1
+    when = steps
+    hit = steps
     w.impact = 0.0
-    hit = w.steps
     for j in range(w.m):
         asked = clearance if w.overtakes[p, j] != 0.0 else touch
         keeps_off = reacts(w, row, j, begin)
-        for k in range(w.steps):
-            if has_duty(w, j, k, back) or (keeps_off and begin <= k and k <= back):
+        until = w.duty_from if has_duty(w, j, back) else steps
+        for k in range(min(until, steps)):
+            if keeps_off and begin <= k and k <= back:
                 continue
-            gap = nominal_gap(w, row, j, k, pet)
+            # a gap that neither lowers a minimum nor is an overlap need not be exact
+            enough = max(least, asked + margin, 0.0) + ROUNDING if k > 0 else math.inf
+            gap = nominal_gap(w, row, j, k, pet, enough)
             if k == 0:
                 asked = min(asked, max(gap - 0.02, 0.0))
-            w.gap = min(w.gap, gap)
-            if not gap - asked >= w.min_margin:
-                w.min_margin = gap - asked
-                w.which = j
-                w.when = k
+            least = min(least, gap)
+            if not gap - asked >= margin:
+                margin = gap - asked
+                which = j
+                when = k
             if gap < 0.0 and k < hit:
                 hit = k
-                w.which = j
-                w.when = k
+                which = j
                 route = at_station(w.n, w.psi, w.s[row, k])
                 psi = w.psi_o[j, k] if w.crosses[j] != 0 else route
                 dx = w.v[row, k] * math.cos(route) - w.v_o[j, k] * math.cos(psi)
                 dy = w.v[row, k] * math.sin(route) - w.v_o[j, k] * math.sin(psi)
                 w.impact = norm(dx, dy)
-    if hit < w.steps:
-        w.when = hit
+    w.min_margin = margin
+    w.gap = least
+    w.which = which
+    w.when = hit if hit < steps else when
 
 
-def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
+def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int, enough: Real) -> Real:
+    """Gap to where a vehicle may be in the worst case; more than `enough` may be more."""
     if w.crosses[j] != 0:
         return plane_gap(w, k, w.x_w[j, k], w.y_w[j, k], w.psi_w[j, k], w.half_l_w[j, k], w.half_w_w[j, k])
     passed = w.overtakes[p, j] != 0.0
@@ -141,7 +151,9 @@ def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
     high = w.high_passed[j, k] if passed else w.high[j, k]
     # wider where the road bends, beyond the bend in which it is now
     bulge = max(w.seen[j, BULGE] * w.bends[k] - w.seen[j, BEND_W], 0.0)
-    return ego_gap(w, row, k, low - w.margin, high + w.margin, w.right[j, k] - bulge, w.left[j, k] + bulge)
+    return ego_gap(
+        w, row, k, low - w.margin, high + w.margin, w.right[j, k] - bulge, w.left[j, k] + bulge, enough
+    )
 
 
 def worst_impact(w: Scene, row: Int, j: Int, k: Int) -> Real:
@@ -168,16 +180,18 @@ def check_worst_case(
     """
     back = find_duty(w, row, wait)
     set_poses(w, row, p)
-    w.min_margin = FAR
-    w.which = -1
-    w.when = w.steps
+    steps = w.steps
+    margin = FAR
+    decides = -1
+    when = steps
+    hit = steps
     w.impact = 0.0
-    hit = w.steps
+    maneuver_begin = zone_begin(w, w.begin_from)
+    lane_begin = zone_begin(w, w.zone_from)
     for j in range(w.m):
         passed = w.overtakes[p, j] != 0.0
         nears = w.v_o[j, 0] < ONCOMING or w.v_o[j, 0] > w.v_0 or w.assumed[j] != 0
-        since = w.begin_from if nears else w.zone_from
-        begin = zone_begin(w, since)
+        begin = maneuver_begin if nears else lane_begin
         same = w.v_o[j, 0] >= ONCOMING and w.assumed[j] == 0
         ahead = same and w.s_o[j, begin] > w.s[row, begin] + w.offset
         adjacent = not passed and is_in_zone_lane(w, j)
@@ -189,12 +203,12 @@ def check_worst_case(
         if is_established(w, j):
             continue
         asked = clearance if passed else touch
-        for k in range(w.steps):
-            duty = has_duty(w, j, k, back) and is_behind(w, row, p, j, back)
-            if duty or (which == 1 and k > back):
-                continue
-            d = w.offset_at[row, k]
-            out = is_outside(w, d, 0.0)
+        until = steps
+        if has_duty(w, j, back) and is_behind(w, row, p, j, back):
+            until = w.duty_from
+        if which == 1:
+            until = min(until, back + 1)
+        for k in range(min(until, steps)):
             zone = x_safety > 0.0 and k <= back and k >= begin
             if zone and in_zone_lane:
                 middle = w.s[row, k] + w.offset  # eq 11: along the road, wherever the ego is across it
@@ -205,23 +219,29 @@ def check_worst_case(
                 )
                 if same and not ahead and w.rear_reaction > 0.0:  # it keeps its distance from then on
                     zone_gap = worst_rear_gap(w, row, j, k) - x_safety if k == begin else FAR
-                if not zone_gap >= w.min_margin:
-                    w.min_margin = zone_gap
-                    w.which = j
-                    w.when = k
+                if not zone_gap >= margin:
+                    margin = zone_gap
+                    decides = j
+                    when = k
                 continue
             if w.assumed[j] != 0:
                 continue
-            if k > 0 and not w.v[row, k - 1] >= STANDSTILL and w.crosses[j] == 0 and not out:
-                continue  # what stands in its lane touches nothing
-            gap = worst_gap(w, row, p, j, k)
+            if k > 0 and not w.v[row, k - 1] >= STANDSTILL and w.crosses[j] == 0:
+                if not is_outside(w, w.offset_at[row, k], 0.0):
+                    continue  # what stands in its lane touches nothing
+            # a gap that neither lowers the margin nor is an overlap need not be exact
+            enough = max(asked + margin, 0.0) + ROUNDING if k > 0 else math.inf
+            gap = worst_gap(w, row, p, j, k, enough)
             if gap < 0.0 and k < hit:
                 hit = k
                 w.impact = worst_impact(w, row, j, k)
             if k == 0:
                 asked = min(asked, max(gap - 0.02, 0.0))
-            if not gap - asked >= w.min_margin:
-                w.min_margin = gap - asked
-                w.which = j
-                w.when = k
-    return w.min_margin >= 0.0
+            if not gap - asked >= margin:
+                margin = gap - asked
+                decides = j
+                when = k
+    w.min_margin = margin
+    w.which = decides
+    w.when = when
+    return margin >= 0.0

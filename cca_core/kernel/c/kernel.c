@@ -2860,10 +2860,10 @@ int cca_find_duty(Scene *w, int row, double wait)
     return back;
 }
 
-/* Whether a vehicle is behind the ego in its lane, for good. */
-bool cca_has_duty(const Scene *w, int j, int k, int back)
+/* Whether a vehicle is behind the ego in its lane from `duty_from` on, for good. */
+bool cca_has_duty(const Scene *w, int j, int back)
 {
-    if (w->crosses[j] != 0 || k < w->duty_from || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
+    if (w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
         return false;
     }
     return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
@@ -3832,6 +3832,7 @@ void cca_locate_vehicles(Scene *w, int seen)
 #define GAP_CHECKS_STANDSTILL 0.2
 #define GAP_CHECKS_FAR_IN_PLANE 15.0
 #define GAP_CHECKS_NEAR 12.0
+#define GAP_CHECKS_ROUNDING 1e-06
 
 /* Center of the ego's body in the plane, cosine and sine of its heading. */
 static cca_dddd gap_checks_pose(const Scene *w, double at, double d, double turn)
@@ -3867,9 +3868,9 @@ static void gap_checks_set_poses(Scene *w, int row, int p)
     }
 }
 
-/* Gap of the ego's body to a rectangle in route coordinates. */
+/* Gap of the ego's body to a rectangle in route coordinates; more than `enough` may be more. */
 static double gap_checks_ego_gap(const Scene *w, int row, int k, double low, double high, double right,
-    double left)
+    double left, double enough)
 {
     double at = w->s[row * w->steps + k];
     double middle = at + w->offset;
@@ -3880,12 +3881,16 @@ static double gap_checks_ego_gap(const Scene *w, int row, int k, double low, dou
     if (!(high >= middle - reach - GAP_CHECKS_NEAR)) {
         return middle - reach - high;
     }
-    double begin = real_max(low, middle - reach - GAP_CHECKS_NEAR);
-    double end = real_max(real_min(high, middle + reach + GAP_CHECKS_NEAR), begin);
     double turn = w->turn[k];
     double scale = w->scale[k];
-    double ahead = 0.5 * (begin + end) - at - w->offset * scale;
     double aside = 0.5 * (right + left) - w->offset_at[row * w->steps + k] - w->offset * turn * scale;
+    double across = fabs(aside) - (w->half_length * fabs(turn) + w->wide[k]) * scale - 0.5 * (left - right);
+    if (across > enough) {
+        return across;
+    }
+    double begin = real_max(low, middle - reach - GAP_CHECKS_NEAR);
+    double end = real_max(real_min(high, middle + reach + GAP_CHECKS_NEAR), begin);
+    double ahead = 0.5 * (begin + end) - at - w->offset * scale;
     return cca_oriented_box_gap(ahead, aside, scale, turn * scale, 1.0, 0.0, w->half_length, w->wide[k],
         0.5 * (end - begin), 0.5 * (left - right));
 }
@@ -3905,7 +3910,7 @@ static double gap_checks_plane_gap(const Scene *w, int k, double x, double y, do
 }
 
 /* Gap to a vehicle; one that crosses covers where it is within a time. */
-static double gap_checks_nominal_gap(const Scene *w, int row, int j, int k, double pet)
+static double gap_checks_nominal_gap(const Scene *w, int row, int j, int k, double pet, double enough)
 {
     if (w->crosses[j] != 0) {
         double length = w->half_l[j] + pet * w->v_o[j * w->steps + k];
@@ -3915,7 +3920,7 @@ static double gap_checks_nominal_gap(const Scene *w, int row, int j, int k, doub
     double s = w->s_o[j * w->steps + k];
     double d = w->d_o[j * w->steps + k];
     return gap_checks_ego_gap(w, row, k, s - w->half_l[j], s + w->half_l[j], d - w->half_w[j], d
-        + w->half_w[j]);
+        + w->half_w[j], enough);
 }
 
 /* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
@@ -3924,33 +3929,36 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
     int back = cca_find_duty(w, row, wait);
     gap_checks_set_poses(w, row, p);
     int begin = w->established != 0 ? 0 : cca_zone_begin(w, w->zone_from);
-    w->min_margin = DUTIES_FAR;
-    w->gap = DUTIES_FAR;
-    w->which = -1;
-    w->when = w->steps;
+    int steps = w->steps;
+    double margin = DUTIES_FAR;
+    double least = DUTIES_FAR;
+    int which = -1;
+    int when = steps;
+    int hit = steps;
     w->impact = 0.0;
-    int hit = w->steps;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         double asked = w->overtakes[p * w->max_m + j] != 0.0 ? clearance : touch;
         bool keeps_off = cca_reacts(w, row, j, begin);
-        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            if (cca_has_duty(w, j, k, back) || (keeps_off && begin <= k && k <= back)) {
+        int until = cca_has_duty(w, j, back) ? w->duty_from : steps;
+        for (int k = 0, k_end_ = int_min(until, steps); k < k_end_; k += 1) {
+            if (keeps_off && begin <= k && k <= back) {
                 continue;
             }
-            double gap = gap_checks_nominal_gap(w, row, j, k, pet);
+            double enough = k > 0 ? real_max(real_max(least, asked + margin), 0.0) + GAP_CHECKS_ROUNDING
+                : HUGE_VAL;
+            double gap = gap_checks_nominal_gap(w, row, j, k, pet, enough);
             if (k == 0) {
                 asked = real_min(asked, real_max(gap - 0.02, 0.0));
             }
-            w->gap = real_min(w->gap, gap);
-            if (!(gap - asked >= w->min_margin)) {
-                w->min_margin = gap - asked;
-                w->which = j;
-                w->when = k;
+            least = real_min(least, gap);
+            if (!(gap - asked >= margin)) {
+                margin = gap - asked;
+                which = j;
+                when = k;
             }
             if (gap < 0.0 && k < hit) {
                 hit = k;
-                w->which = j;
-                w->when = k;
+                which = j;
                 double route = scene_at_station(w->n, w->psi, w->s[row * w->steps + k]);
                 double psi = w->crosses[j] != 0 ? w->psi_o[j * w->steps + k] : route;
                 double dx = w->v[row * w->steps + k] * cos(route) - w->v_o[j * w->steps + k] * cos(psi);
@@ -3959,12 +3967,14 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
             }
         }
     }
-    if (hit < w->steps) {
-        w->when = hit;
-    }
+    w->min_margin = margin;
+    w->gap = least;
+    w->which = which;
+    w->when = hit < steps ? hit : when;
 }
 
-static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
+/* Gap to where a vehicle may be in the worst case; more than `enough` may be more. */
+static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k, double enough)
 {
     if (w->crosses[j] != 0) {
         return gap_checks_plane_gap(w, k, w->x_w[j * w->steps + k], w->y_w[j * w->steps + k], w->psi_w[j
@@ -3976,7 +3986,7 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k)
     double bulge = real_max(w->seen[j * 24 + TRAFFIC_BULGE] * w->bends[k] - w->seen[j * 24
         + TRAFFIC_BEND_W], 0.0);
     return gap_checks_ego_gap(w, row, k, low - w->margin, high + w->margin, w->right[j * w->steps + k]
-        - bulge, w->left[j * w->steps + k] + bulge);
+        - bulge, w->left[j * w->steps + k] + bulge, enough);
 }
 
 /* Speed at which the ego and a vehicle of the worst case close at a time. */
@@ -4005,17 +4015,19 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
 {
     int back = cca_find_duty(w, row, wait);
     gap_checks_set_poses(w, row, p);
-    w->min_margin = DUTIES_FAR;
-    w->which = -1;
-    w->when = w->steps;
+    int steps = w->steps;
+    double margin = DUTIES_FAR;
+    int decides = -1;
+    int when = steps;
+    int hit = steps;
     w->impact = 0.0;
-    int hit = w->steps;
+    int maneuver_begin = cca_zone_begin(w, w->begin_from);
+    int lane_begin = cca_zone_begin(w, w->zone_from);
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         bool passed = w->overtakes[p * w->max_m + j] != 0.0;
         bool nears = w->v_o[j * w->steps + 0] < ROLLOUT_ONCOMING || w->v_o[j * w->steps + 0] > w->v_0
             || w->assumed[j] != 0;
-        double since = nears ? w->begin_from : w->zone_from;
-        int begin = cca_zone_begin(w, since);
+        int begin = nears ? maneuver_begin : lane_begin;
         bool same = w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING && w->assumed[j] == 0;
         bool ahead = same && w->s_o[j * w->steps + begin] > w->s[row * w->steps + begin] + w->offset;
         bool adjacent = !passed && cca_is_in_zone_lane(w, j);
@@ -4030,13 +4042,14 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
             continue;
         }
         double asked = passed ? clearance : touch;
-        for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-            bool duty = cca_has_duty(w, j, k, back) && cca_is_behind(w, row, p, j, back);
-            if (duty || (which == 1 && k > back)) {
-                continue;
-            }
-            double d = w->offset_at[row * w->steps + k];
-            bool out = scene_is_outside(w, d, 0.0);
+        int until = steps;
+        if (cca_has_duty(w, j, back) && cca_is_behind(w, row, p, j, back)) {
+            until = w->duty_from;
+        }
+        if (which == 1) {
+            until = int_min(until, back + 1);
+        }
+        for (int k = 0, k_end_ = int_min(until, steps); k < k_end_; k += 1) {
             bool zone = x_safety > 0.0 && k <= back && k >= begin;
             if (zone && in_zone_lane) {
                 double middle = w->s[row * w->steps + k] + w->offset;
@@ -4046,21 +4059,23 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
                 if (same && !ahead && w->rear_reaction > 0.0) {
                     zone_gap = k == begin ? cca_worst_rear_gap(w, row, j, k) - x_safety : DUTIES_FAR;
                 }
-                if (!(zone_gap >= w->min_margin)) {
-                    w->min_margin = zone_gap;
-                    w->which = j;
-                    w->when = k;
+                if (!(zone_gap >= margin)) {
+                    margin = zone_gap;
+                    decides = j;
+                    when = k;
                 }
                 continue;
             }
             if (w->assumed[j] != 0) {
                 continue;
             }
-            if (k > 0 && !(w->v[row * w->steps + k - 1] >= GAP_CHECKS_STANDSTILL) && w->crosses[j] == 0
-                && !out) {
-                continue;
+            if (k > 0 && !(w->v[row * w->steps + k - 1] >= GAP_CHECKS_STANDSTILL) && w->crosses[j] == 0) {
+                if (!scene_is_outside(w, w->offset_at[row * w->steps + k], 0.0)) {
+                    continue;
+                }
             }
-            double gap = gap_checks_worst_gap(w, row, p, j, k);
+            double enough = k > 0 ? real_max(asked + margin, 0.0) + GAP_CHECKS_ROUNDING : HUGE_VAL;
+            double gap = gap_checks_worst_gap(w, row, p, j, k, enough);
             if (gap < 0.0 && k < hit) {
                 hit = k;
                 w->impact = gap_checks_worst_impact(w, row, j, k);
@@ -4068,14 +4083,17 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
             if (k == 0) {
                 asked = real_min(asked, real_max(gap - 0.02, 0.0));
             }
-            if (!(gap - asked >= w->min_margin)) {
-                w->min_margin = gap - asked;
-                w->which = j;
-                w->when = k;
+            if (!(gap - asked >= margin)) {
+                margin = gap - asked;
+                decides = j;
+                when = k;
             }
         }
     }
-    return w->min_margin >= 0.0;
+    w->min_margin = margin;
+    w->which = decides;
+    w->when = when;
+    return margin >= 0.0;
 }
 #define CONFLICTS_BLOCK 8
 #define CONFLICTS_SKIPPED 1e-09

@@ -360,8 +360,8 @@ void cca_sum_costs(Scene *w, int row, int p, double until);
 /* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
 int cca_find_duty(Scene *w, int row, double wait);
 
-/* Whether a vehicle is behind the ego in its lane, for good. */
-bool cca_has_duty(const Scene *w, int j, int k, int back);
+/* Whether a vehicle is behind the ego in its lane from `duty_from` on, for good. */
+bool cca_has_duty(const Scene *w, int j, int back);
 
 /* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
 bool cca_is_behind(const Scene *w, int row, int p, int j, int back);

@@ -473,20 +473,16 @@ static PyObject *call_has_duty(PyObject *self_, PyObject *const *given_, Py_ssiz
 {
     (void)self_;
     (void)given_;
-    if (!lend_count("has_duty", 4, count_)) {
+    if (!lend_count("has_duty", 3, count_)) {
         return NULL;
     }
     const Scene *w;
     int j;
-    int k;
     int back;
     if (!lend_whole(given_[1], &j)) {
         return NULL;
     }
-    if (!lend_whole(given_[2], &k)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[3], &back)) {
+    if (!lend_whole(given_[2], &back)) {
         return NULL;
     }
     Lent lent_[1];
@@ -497,7 +493,7 @@ static PyObject *call_has_duty(PyObject *self_, PyObject *const *given_, Py_ssiz
         return NULL;
     }
     bool result_;
-    result_ = cca_has_duty(w, j, k, back);
+    result_ = cca_has_duty(w, j, back);
     lend_end(lent_, held_);
     return PyBool_FromLong(result_);
 }
@@ -2347,7 +2343,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "c9dd4adce60c1fc527fb165709ed3e54c647776ce739075b7b0f63a3aa5491f3") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "9b2945592e7666928698e15fd4ef521ce0259ec987152d3f6a4f22fb3e0d0585") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
