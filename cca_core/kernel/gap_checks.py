@@ -106,7 +106,7 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
     begin = 0 if w.established != 0 else zone_begin(w, w.zone_from)
     steps = w.steps
     margin = FAR
-    least = FAR
+    closest = FAR
     which = -1
     when = steps
     hit = steps
@@ -119,11 +119,11 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
             if keeps_off and begin <= k and k <= back:
                 continue
             # a gap that neither lowers a minimum nor is an overlap need not be exact
-            enough = max(least, asked + margin, 0.0) + ROUNDING if k > 0 else math.inf
+            enough = max(closest, asked + margin, 0.0) + ROUNDING if k > 0 else math.inf
             gap = nominal_gap(w, row, j, k, pet, enough)
             if k == 0:
                 asked = min(asked, max(gap - 0.02, 0.0))
-            least = min(least, gap)
+            closest = min(closest, gap)
             if not gap - asked >= margin:
                 margin = gap - asked
                 which = j
@@ -137,7 +137,7 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
                 dy = w.v[row, k] * math.sin(route) - w.v_o[j, k] * math.sin(psi)
                 w.impact = norm(dx, dy)
     w.min_margin = margin
-    w.gap = least
+    w.gap = closest
     w.which = which
     w.when = hit if hit < steps else when
 

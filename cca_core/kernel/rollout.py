@@ -11,6 +11,7 @@ ONCOMING = -0.5  # speed below which a vehicle drives against the ego [m/s]
 CALM = 0.5  # by which a plan that is kept may brake less than one made anew [m/s^2]
 RELEASE = 12.0  # rate at which brakes are released [m/s^3]
 TIME_EPS = 1e-9
+LIMITED_STEP = 2  # the last of the steps that say what limits a motion
 ROUNDING = 1e-9  # [m]
 NO_LIMIT = -1
 ROUTE_LIMIT = -2
@@ -127,6 +128,7 @@ def roll_out(
     w.terms[row, 8] = 0.0
     for k in range(w.steps):
         risk = 0.0
+        ends = tail > 0.0 and w.t[k] >= w.react - TIME_EPS  # when nothing but its braking counts
         w.s[row, k] = position
         w.v[row, k] = speed
         w.offset_at[row, k] = lateral(w, p, position)
@@ -140,7 +142,7 @@ def roll_out(
         if want < w.a_max - 0.01 and want < -0.05:
             limit = ROUTE_LIMIT
         front = position + w.offset + w.half_length
-        if follows:
+        if follows and (not ends or k <= LIMITED_STEP):
             for _ in range(w.steps):  # as far as vehicles are looked for before they are in the path
                 if later + 1 >= w.steps or not w.t[later] < w.t[k] + w.look:
                     break
@@ -178,7 +180,7 @@ def roll_out(
                 if a < want:
                     want = a
                     limit = FIRST_STOP - j
-        if k <= 2:
+        if k <= LIMITED_STEP:
             w.limited_by[row] = limit
         free = False  # of limits of its change: what is kept was within them
         if kept:
@@ -187,12 +189,12 @@ def roll_out(
             free = want <= law
             want = min(want, law)
         want = min(want, -braking) if braking > 0.0 else want
-        if tail > 0.0 and w.t[k] >= w.react - TIME_EPS:
+        if ends:
             want = -tail
         side = (w.kappa[station(w.n, position)] + bend(w, p, position)) * speed * speed
         available = math.sqrt(max(w.grip * w.grip - side * side, 0.25))
         want = min(max(want, -available), available)
-        if not free or (tail > 0.0 and w.t[k] >= w.react - TIME_EPS):
+        if not free or ends:
             hard = want < -2.0 * w.b_comfort or tail > 0.0
             low = command - (w.jerk_emergency if hard else w.jerk) * h
             high = command + w.jerk * h

@@ -2565,6 +2565,7 @@ static bool scene_is_outside(const Scene *w, double d, double tolerance)
 #define ROLLOUT_CALM 0.5
 #define ROLLOUT_RELEASE 12.0
 #define ROLLOUT_TIME_EPS 1e-09
+#define ROLLOUT_LIMITED_STEP 2
 #define ROLLOUT_ROUNDING 1e-09
 #define ROLLOUT_NO_LIMIT (-1)
 #define ROLLOUT_ROUTE_LIMIT (-2)
@@ -2696,6 +2697,7 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
     w->terms[row * 9 + 8] = 0.0;
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
         double risk = 0.0;
+        bool ends = tail > 0.0 && w->t[k] >= w->react - ROLLOUT_TIME_EPS;
         w->s[row * w->steps + k] = position;
         w->v[row * w->steps + k] = speed;
         w->offset_at[row * w->steps + k] = scene_lateral(w, p, position);
@@ -2710,7 +2712,7 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
             limit = ROLLOUT_ROUTE_LIMIT;
         }
         double front = position + w->offset + w->half_length;
-        if (follows) {
+        if (follows && (!ends || k <= ROLLOUT_LIMITED_STEP)) {
             for (int turn3_ = 0, turn3__end_ = w->steps; turn3_ < turn3__end_; turn3_ += 1) {
                 if (later + 1 >= w->steps || !(w->t[later] < w->t[k] + w->look)) {
                     break;
@@ -2764,7 +2766,7 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
                 }
             }
         }
-        if (k <= 2) {
+        if (k <= ROLLOUT_LIMITED_STEP) {
             w->limited_by[row] = limit;
         }
         bool free = false;
@@ -2776,13 +2778,13 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
             want = real_min(want, law);
         }
         want = braking > 0.0 ? real_min(want, -braking) : want;
-        if (tail > 0.0 && w->t[k] >= w->react - ROLLOUT_TIME_EPS) {
+        if (ends) {
             want = -tail;
         }
         double side = (w->kappa[scene_station(w->n, position)] + scene_bend(w, p, position)) * speed * speed;
         double available = sqrt(real_max(w->grip * w->grip - side * side, 0.25));
         want = real_min(real_max(want, -available), available);
-        if (!free || (tail > 0.0 && w->t[k] >= w->react - ROLLOUT_TIME_EPS)) {
+        if (!free || ends) {
             bool hard = want < -2.0 * w->b_comfort || tail > 0.0;
             double low = command - (hard ? w->jerk_emergency : w->jerk) * h;
             double high = command + w->jerk * h;
@@ -3931,7 +3933,7 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
     int begin = w->established != 0 ? 0 : cca_zone_begin(w, w->zone_from);
     int steps = w->steps;
     double margin = DUTIES_FAR;
-    double least = DUTIES_FAR;
+    double closest = DUTIES_FAR;
     int which = -1;
     int when = steps;
     int hit = steps;
@@ -3944,13 +3946,13 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
             if (keeps_off && begin <= k && k <= back) {
                 continue;
             }
-            double enough = k > 0 ? real_max(real_max(least, asked + margin), 0.0) + GAP_CHECKS_ROUNDING
+            double enough = k > 0 ? real_max(real_max(closest, asked + margin), 0.0) + GAP_CHECKS_ROUNDING
                 : HUGE_VAL;
             double gap = gap_checks_nominal_gap(w, row, j, k, pet, enough);
             if (k == 0) {
                 asked = real_min(asked, real_max(gap - 0.02, 0.0));
             }
-            least = real_min(least, gap);
+            closest = real_min(closest, gap);
             if (!(gap - asked >= margin)) {
                 margin = gap - asked;
                 which = j;
@@ -3968,7 +3970,7 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
         }
     }
     w->min_margin = margin;
-    w->gap = least;
+    w->gap = closest;
     w->which = which;
     w->when = hit < steps ? hit : when;
 }
