@@ -60,7 +60,11 @@ def maneuver_paths(
     last: LateralPath | None,
     max_speed: float,
 ) -> tuple[list[LateralPath], list[Rejection]]:
-    """Return maneuvers around the vehicles that block the route, and why others are rejected."""
+    """Return maneuvers around the vehicles that block the route, and why others are rejected.
+
+    A decision bends at most 48 bands: for each of 3 groups, 2 sides and 2 corridors (the ego lane, or with
+    the adjacent one) there is a comfortable, a hard and a narrow one, and the narrow one is tried twice.
+    """
     traffic, road = around.traffic, around.road
     rows = blocking_rows(around, frozenset() if last is None else last.overtaken)
     paths: list[LateralPath] = []
