@@ -8,6 +8,7 @@ from cca_core.kernel.types import Int, Real
 
 __all__ = ["set_following_speed", "set_order"]
 
+EAGER = 1.5  # drivers brake harder than needed, but no harder than the one ahead [-]
 OVERLAP = 0.2  # of bodies across the road that still pass each other [m]
 
 
@@ -23,24 +24,23 @@ def keep_behind(w: Scene, j: Int, k: Int, sign: Real) -> None:
     if drive_on and sign * w.s_follow[j, w.steps - 1] <= sign * w.s_follow[k, 0] - space:
         return  # it never comes near
     last = w.steps - 1
-    start = w.t[last]  # its driver brakes in comfort, at once as hard as needed, or as the one ahead does
-    braking = w.b_comfort
-    must_brake = False
+    start = w.t[last]  # its driver brakes in comfort, or at once: as hard as needed and more, as the one ahead
+    needed = 0.0
     for i in range(1, w.steps):
         lack = sign * (w.s_follow[j, i] - w.s_follow[k, i]) + space
         if lack > 0.0 and not abs(w.d_o[j, i] - w.d_o[k, i]) >= apart:
             start = min(start, w.t[i] - math.sqrt(2.0 * lack / w.b_comfort))
-            braking = max(braking, 2.0 * lack / (w.t[i] * w.t[i]))
-            must_brake = True
+            needed = max(needed, 2.0 * lack / (w.t[i] * w.t[i]))
     start = max(start, 0.0)
+    braking = max(w.b_comfort, needed)
     farthest = begin
     for i in range(w.steps):
         late = max(w.t[i] - start, 0.0)
-        at = sign * w.s_follow[j, i] - 0.5 * braking * (late * late)
-        if must_brake:
-            at = min(
-                at, sign * (w.s_follow[j, i] + w.s_follow[k, i] - w.s_follow[k, 0] - w.v_o[k, 0] * w.t[i])
-            )
+        s = sign * w.s_follow[j, i]
+        at = s - 0.5 * braking * (late * late)
+        if needed > 0.0:
+            alike = s + sign * (w.s_follow[k, i] - w.s_follow[k, 0] - w.v_o[k, 0] * w.t[i])
+            at = min(at, max(alike, s - 0.5 * EAGER * needed * (w.t[i] * w.t[i])))
         if not abs(w.d_o[j, i] - w.d_o[k, i]) >= apart:
             at = min(at, sign * w.s_follow[k, i] - space)
         farthest = max(farthest, at)

@@ -2960,6 +2960,7 @@ double cca_worst_rear_gap(const Scene *w, int row, int j, int begin)
 
 /* order.py: Order of the vehicles in a lane: drivers brake behind each other, and no vehicle drives
     through another. */
+#define ORDER_EAGER 1.5
 #define ORDER_OVERLAP 0.2
 
 /* Keep the nominal motion of a vehicle behind another one of its lane and direction, a meter apart. */
@@ -2980,24 +2981,25 @@ static void order_keep_behind(Scene *w, int j, int k, double sign)
     }
     int last = w->steps - 1;
     double start = w->t[last];
-    double braking = w->b_comfort;
-    bool must_brake = false;
+    double needed = 0.0;
     for (int i = 1, i_end_ = w->steps; i < i_end_; i += 1) {
         double lack = sign * (w->s_follow[j * w->steps + i] - w->s_follow[k * w->steps + i]) + space;
         if (lack > 0.0 && !(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
             start = real_min(start, w->t[i] - sqrt(2.0 * lack / w->b_comfort));
-            braking = real_max(braking, 2.0 * lack / (w->t[i] * w->t[i]));
-            must_brake = true;
+            needed = real_max(needed, 2.0 * lack / (w->t[i] * w->t[i]));
         }
     }
     start = real_max(start, 0.0);
+    double braking = real_max(w->b_comfort, needed);
     double farthest = begin;
     for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
         double late = real_max(w->t[i] - start, 0.0);
-        double at = sign * w->s_follow[j * w->steps + i] - 0.5 * braking * (late * late);
-        if (must_brake) {
-            at = real_min(at, sign * (w->s_follow[j * w->steps + i] + w->s_follow[k * w->steps + i]
-                - w->s_follow[k * w->steps + 0] - w->v_o[k * w->steps + 0] * w->t[i]));
+        double s = sign * w->s_follow[j * w->steps + i];
+        double at = s - 0.5 * braking * (late * late);
+        if (needed > 0.0) {
+            double alike = s + sign * (w->s_follow[k * w->steps + i] - w->s_follow[k * w->steps + 0]
+                - w->v_o[k * w->steps + 0] * w->t[i]);
+            at = real_min(at, real_max(alike, s - 0.5 * ORDER_EAGER * needed * (w->t[i] * w->t[i])));
         }
         if (!(fabs(w->d_o[j * w->steps + i] - w->d_o[k * w->steps + i]) >= apart)) {
             at = real_min(at, sign * w->s_follow[k * w->steps + i] - space);
