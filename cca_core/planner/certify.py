@@ -184,11 +184,11 @@ class Certifier:
         return min(max(late, 0.0) / self._settings.silence_time, 1.0)
 
     def _braking_ahead(self) -> float:
-        """Part of the ego's full braking that is seen ahead, as far as it needs to stop in comfort [-]."""
-        around = self._around
-        until = around.s + around.v**2 / (2.0 * around.limits.b_comfort)
+        """Part of the braking beyond comfort that is seen ahead, as far as the ego needs to stop [-]."""
+        around, limits = self._around, self._around.limits
+        until = around.s + around.v**2 / (2.0 * limits.b_comfort)
         braking = max((-n.speed_rate for n in self._leads() if n.rear < until), default=0.0)
-        return min(max(braking / around.limits.b_max, 0.0), 1.0)
+        return min(max(braking - limits.b_comfort, 0.0) / max(limits.b_max - limits.b_comfort, 0.1), 1.0)
 
     def _leads(self) -> list[FrenetVehicle]:
         """Return the vehicles ahead of the ego that are in its way across the road."""
