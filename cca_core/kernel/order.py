@@ -24,7 +24,8 @@ def keep_behind(w: Scene, j: Int, k: Int, sign: Real) -> None:
     if drive_on and sign * w.s_follow[j, w.steps - 1] <= sign * w.s_follow[k, 0] - space:
         return  # it never comes near
     last = w.steps - 1
-    start = w.t[last]  # its driver brakes in comfort, or at once: as hard as needed and more, as the one ahead
+    # its driver brakes in comfort, or at once: harder than needed, at most as the one ahead
+    start = w.t[last]
     needed = 0.0
     for i in range(1, w.steps):
         lack = sign * (w.s_follow[j, i] - w.s_follow[k, i]) + space

@@ -2343,7 +2343,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "fe75f13b9d0a273463f05ea32f1c3707b5df1eea31d90bf3aa1fc283204b1e33") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "5b4d500a78fbfe0164b804be1922a13d27722c7dbc13df9a17635b7b4042cd16") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
