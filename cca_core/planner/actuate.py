@@ -65,6 +65,13 @@ def since(stop: SafeStop, elapsed: float) -> SafeStop:
     return SafeStop(t=stop.t - elapsed, delta=stop.delta, a_x=stop.a_x, v=stop.v, poses=stop.poses)
 
 
+def stop_acceleration(stop: SafeStop, elapsed: float, after: float) -> float:
+    """Return the acceleration of a safe stop some time after its decision, another one after its end."""
+    if elapsed > stop.t[-1] or not np.interp(elapsed, stop.t, stop.v) > 0.0:
+        return after
+    return float(np.interp(elapsed, stop.t, stop.a_x))
+
+
 def dead_reckon(
     state: VehicleState, delta: float, a_x: float, dt: float, vehicle: VehicleParams
 ) -> VehicleState:

@@ -15,7 +15,7 @@ from cca_core.path import Lane, Road
 from cca_core.planner.maneuvers import plan_path
 from cca_core.planner.occupancy import N_STOPS
 from cca_core.planner.paths import Surroundings, return_paths, route_path
-from cca_core.planner.records import Branch, LateralPath, Level, Plan, Profile
+from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan, Profile
 from cca_core.planner.scene import FREE_ROW, N_PATHS, N_ROWS, TIMES, find, limit_path, meet, roll, sum_up
 
 _SIDES: tuple[Side, Side] = ("left", "right")
@@ -101,6 +101,23 @@ def maneuver_paths(
 def adjacent_lane(road: Road, side: Side) -> Lane | None:
     """Return the adjacent lane on a side; None if there is none."""
     return road.lane_at(road.ego_lane.left + 0.1 if side == "left" else road.ego_lane.right - 0.1)
+
+
+def lane_rejection(around: Surroundings, kind: PathKind, j: int) -> Rejection:
+    """Return the rejection of a gap because of the vehicle that decides."""
+    side = kind.value
+    if j >= len(around.traffic.ids):
+        known = around.settings.awareness_range
+        return Rejection(
+            kind=RejectionKind.BEYOND_AWARENESS, side=side, value=around.road.speed_limit, limit=known
+        )
+    n = around.traffic.vehicles[j]
+    ahead = n.rear - around.s - around.vehicle.front
+    behind = around.s + around.vehicle.rear - n.front
+    distance = ahead if ahead > 0.0 else -max(behind, 0.0)
+    return Rejection(
+        kind=RejectionKind.LANE_BLOCKED, side=side, vehicle_id=n.id, distance=distance, value=abs(n.v_s)
+    )
 
 
 def lane_refusal(around: Surroundings, lane: Lane | None, side: Side) -> Rejection | None:

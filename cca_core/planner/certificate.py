@@ -4,9 +4,14 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
+import numpy as np
+
 from cca_core._checks import Array
+from cca_core.path import Path, interpolate_path
 
 __all__ = ["Certificate", "Grade", "SafeStop"]
+
+_NODE_SPACING = 1.0  # of a path through poses [m]
 
 
 class Grade(IntEnum):
@@ -70,6 +75,24 @@ class SafeStop:
     a_x: Array
     v: Array
     poses: Array
+
+    def path(self) -> Path | None:
+        """Path through the poses.
+
+        Returns
+        -------
+        path : Path or None
+            Its first station is 0; None if the stop does not move by 2 m.
+        """
+        driven = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self.poses[:, :2], axis=0).T))))
+        if driven[-1] < 2.0 * _NODE_SPACING:
+            return None
+        # the first pose of each meter; the last one stays even if its cell has another
+        rows = np.flatnonzero(np.diff(np.floor(driven / _NODE_SPACING), prepend=-1.0) > 0.0)
+        rows[-1] = len(driven) - 1
+        x, y, psi = self.poses[rows].T
+        tangents = np.column_stack((np.cos(psi), np.sin(psi)))
+        return interpolate_path(np.column_stack((x, y)), start_tangent=tangents[0], end_tangent=tangents[-1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

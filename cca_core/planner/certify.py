@@ -11,9 +11,10 @@ from cca_core.decide import Rejection, RejectionKind
 from cca_core.frenet import FrenetVehicle
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
-from cca_core.planner.candidates import Stop, adjacent_lane, lane_refusal
+from cca_core.planner.candidates import Stop, adjacent_lane, lane_refusal, lane_rejection
 from cca_core.planner.certificate import Certificate, Grade
 from cca_core.planner.paths import Surroundings
+from cca_core.planner.rear_gaps import keeps_rear_gaps
 from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED
@@ -41,6 +42,8 @@ class Certifier:
         self._scene, self._around, self._inside = scene, around, inside
         self._settings = around.settings.certificate
         self._kept, self._stops, self._homes = kept, stops, homes
+        # deceleration of a safe stop, if no vehicle asks for more
+        self._firm = min(around.settings.actuation.safe_stop_deceleration, around.limits.b_max)
         self._valid = valid  # time after which the last certified plan must brake [s]
         self.count = 0
 
@@ -213,24 +216,46 @@ class Certifier:
             return
         if self._inside and not self._is_safe(plan, ends, touch, clearance, x_safety, _ADJACENT):
             plan.grade = Grade.REFUSED
-            plan.rejection = self._lane_rejection(plan, self._scene.workspace.which)
+            plan.rejection = lane_rejection(self._around, plan.path.kind, self._scene.workspace.which)
             return
         homes = (Branch(path, row, *here[2:4], is_other=True) for path, row in self._homes)
-        for branch in (here, *homes, ends):  # it brakes at once, here or on its way back, or after the pass
-            x = x_safety if branch is ends else 0.0
-            if self._is_safe(plan, branch, touch, 0.0 if branch.is_other else clearance, x, _ALL):
-                plan.grade = Grade.COMFORTABLE if plan.path.level is Level.COMFORT else Grade.FULL
-                plan.branch, plan.braking = branch, settings.comfortable_braking
-                return
+        # it brakes at once, here or on its way back, or after the pass; for drivers behind less hard
+        hard = [*((b, 0.0) for b in (here, *homes)), (ends, x_safety)]
+        checks = hard + [(b._replace(braking=self._firm), x) for b, x in hard]
+        safe = self._safe_branch(plan, checks, touch, clearance)
+        if safe is not None:
+            plan.grade = Grade.COMFORTABLE if plan.path.level is Level.COMFORT else Grade.FULL
+            plan.branch, plan.braking = safe, settings.comfortable_braking
+            return
         plan.grade = Grade.NOMINAL
+
+    def _safe_branch(
+        self, plan: Plan, checks: Sequence[tuple[Branch, float]], touch: float, clearance: float
+    ) -> Branch | None:
+        """Return the first safe branch that keeps gaps to drivers behind, else the first safe one."""
+        found, decides = None, ""
+        for branch, x in checks:
+            if not self._is_safe(plan, branch, touch, 0.0 if branch.is_other else clearance, x):
+                continue
+            keeps_gaps = keeps_rear_gaps(self._around, self._scene.arrays, _TAIL, branch.path_row)
+            if keeps_gaps or found is None:
+                found, decides = branch, plan.decides
+            if keeps_gaps:
+                break
+        plan.decides = plan.decides if found is None else decides
+        return found
 
     def _needed_braking(self, plan: Plan, touch: float, clearance: float) -> float:
         """Return the least deceleration of a tail that is safe in the worst case; infinite if none is."""
         here, limits = plan.branch, self._around.limits
         goes_on = here._replace(braking=0.0)
         if self._is_safe(plan, goes_on, touch, clearance):
-            ends = here._replace(braking=limits.b_comfort)
-            plan.branch = ends if self._is_safe(plan, ends, touch, clearance) else goes_on
+            firm, comfortable, gentle = (
+                (here._replace(braking=b), 0.0)
+                for b in (self._firm, self._settings.comfortable_braking, limits.b_comfort)
+            )
+            safe = self._safe_branch(plan, (firm, comfortable), touch, clearance)
+            plan.branch = safe or self._safe_branch(plan, (gentle,), touch, clearance) or goes_on
             return 0.0
         if not self._is_safe(plan, here, touch, clearance):
             plan.impact_id = plan.decides
@@ -290,19 +315,3 @@ class Certifier:
     def _name(self, j: int) -> str:
         ids = self._around.traffic.ids
         return ids[j] if 0 <= j < len(ids) else ""
-
-    def _lane_rejection(self, plan: Plan, j: int) -> Rejection:
-        """Rejection of a gap because of the vehicle that decides."""
-        around, side = self._around, plan.path.kind.value
-        if j >= len(around.traffic.ids):
-            known = around.settings.awareness_range
-            return Rejection(
-                kind=RejectionKind.BEYOND_AWARENESS, side=side, value=around.road.speed_limit, limit=known
-            )
-        n = around.traffic.vehicles[j]
-        ahead = n.rear - around.s - around.vehicle.front
-        behind = around.s + around.vehicle.rear - n.front
-        distance = ahead if ahead > 0.0 else -max(behind, 0.0)
-        return Rejection(
-            kind=RejectionKind.LANE_BLOCKED, side=side, vehicle_id=n.id, distance=distance, value=abs(n.v_s)
-        )

@@ -16,7 +16,7 @@ from cca_core.frenet import INCOMPLETE, to_frenet
 from cca_core.frenet.branches import Branches
 from cca_core.path import Path, Road
 from cca_core.planner import modes
-from cca_core.planner.actuate import dead_reckon, planned_acceleration, since
+from cca_core.planner.actuate import dead_reckon, planned_acceleration, since, stop_acceleration
 from cca_core.planner.certificate import Grade
 from cca_core.planner.command import Command
 from cca_core.planner.deliberation import Deliberation, Setup
@@ -33,7 +33,7 @@ from cca_core.planner.inputs import (
 )
 from cca_core.planner.last_known import recall
 from cca_core.planner.reasons import explain
-from cca_core.planner.records import LateralPath, Level, Mode, Observation, PathKind, PlannerState
+from cca_core.planner.records import DrivenPlan, LateralPath, Level, Mode, Observation, PathKind, PlannerState
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
@@ -96,6 +96,7 @@ class Planner:
         self._clock = CycleClock()
         self._command: Command | None = None
         self._input_faults: tuple[str, ...] = ()
+        self._stop_path: tuple[DrivenPlan | None, Path] = None, self.road.path  # that of a lost state
         self._state = PlannerState()
 
     def __repr__(self) -> str:
@@ -274,14 +275,19 @@ class Planner:
         ))  # fmt: skip
 
     def _safe_stop(self, reason: str, dt: float) -> Command:
-        """Brake along the last plan, on a dead-reckoned state; hold the steering if there is no plan."""
+        """Follow the safe stop of the last plan on a dead-reckoned state; without one, brake straight on."""
         state = self._state
         a_x, delta = -self.evasion.actuation.safe_stop_deceleration, state.delta
         reference, plan, estimate = self.road.path, state.plan, state.estimate
         a_x = max(a_x, -self._limits.b_max)
         if plan is not None and estimate is not None and "internal" not in reason:
+            a_x = max(
+                stop_acceleration(plan.safe_stop, self._clock.t + dt - plan.t, a_x), -self._limits.b_max
+            )
             estimate = dead_reckon(estimate, state.delta, a_x, dt, self.vehicle)
-            reference = plan.reference
+            if self._stop_path[0] is not plan:
+                self._stop_path = plan, plan.safe_stop.path() or plan.reference
+            reference = self._stop_path[1]
             delta = self._controller.steer(estimate, reference, dt)
         self._state = modes.advance(
             state, self._clock.t, Mode.SAFE_STOP, a_x=min(state.a_x, 0.0), delta=delta, estimate=estimate,

@@ -31,12 +31,13 @@ from cca_core.rig.protection import (
 from cca_core.rig.receivers import CommandReceiver, StateReceiver, StateSettings
 from cca_core.rig.records import PlantRow, ProcessRecord, VehicleRow, read_record, write_record
 from cca_core.rig.run import RigError, RigOptions, RigRun, run_scenario, run_scenarios, start_process
-from cca_core.rig.safe_stop import SAFE_STOP_POINTS, SafeStopSettings, StopProfile, plan_safe_stop
-from cca_core.rig.settings import RigSettings, SteeringMap, read_rig_settings
+from cca_core.rig.safe_stop import SAFE_STOP_POINTS, StopProfile
+from cca_core.rig.settings import RigSettings, SteeringMap, VehicleSettings, read_rig_settings
+from cca_core.rig.stop_rollout import SafeStopSettings, plan_safe_stop
 from cca_core.rig.takeover import Takeover
 from cca_core.rig.telemetry import encode_telemetry
 from cca_core.rig.udp import UdpLink
-from cca_core.rig.vehicle import VehicleNode, VehicleSettings
+from cca_core.rig.vehicle import VehicleNode
 from cca_core.rig.wrap import WRAPPERS, wrap_message
 
 __all__ = [

@@ -1,6 +1,7 @@
 """Drive-by-wire kit: enable, clear, driver override, rate limit, timeout and safe stop."""
 
 import math
+from copy import copy
 from dataclasses import dataclass
 from enum import Enum
 
@@ -136,6 +137,8 @@ class DriveByWireKit:
     - The driver overrides ENABLED and SAFE_STOP at once. OVERRIDE becomes DISABLED on an edge of `clear`.
     - SAFE_STOP becomes ENABLED on an edge of `clear` with `enable`, if a safe stop planned since has
       arrived. A process that was restarted has to plan from the measured motion before it may take over.
+    - SAFE_STOP executes the safe stop that was the last one when it began: each new one drives on for a
+      moment before it brakes, so one after the other would never stop.
     """
 
     def __init__(self, settings: KitSettings | None = None) -> None:
@@ -144,7 +147,7 @@ class DriveByWireKit:
         self.has_timed_out = False
         self._steering: tuple[float, SteeringCommand] | None = None
         self._acceleration: tuple[float, AccelerationCommand] | None = None
-        self._stop = StoredStop()
+        self._stop = self._begun = StoredStop()  # the last one, and the one that is executed
         self._is_plan_new = False  # received since the state was entered
         self._seen_disabled: set[str] = set()  # commands without enable since the state was entered
         self._was_not_clear = False  # since then
@@ -192,9 +195,12 @@ class DriveByWireKit:
         t : float
             Time of reception on the kit's clock [s].
         plan : StopProfile
-            Executed when commands are missing.
+            Executed when commands are missing. In SAFE_STOP the one that has begun goes on.
         """
+        self._stop = copy(self._stop)
         self._stop.load(plan, t)
+        if self._begun.plan is None:
+            self._begun = self._stop
         self._is_plan_new = True
 
     def step(self, t: float, measured: VehicleState, *, driver_override: bool = False) -> Actuation:
@@ -215,7 +221,8 @@ class DriveByWireKit:
             Steering and acceleration until the next cycle.
         """
         dt = 0.0 if self._last is None else min(max(t - self._last[0], 0.0), 1.0)
-        self._stop.move(max(measured.v_x, 0.0), t)
+        for stop in {id(stop): stop for stop in (self._stop, self._begun)}.values():
+            stop.move(max(measured.v_x, 0.0), measured.r, t)
         self._enter(self._next_state(t, driver_override))
         if self.state in (KitState.DISABLED, KitState.OVERRIDE):
             actuation = Actuation(delta=measured.delta, a_x=measured.a_x, by_driver=True)
@@ -225,7 +232,7 @@ class DriveByWireKit:
         else:
             held = measured.delta if self._last is None else self._last[1]
             blind = held, -self.settings.blind_deceleration
-            actuation = self._limited(*(self._stop.execute() or blind), dt)
+            actuation = self._limited(*(self._begun.execute() or blind), dt)
         self._last = t, actuation.delta
         return actuation
 
@@ -251,6 +258,7 @@ class DriveByWireKit:
             self.has_timed_out = state is KitState.SAFE_STOP
             self._seen_disabled = set()
             self._was_not_clear = self._is_plan_new = False
+            self._begun = self._stop
             self.state = state
 
     def _is_fresh(self, t: float) -> bool:

@@ -5,11 +5,13 @@ from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
+
 from cca_core._optional import require_extra
 from cca_core.rig.frames import Frame, KitStatus
 from cca_core.rig.kit import AccelerationCommand, KitState, SteeringCommand
 from cca_core.rig.protection import protect
-from cca_core.rig.safe_stop import SAFE_STOP_POINTS, StopProfile
+from cca_core.rig.safe_stop import StopProfile
 from cca_core.rig.settings import SteeringMap
 from cca_core.vehicle import VehicleState
 
@@ -24,6 +26,11 @@ COMMAND_MESSAGES = ("STEERING_COMMAND", "ACCELERATION_COMMAND", "SAFE_STOP")
 
 N_CYCLES = 65_536
 """Numbers of states are sent modulo this."""
+
+N_PLAN_CYCLES = 32
+"""Numbers of the states at which safe stops begin are sent modulo this."""
+
+_HEADING_RANGE = 4.096  # headings of safe stops are sent modulo this [rad]
 
 
 class Codec:
@@ -159,29 +166,29 @@ class Codec:
             self._frame("ACCELERATION_COMMAND", counter, brake),
         ]
 
-    def safe_stop_frames(self, plan: StopProfile, number: int, counter: int) -> list[Frame]:
+    def safe_stop_frames(self, plan: StopProfile, cycle: int, counter: int) -> list[Frame]:
         """Frames of a safe stop.
 
         Parameters
         ----------
         plan : StopProfile
             Steering and braking over distance.
-        number : int
-            Number of the plan [-], sent modulo 16.
+        cycle : int
+            Number of the state at which the plan begins [-], sent modulo 32.
         counter : int
             Number of the first frame [-]; each further one adds 1.
 
         Returns
         -------
         frames : list of Frame
-            Thirteen frames of two points each.
+            One for each point.
         """
         frames = []
-        for i in range(SAFE_STOP_POINTS // 2):
-            first, second = (self._steering.to_steering_wheel(plan.delta[2 * i + k]) for k in (0, 1))
+        for i, (heading, delta, a_x) in enumerate(zip(plan.heading, plan.delta, plan.a_x, strict=True)):
             content = {
-                "Plan": number % 16, "Index": i, "SteeringWheelAngle0": first, "SteeringWheelAngle1": second,
-                "Deceleration": plan.deceleration[2 * i], "Spacing": plan.spacing,
+                "Cycle": cycle % N_PLAN_CYCLES, "Index": i, "Acceleration": a_x, "Spacing": plan.spacing,
+                "SteeringWheelAngle": self._steering.to_steering_wheel(delta),
+                "Heading": math.remainder(heading, _HEADING_RANGE),
             }  # fmt: skip
             frames.append(self._frame("SAFE_STOP", counter + i, content))
         return frames
@@ -259,19 +266,24 @@ class Codec:
         Parameters
         ----------
         frames : iterable of Frame
-            The thirteen frames of one plan, in order.
+            The frames of one plan, in order.
 
         Returns
         -------
         plan : StopProfile
             Steering and braking over distance.
+
+        Raises
+        ------
+        InputError
+            If the content is not that of a plan.
         """
-        parts = [self.decode(frame) for frame in frames]
-        convert = self._steering.to_road_wheel
-        angles = (s[f"SteeringWheelAngle{k}"] for s in parts for k in (0, 1))
+        points = [self.decode(frame) for frame in frames]
+        heading = np.unwrap([s["Heading"] for s in points], period=_HEADING_RANGE)
         return StopProfile(
-            spacing=max(parts[0]["Spacing"], 0.02), delta=tuple(convert(angle) for angle in angles),
-            deceleration=tuple(s["Deceleration"] for s in parts for _ in (0, 1)),
+            spacing=points[0]["Spacing"] if points else 0.0, heading=tuple(heading.tolist()),
+            delta=tuple(self._steering.to_road_wheel(s["SteeringWheelAngle"]) for s in points),
+            a_x=tuple(s["Acceleration"] for s in points),
         )  # fmt: skip
 
     def _frame(self, name: str, counter: int, content: Mapping[str, float]) -> Frame:

@@ -13,10 +13,10 @@ from cca_core.rig.kit import KitSettings
 from cca_core.rig.messages import Codec
 from cca_core.rig.plant import PlantNode
 from cca_core.rig.records import ProcessRecord
-from cca_core.rig.settings import RigSettings
+from cca_core.rig.settings import RigSettings, VehicleSettings
 from cca_core.rig.telemetry import encode_telemetry
 from cca_core.rig.udp import UdpLink
-from cca_core.rig.vehicle import VehicleNode, VehicleSettings
+from cca_core.rig.vehicle import VehicleNode
 from cca_core.sim.scenarios.paper import paper_scenarios
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.traffic import CYCLE_TIME

@@ -6,9 +6,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from cca_core._checks import check_real
+from cca_core.errors import InputError
 from cca_core.rig.frames import Frame, KitStatus
 from cca_core.rig.kit import DriveByWireKit, KitState, SteeringCommand
-from cca_core.rig.messages import COMMAND_MESSAGES, N_CYCLES, STATE_MESSAGES, Codec
+from cca_core.rig.messages import COMMAND_MESSAGES, N_CYCLES, N_PLAN_CYCLES, STATE_MESSAGES, Codec
 from cca_core.rig.protection import CheckStatus, LinkState, ProtectedReceiver, ProtectionSettings
 from cca_core.rig.safe_stop import SAFE_STOP_POINTS
 from cca_core.vehicle import VehicleState
@@ -218,6 +219,7 @@ class CommandReceiver:
         self._names = {codec.ids[name]: name for name in COMMAND_MESSAGES}
         self._links = {name: ProtectedReceiver(codec.ids[name], protection) for name in COMMAND_MESSAGES}
         self._plan: list[Frame] = []
+        self._plan_number = 0
 
     @property
     def wrong_crc(self) -> int:
@@ -251,11 +253,12 @@ class CommandReceiver:
             if not status.is_usable or self._links[name].state is not LinkState.VALID:
                 self.counts[status.name.lower()] += 1
                 continue
-            if name == "SAFE_STOP":
-                self._collect(frame, t)
-            elif self._is_late(frame, cycle):
+            is_plan = name == "SAFE_STOP"
+            if self._is_late(frame, cycle, N_PLAN_CYCLES if is_plan else N_CYCLES):
                 self.counts["late"] += 1
                 continue
+            if is_plan:
+                self._collect(frame, t)
             else:
                 self._act(frame, t)
             self.counts[name] += 1
@@ -263,10 +266,10 @@ class CommandReceiver:
             if name not in arrived:
                 self._links[name].check(None)
 
-    def _is_late(self, frame: Frame, cycle: int) -> bool:
+    def _is_late(self, frame: Frame, cycle: int, modulus: int) -> bool:
         """Return whether a command answers a state of another time; a vehicle without states counts on."""
-        behind = (cycle - int(self._codec.decode(frame)["Cycle"])) % N_CYCLES
-        return min(behind, N_CYCLES - behind) > self._max_cycle_age
+        behind = (cycle - int(self._codec.decode(frame)["Cycle"])) % modulus
+        return min(behind, modulus - behind) > self._max_cycle_age
 
     def _act(self, frame: Frame, t: float) -> None:
         command = self._codec.command(frame)
@@ -279,13 +282,16 @@ class CommandReceiver:
     def _collect(self, frame: Frame, t: float) -> None:
         """Collect the frames of a plan; load it when it is complete."""
         signals = self._codec.decode(frame)
-        if signals["Index"] == 0:
-            self._plan = [frame]
-        elif self._plan and signals["Index"] == len(self._plan):
-            same = self._codec.decode(self._plan[0])["Plan"] == signals["Plan"]
-            self._plan = [*self._plan, frame] if same else []
-        else:
+        number, index = int(signals["Cycle"]), int(signals["Index"])
+        if index == 0:
+            self._plan_number, self._plan = number, []
+        if index != len(self._plan) or number != self._plan_number:
             self._plan = []
-        if len(self._plan) == SAFE_STOP_POINTS // 2:
-            self._kit.load(t, self._codec.safe_stop(self._plan))
+            return
+        self._plan.append(frame)
+        if len(self._plan) == SAFE_STOP_POINTS:
+            try:
+                self._kit.load(t, self._codec.safe_stop(self._plan))
+            except InputError:  # a sender that follows another rule
+                self.counts["invalid"] += 1
             self._plan = []

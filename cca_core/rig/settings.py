@@ -183,6 +183,31 @@ class RigSettings:
         )  # fmt: skip
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleSettings:
+    """Cycle of the vehicle computer.
+
+    Parameters
+    ----------
+    period : float
+        Time between two commands while no state arrives [s].
+    safe_stop_cycles : int
+        Cycles between two plans of a safe stop [-], if the planner does not decide more often.
+    detection_timeout : float
+        Age from which on detections of the sensor are not used [s].
+    ego_id : str
+        Temporary identity in the ego's own messages.
+    clears : bool
+        Whether a safe stop of the kit is cleared without a person.
+    """
+
+    period: float = 0.02
+    safe_stop_cycles: int = 5
+    detection_timeout: float = 0.1
+    ego_id: str = "ffffffff"
+    clears: bool = True
+
+
 def read_rig_settings(file: str | FilePath) -> RigSettings:
     """Read the settings of a rig.
 

@@ -3,22 +3,26 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cca_core.band import Band
 from cca_core.geometry import wrap_angle
+from cca_core.planner import Command
+from cca_core.planner.actuate import dead_reckon
 from cca_core.rig.clocks import ClockMap
 from cca_core.rig.detections import decode_detections
 from cca_core.rig.ego_sender import EgoSender
-from cca_core.rig.frames import Frame
+from cca_core.rig.frames import Frame, KitStatus
 from cca_core.rig.kit import AccelerationCommand, KitState, SteeringCommand
 from cca_core.rig.messages import Codec
 from cca_core.rig.plant import Bus, Datagrams
 from cca_core.rig.receivers import StateReceiver, StateSettings
 from cca_core.rig.records import VehicleRow
-from cca_core.rig.safe_stop import SafeStopSettings, StopProfile, StoredStop, plan_safe_stop
+from cca_core.rig.safe_stop import SAFE_STOP_POINTS, StoredStop
+from cca_core.rig.settings import VehicleSettings
+from cca_core.rig.stop_rollout import SafeStopSettings, plan_safe_stop
 from cca_core.rig.takeover import Takeover
 from cca_core.rig.wrap import wrap_message
 from cca_core.sim.loop import make_controller
@@ -27,31 +31,6 @@ from cca_core.sim.world.perception import Perception
 from cca_core.sim.world.tailgating import LeadMotion, Tailgating
 from cca_core.v2x import TrackerHealth
 from cca_core.vehicle import RemoteVehicle, VehicleState
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class VehicleSettings:
-    """Cycle of the vehicle computer.
-
-    Parameters
-    ----------
-    period : float
-        Time between two commands while no state arrives [s].
-    safe_stop_cycles : int
-        Cycles between two plans of a safe stop [-].
-    detection_timeout : float
-        Age from which on detections of the sensor are not used [s].
-    ego_id : str
-        Temporary identity in the ego's own messages.
-    clears : bool
-        Whether a safe stop of the kit is cleared without a person.
-    """
-
-    period: float = 0.02
-    safe_stop_cycles: int = 5
-    detection_timeout: float = 0.1
-    ego_id: str = "ffffffff"
-    clears: bool = True
 
 
 class VehicleNode:
@@ -90,7 +69,8 @@ class VehicleNode:
         Every command since the start.
     counts : Counter
         Numbers of ``"answered"`` states, of commands without a state (``"blind"``), of safe stops that were
-        sent (``"plans"``), of the ego's own messages (``"ego_sent"``), and of unreadable detections.
+        sent (``"plans"``), of those that brake at once because the planner has none (``"braking_plans"``), of
+        the ego's own messages (``"ego_sent"``), and of unreadable detections.
     last : VehicleRow or None
         The last command; None before the first.
     band : Band or None
@@ -127,10 +107,11 @@ class VehicleNode:
         self._unit = EgoSender(scenario, self.settings.ego_id)
         self._detections: tuple[float, list[RemoteVehicle]] = -np.inf, []
         self._heading, self._s, self._lead_s = 0.0, scenario.start, scenario.start
-        self._counter = self._plan_counter = self._plan_number = 0
+        self._counter = self._plan_counter = self._plan_age = 0
         self._stop = StoredStop()
         self._plan_state = KitState.DISABLED  # of the kit when the last plan was sent
-        self._t_sent = -np.inf
+        self._t_sent = self._t_estimate = -np.inf
+        self._estimate: VehicleState | None = None  # motion, measured or dead-reckoned
         self.last: VehicleRow | None = None
         self.band: Band | None = None
         self.health: TrackerHealth | None = None
@@ -168,23 +149,20 @@ class VehicleNode:
         received, now = utc(), self._clocks.utc(t)
         messages = tuple(self._radio.drain())
         self._take_detections(t)
-        self._stop.move(state.v_x, t)
+        self._stop.move(state.v_x, state.r, t)
+        self._estimate, self._t_estimate = state, t
         is_ready = self._stop.plan is not None and self._plan_state is status.state
         enable, clear = self._takeover.next(status.state, is_ready=is_ready)
-        delta, a_x, reference = state.delta, 0.0, self._scenario.road.path
+        delta, a_x, command = state.delta, 0.0, None
         has_begun = status.cycle > 0 or self.last is not None  # the number begins anew after 22 minutes
         if has_begun and status.state in (KitState.ENABLED, KitState.SAFE_STOP):
             row = self._plan_cycle(t, now, state, status.cycle, messages, received)
-            delta, a_x, reference = row.command.delta, row.a_x, row.command.reference
+            delta, a_x, command = row.command.delta, row.a_x, row.command
         self._send(delta, a_x, enable, clear, status.cycle, t)
         if self.last is not None:
             self._record_sent(utc())
         self.counts["answered"] += 1
-        due = self.counts["answered"] % self.settings.safe_stop_cycles == 0
-        if due or self._stop.plan is None or self._plan_state is not status.state:
-            plan = plan_safe_stop(self._scenario.vehicle, reference, state, self._safe_stop)
-            self._send_plan(plan, t)
-            self._plan_state = status.state
+        self._plan_stop(state, status, command, t)
         message = self._unit.poll(self._clocks.senders(t), state) if has_begun else None
         if message is not None:
             self._radio.send(wrap_message(message, self._wrapper))
@@ -202,12 +180,16 @@ class VehicleNode:
         due = t - self._t_sent >= self.settings.period - 1e-9
         if status is None or not self.receiver.is_lost(t) or not due:
             return
-        command = self._stop.execute(t)
-        if command is None:
+        command = self._stop.execute()
+        if command is None or self._estimate is None:
             return
         self.counts["blind"] += 1
         enable, cycle = status.state is KitState.ENABLED, status.cycle + self._blind_cycles(t)
         self._send(*command, enable, False, cycle, t)
+        elapsed = min(t - self._t_estimate, 1.0)
+        self._estimate = dead_reckon(self._estimate, *command, elapsed, self._scenario.vehicle)
+        self._t_estimate = t
+        self._stop.move(self._estimate.v_x, self._estimate.r, t)
 
     def _blind_cycles(self, t: float) -> int:
         """Return the number of states that should have arrived since the last."""
@@ -286,11 +268,22 @@ class VehicleNode:
         self._bus.send(self._codec.command_frames(steering, acceleration, self._counter, cycle))
         self._t_sent = t
 
-    def _send_plan(self, plan: StopProfile, t: float) -> None:
-        self._bus.send(self._codec.safe_stop_frames(plan, self._plan_number, self._plan_counter))
-        self._plan_number, self._plan_counter = self._plan_number + 1, self._plan_counter + 13
+    def _plan_stop(self, state: VehicleState, status: KitStatus, command: Command | None, t: float) -> None:
+        """Send a safe stop if the planner has decided anew, the last one is old, or the kit needs one."""
+        stop = None if command is None else command.safe_stop
+        is_new = stop is not None and stop.t[0] >= 0.0
+        self._plan_age += 1
+        is_old = self._plan_age >= self.settings.safe_stop_cycles or self._plan_state is not status.state
+        if not (is_new or is_old or self._stop.plan is None):
+            return
+        reference = self._scenario.road.path if command is None else command.reference
+        plan = plan_safe_stop(self._scenario.vehicle, reference, state, self._safe_stop, stop=stop)
+        self._bus.send(self._codec.safe_stop_frames(plan, status.cycle, self._plan_counter))
+        self._plan_counter += SAFE_STOP_POINTS
+        self._plan_age, self._plan_state = 0, status.state
         self._stop.load(plan, t)
         self.counts["plans"] += 1
+        self.counts["braking_plans"] += stop is None
 
     def _record_sent(self, utc: float) -> None:
         row = self.last

@@ -2,7 +2,7 @@
 
 import math
 import random
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
@@ -22,7 +22,7 @@ from cca_core.rig import (
 
 CYCLE = 0.02
 MOTION = VehicleState(x=0.0, y=0.0, psi=0.0, v_x=20.0, delta=0.01, a_x=0.3)
-PLAN = StopProfile(spacing=1.0, delta=(0.05,) * 26, deceleration=(6.0,) * 26)
+PLAN = StopProfile(spacing=1.0, heading=(0.0,) * 40, delta=(0.05,) * 40, a_x=(-6.0,) * 40)
 ALLOWED = {
     KitState.DISABLED: {KitState.ENABLED},
     KitState.ENABLED: {KitState.DISABLED, KitState.OVERRIDE, KitState.SAFE_STOP},
@@ -104,14 +104,34 @@ def test_missing_command_times_out(missing: str) -> None:
 
 
 def test_safe_stop_follows_plan_by_distance() -> None:
-    plan = StopProfile(spacing=1.0, delta=tuple(0.001 * i for i in range(26)), deceleration=(6.0,) * 26)
+    plan = replace(PLAN, delta=tuple(0.001 * i for i in range(40)))
     kit, t = stopping_kit(plan=plan), 0.2
     for k in range(1, 40):
         t = 0.2 + k * CYCLE
         actuation = kit.step(t, MOTION)
     # 20 m/s from the load at t = 0 on: the kit has stepped at 0.2 s and later
-    assert actuation.delta == pytest.approx(min(0.001 * 20.0 * t, 0.025))
+    assert actuation.delta == pytest.approx(min(0.001 * 20.0 * t, 0.039))
     assert actuation.a_x == -6.0
+
+
+@pytest.mark.parametrize("yaw_rate", [-0.02, 0.02])
+def test_safe_stop_steers_against_measured_deviation(yaw_rate: float) -> None:
+    """The plan is straight, the vehicle turns."""
+    kit = stopping_kit(plan=replace(PLAN, delta=(0.0,) * 40))
+    for k in range(1, 30):
+        actuation = kit.step(0.2 + k * CYCLE, replace(MOTION, r=yaw_rate))
+    assert -0.031 <= actuation.delta * math.copysign(1.0, yaw_rate) < -0.001
+
+
+def test_safe_stop_that_has_begun_is_not_replaced() -> None:
+    """Each new one drives on for a moment: one after the other would never brake."""
+    kit = stopping_kit()
+    for k in range(1, 40):
+        t = 0.2 + k * CYCLE
+        command(kit, t)
+        kit.load(t, replace(PLAN, a_x=(0.0,) * 39 + (-6.0,)))
+        assert kit.step(t, MOTION).a_x == -6.0
+    assert kit.state is KitState.SAFE_STOP
 
 
 def test_safe_stop_without_plan_brakes_with_wheels_held() -> None:

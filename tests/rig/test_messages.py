@@ -27,7 +27,8 @@ from cca_core.rig import (
 pytestmark = pytest.mark.requires("cantools")
 STATE = VehicleState(x=1234.567, y=-98.765, psi=3.0, v_x=27.3, v_y=-0.4, r=0.21, delta=0.031, a_x=-3.3)
 PLAN = StopProfile(
-    spacing=2.34, delta=tuple(0.02 * math.sin(i) for i in range(26)), deceleration=(6.5,) * 26
+    spacing=2.3, heading=tuple(0.1 * i for i in range(40)),
+    delta=tuple(0.02 * math.sin(i) for i in range(40)), a_x=(-6.512,) * 40,
 )  # fmt: skip
 
 
@@ -70,9 +71,10 @@ def test_commands_return_within_resolution(codec: Codec) -> None:
 
 def test_safe_stop_returns_within_resolution(codec: Codec) -> None:
     plan = codec.safe_stop(codec.safe_stop_frames(PLAN, 5, 12))
-    assert plan.spacing == pytest.approx(PLAN.spacing, abs=0.0101)
+    assert plan.spacing == pytest.approx(PLAN.spacing, abs=1e-9)
+    assert plan.heading == pytest.approx(PLAN.heading, abs=0.00101)
     assert plan.delta == pytest.approx(PLAN.delta, abs=0.00126 / 15.0)
-    assert plan.deceleration == pytest.approx(PLAN.deceleration, abs=0.026)
+    assert plan.a_x == pytest.approx(PLAN.a_x, abs=0.026)
 
 
 def test_values_beyond_range_are_sent_as_limits(codec: Codec) -> None:
@@ -236,18 +238,38 @@ def test_safe_stop_is_loaded_when_complete(codec: Codec) -> None:
     counter, loaded = 0, []
     for number in range(4):
         frames = codec.safe_stop_frames(PLAN, number, counter)
-        counter += 13
+        counter += 40
         lost = 6 if number == 2 else None
         receiver.take([f for i, f in enumerate(frames) if i != lost], 0.1 * number)
         loaded.append(receiver.counts["SAFE_STOP"])
     # the first two frames of a link only make it valid, and one plan is incomplete
-    assert loaded == [11, 24, 36, 49]
+    assert loaded == [38, 78, 117, 157]
     for k in range(12):
         receiver.take(command_frames(codec, k, enable=k > 6), 0.02 * k, k)
         kit.step(0.02 * k, replace(STATE, v_x=0.0))
     actuation = kit.step(1.0, replace(STATE, v_x=0.0, delta=0.0))
     assert kit.state is KitState.SAFE_STOP
     assert actuation.a_x == pytest.approx(-6.5)
+
+
+@pytest.mark.parametrize(("age", "loaded"), [(0, True), (5, True), (6, False), (20, False)])
+def test_safe_stop_of_old_state_is_not_loaded(codec: Codec, age: int, loaded: bool) -> None:
+    """It would begin at another place."""
+    kit = DriveByWireKit()
+    receiver = CommandReceiver(kit, codec)
+    for i, cycle in enumerate((100, 105)):
+        receiver.take(codec.safe_stop_frames(PLAN, cycle - age, 40 * i), 0.02 * cycle, cycle)
+    assert kit.has_plan is loaded
+    assert (receiver.counts["late"] == 0) is loaded
+
+
+def test_safe_stop_that_does_not_end_by_braking_is_not_loaded(codec: Codec) -> None:
+    kit = DriveByWireKit()
+    receiver = CommandReceiver(kit, codec)
+    frames = codec.safe_stop_frames(PLAN, 0, 0)
+    last = codec.safe_stop_frames(replace(PLAN, a_x=(-6.5,) * 39 + (-0.001,)), 0, 0)[-1]
+    receiver.take([*frames, *frames[:-1], last], 0.0)
+    assert not kit.has_plan
 
 
 @pytest.mark.parametrize(

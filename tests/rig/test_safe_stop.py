@@ -77,14 +77,14 @@ def test_first_point_brakes_and_last_is_at_rest() -> None:
     plan = plan_safe_stop(CAR, STRAIGHT, car.state)
     assert plan.at(0.0)[1] == pytest.approx(-7.0, abs=0.1)
     # 0.3 s of reaction, then 7 m/s^2 with a lag of 0.1 s
-    assert 25 * plan.spacing == pytest.approx(20.0 * 0.4 + 20.0**2 / 14.0, abs=1.5)
-    assert plan.at(1e6) == plan.at(25 * plan.spacing)
+    assert 39 * plan.spacing == pytest.approx(20.0 * 0.4 + 20.0**2 / 14.0, abs=1.5)
+    assert plan.at(1e6) == plan.at(39 * plan.spacing)
 
 
 def test_plan_at_rest_is_finite() -> None:
     car = replace(steady_turn(STRAIGHT, 20.0, 0.0, CAR))
     plan = plan_safe_stop(CAR, STRAIGHT, car)
-    assert np.isfinite([*plan.delta, *plan.deceleration, plan.spacing]).all()
+    assert np.isfinite([*plan.heading, *plan.delta, *plan.a_x, plan.spacing]).all()
 
 
 @pytest.mark.parametrize("y", [0.5, -1.0, 3.0])
@@ -98,11 +98,12 @@ def test_car_off_its_path_returns_while_braking(y: float) -> None:
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"spacing": 0.0}, "spacing"), ({"delta": (0.0,) * 25}, "delta"),
-        ({"deceleration": (-1.0,) * 26}, "deceleration"),
+        ({"spacing": 0.0}, "spacing"), ({"delta": (0.0,) * 39}, "delta"),
+        ({"heading": (np.nan,) * 40}, "heading"),
+        ({"a_x": (-1.0,) * 39}, "a_x"), ({"a_x": (-1.0,) * 39 + (0.0,)}, "a_x"),
     ],
 )  # fmt: skip
 def test_invalid_safe_stop_raises(change: dict[str, object], named: str) -> None:
-    good = StopProfile(spacing=1.0, delta=(0.0,) * 26, deceleration=(7.0,) * 26)
+    good = StopProfile(spacing=1.0, heading=(0.0,) * 40, delta=(0.0,) * 40, a_x=(-7.0,) * 40)
     with pytest.raises(InputError, match=named):
         replace(good, **change)  # type: ignore[arg-type]
