@@ -10,7 +10,6 @@ import numpy as np
 from cca_core.band import Band
 from cca_core.geometry import wrap_angle
 from cca_core.planner import Command
-from cca_core.planner.actuate import dead_reckon
 from cca_core.rig.clocks import ClockMap
 from cca_core.rig.detections import decode_detections
 from cca_core.rig.ego_sender import EgoSender
@@ -26,6 +25,7 @@ from cca_core.rig.stop_rollout import SafeStopSettings, plan_safe_stop
 from cca_core.rig.takeover import Takeover
 from cca_core.rig.wrap import wrap_message
 from cca_core.sim.loop import make_controller
+from cca_core.sim.plants.single_track import SingleTrackPlant
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.perception import Perception
 from cca_core.sim.world.tailgating import LeadMotion, Tailgating
@@ -110,8 +110,9 @@ class VehicleNode:
         self._counter = self._plan_counter = self._plan_age = 0
         self._stop = StoredStop()
         self._plan_state = KitState.DISABLED  # of the kit when the last plan was sent
-        self._t_sent = self._t_estimate = -np.inf
-        self._estimate: VehicleState | None = None  # motion, measured or dead-reckoned
+        self._t_sent = self._t_moved = -np.inf
+        self._command = 0.0, 0.0  # the last one: road-wheel angle and acceleration
+        self._model: SingleTrackPlant | None = None  # motion while the state is lost
         self.last: VehicleRow | None = None
         self.band: Band | None = None
         self.health: TrackerHealth | None = None
@@ -150,7 +151,7 @@ class VehicleNode:
         messages = tuple(self._radio.drain())
         self._take_detections(t)
         self._stop.move(state.v_x, state.r, t)
-        self._estimate, self._t_estimate = state, t
+        self._model, self._t_moved = None, t
         is_ready = self._stop.plan is not None and self._plan_state is status.state
         enable, clear = self._takeover.next(status.state, is_ready=is_ready)
         delta, a_x, command = state.delta, 0.0, None
@@ -180,16 +181,19 @@ class VehicleNode:
         due = t - self._t_sent >= self.settings.period - 1e-9
         if status is None or not self.receiver.is_lost(t) or not due:
             return
+        if self.receiver.state is None or self._stop.plan is None:
+            return
+        if self._model is None:
+            self._model = SingleTrackPlant(self._scenario.vehicle, self.receiver.state)
+        self._model.step(*self._command, min(t - self._t_moved, 1.0))
+        self._stop.move(self._model.state.v_x, self._model.state.r, t)
+        self._t_moved = t
         command = self._stop.execute()
-        if command is None or self._estimate is None:
+        if command is None:
             return
         self.counts["blind"] += 1
         enable, cycle = status.state is KitState.ENABLED, status.cycle + self._blind_cycles(t)
         self._send(*command, enable, False, cycle, t)
-        elapsed = min(t - self._t_estimate, 1.0)
-        self._estimate = dead_reckon(self._estimate, *command, elapsed, self._scenario.vehicle)
-        self._t_estimate = t
-        self._stop.move(self._estimate.v_x, self._estimate.r, t)
 
     def _blind_cycles(self, t: float) -> int:
         """Return the number of states that should have arrived since the last."""
@@ -260,7 +264,7 @@ class VehicleNode:
                 self._detections = t, found[1]
 
     def _send(self, delta: float, a_x: float, enable: bool, clear: bool, cycle: int, t: float) -> None:
-        self._counter += 1
+        self._counter, self._command = self._counter + 1, (delta, a_x)
         steering = SteeringCommand(
             delta=delta, delta_rate=self._scenario.vehicle.delta_rate_max, enable=enable, clear=clear
         )
