@@ -18,7 +18,8 @@ from cca_core.planner.planner import Planner
 from cca_core.real_time import RealTimeLoop, RealTimeSettings, real_time_process
 from cca_core.sim.human_driver import Driver
 from cca_core.sim.log import Log
-from cca_core.sim.plants.build import make_plant
+from cca_core.sim.plants.build import PlantMaker, plant_name, start_plant
+from cca_core.sim.plants.plant import Plant
 from cca_core.sim.recorder import LogBuilder
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.perception import Perception
@@ -44,7 +45,7 @@ class EgoController(Protocol):
 def simulate(
     scenario: Scenario,
     *,
-    plant: str = "single_track",
+    plant: str | Plant | PlantMaker = "single_track",
     seed: int | None = None,
     planner: EgoController | None = None,
     progress: Callable[[float], None] | None = None,
@@ -57,8 +58,10 @@ def simulate(
     ----------
     scenario : Scenario
         Road, ego and road users.
-    plant : {"single_track", "multi_body"}
-        The ego's plant.
+    plant : str, Plant or callable
+        The ego's plant: ``"single_track"``, ``"multi_body"``, or any object with `state`, `step` and `a_y` as
+        `SingleTrackPlant` has them, at the scenario's start. A class or function is called with the ego's
+        `VehicleParams` and its `VehicleState` at the start, and returns such an object.
     seed : int, optional
         Seed of the senders' phases and of the radio channel; the default is the scenario's.
     planner : EgoController, optional
@@ -81,7 +84,7 @@ def simulate(
     Raises
     ------
     InputError
-        If the plant is unknown or `real_time` is no bool.
+        If the plant is unknown, lacks a member or is not at the scenario's start, or `real_time` is no bool.
     MissingExtraError
         If the plant's package is not installed.
     """
@@ -89,13 +92,12 @@ def simulate(
     seed = scenario.seed if seed is None else seed
     controller = planner or make_controller(scenario)
     path = scenario.road.path
-    car = make_plant(
-        plant, scenario.vehicle, steady_turn(path, scenario.start, scenario.v_x, scenario.vehicle)
-    )
+    start = steady_turn(path, scenario.start, scenario.v_x, scenario.vehicle)
+    car = start_plant(plant, scenario.vehicle, start, scenario.evasion.decision.max_route_distance)
     traffic, perception = Traffic(scenario), Perception(scenario)
     radio, recorded = Radio(scenario, np.random.default_rng(seed)), deque(bsm_log)
     tailgating = None if scenario.fixed_gap is None else Tailgating(scenario, scenario.fixed_gap)
-    log = LogBuilder(scenario, plant, seed)
+    log = LogBuilder(scenario, plant_name(plant), seed)
     s, visible = scenario.start, [False] * len(traffic.agents)
     pace = RealTimeLoop(CYCLE_TIME, clock=time.perf_counter, sleep=time.sleep)
     begin = time.perf_counter()
