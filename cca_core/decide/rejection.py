@@ -9,6 +9,7 @@ class RejectionKind(Enum):
     """Cause of a rejection, with the template of its text."""
 
     NO_LANE = "no {side} lane"
+    INNER_SIDE = "passing on the {side} is not allowed"
     LANE_BLOCKED = "{side} lane blocked by {vehicle_id} ({where}, {value:.1f} m/s)"
     BEYOND_AWARENESS = (
         "{side} lane not confirmed clear beyond {limit:.0f} m (assumed vehicle at {value:.1f} m/s)"

@@ -17,8 +17,11 @@ from cca_core.planner.occupancy import N_STOPS
 from cca_core.planner.paths import Surroundings, return_paths, route_path
 from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan, Profile
 from cca_core.planner.scene import FREE_ROW, N_PATHS, N_ROWS, TIMES, find, limit_path, meet, roll, sum_up
+from cca_core.planner.settings import EvasionSettings
 
-_SIDES: tuple[Side, Side] = ("left", "right")
+_SIDES: dict[Side, tuple[Side, Side]] = {"right": ("left", "right"), "left": ("right", "left")}
+"""Sides on which vehicles are passed by the side on which they drive, the preferred one first."""
+
 _MAX_GROUP = 3  # vehicles that are passed at once
 _CONFLICT = ("s_enter", "s_exit", "t_enter", "t_exit")
 _CONFLICT_MARGIN = 0.5  # gap within which a crossing vehicle conflicts with a station [m]
@@ -69,7 +72,8 @@ def maneuver_paths(
     rows = blocking_rows(around, frozenset() if last is None else last.overtaken)
     paths: list[LateralPath] = []
     rejections: list[Rejection] = []
-    sides = _SIDES if last is None else tuple(side for side in _SIDES if side == last.side)
+    preferred = _SIDES[around.settings.traffic_side]
+    sides = preferred if last is None else tuple(side for side in preferred if side == last.side)
     for size in range(1, min(len(rows), _MAX_GROUP) + 1):
         group = rows[:size]
         fast = next((j for j in group if traffic.v[j, 0] > max_speed), None)
@@ -83,6 +87,9 @@ def maneuver_paths(
             break
         for side in sides:
             lane = adjacent_lane(road, side)
+            if lane is not None and last is None and not is_passing_allowed(around.settings, side):
+                rejections.append(Rejection(kind=RejectionKind.INNER_SIDE, side=side))
+                lane = None
             lanes: tuple[Lane | None, ...] = (None,) if lane is None else (None, lane)
             for level in levels:
                 for corridor in lanes:
@@ -96,6 +103,11 @@ def maneuver_paths(
                         paths.append(found)
                         break
     return paths, rejections
+
+
+def is_passing_allowed(settings: EvasionSettings, side: Side) -> bool:
+    """Return whether vehicles may be passed in the adjacent lane on a side."""
+    return settings.inner_passing or side != settings.traffic_side
 
 
 def adjacent_lane(road: Road, side: Side) -> Lane | None:

@@ -49,7 +49,7 @@ def assess(
         aim = around.limits.a_y if path.level is Level.COMFORT else around.limits.a_y_hard
         sharp = plan.peak / aim - weights.sharp_from
         change += weights.sharp * max(sharp, 0.0) ** 2
-    if path.kind is PathKind.RIGHT and row[_TERMS["outside"]] > 0.0:
+    if path.side == around.settings.traffic_side and row[_TERMS["outside"]] > 0.0:
         change += weights.right
     lane, half = around.road.ego_lane, 0.5 * around.vehicle.width
     end = row[_TERMS["d_end"]]

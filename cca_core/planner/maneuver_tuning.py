@@ -160,7 +160,8 @@ class CostSettings:
     outside : float
         Of the time outside the ego lane [-].
     right : float
-        Of passing on the right [s].
+        Of passing on the inner side [s]: on the right in right-hand traffic, on the left in left-hand traffic
+        (`EvasionSettings.traffic_side`).
     change, replan, abort : float
         Of another intention, of a new path of the same, and of returning before a pass is complete [s].
     narrow, hard : float

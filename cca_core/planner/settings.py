@@ -4,6 +4,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Self
 
+from cca_core._checks import check_bool, shown
+from cca_core.band import Side
+from cca_core.errors import InputError
 from cca_core.planner.maneuver_tuning import (
     AbortSettings,
     CertificateSettings,
@@ -61,6 +64,11 @@ class EvasionSettings:
         assumed not to react at all.
     rear_braking : float
         Deceleration with which it then keeps its distance [m/s^2].
+    traffic_side : {"right", "left"}
+        Side of the road on which vehicles drive. The ego prefers to pass on the other side; passing on this
+        one, the inner side, costs `CostSettings.right`.
+    inner_passing : bool
+        Whether the ego may pass on the inner side in an adjacent lane at all.
     decision : DecisionSettings
         When the planner decides.
     lead : LeadSettings
@@ -101,6 +109,8 @@ class EvasionSettings:
     assumed_acceleration_passed: float = 0.0
     rear_reaction_time: float = 1.5
     rear_braking: float = 2.0
+    traffic_side: Side = "right"
+    inner_passing: bool = True
     decision: DecisionSettings = field(default_factory=DecisionSettings)
     lead: LeadSettings = field(default_factory=LeadSettings)
     crossing: YieldSettings = field(default_factory=YieldSettings)
@@ -114,6 +124,9 @@ class EvasionSettings:
     def __post_init__(self) -> None:
         positive = ("lateral_acceleration", "lateral_acceleration_limit", "rear_braking")
         check_fields(self, positive=positive, infinite="awareness_range")
+        if self.traffic_side not in ("left", "right"):
+            raise InputError(f"traffic_side must be 'left' or 'right', was {shown(self.traffic_side)}")
+        check_bool("inner_passing", self.inner_passing)
 
     @property
     def keeps_motion(self) -> bool:
