@@ -12,6 +12,7 @@ CURVE_ERROR = 2e-3  # by which cubics and headings between nodes may differ from
 LOOSE = 4e-3  # a bound this far below the least gap at nodes is refined [m]
 DECISIVE = 1e-2  # gaps this far above the clearance do not limit a band [m]
 PARTS = 16  # of an interval that is sampled closely
+TURN_ERROR = 0.125  # of a corner's way by turns: two parts of it, as its sense may change [-]
 LEVER = 0.6  # of the length, at which a corner moves if the body turns [-]
 
 
@@ -76,6 +77,14 @@ def sample_between(w: BandWork, o: Int, i: Int, first: Real, last: Real) -> None
         )
 
 
+def turn_between(w: BandWork, o: Int, i: Int) -> Real:
+    """Return by how much the box of an obstacle turns from a node to the next [rad]."""
+    if w.is_fixed[o] != 0:
+        return 0.0
+    j = min(i + 1, w.n - 1)
+    return norm(w.box_ahead_x[o, j] - w.box_ahead_x[o, i], w.box_ahead_y[o, j] - w.box_ahead_y[o, i])
+
+
 def min_between(w: BandWork, o: Int, i: Int, first: Real, last: Real) -> Real:
     """Return a lower bound of the gap to an obstacle from a node to the next, whose gaps are given."""
     gap = w.parts
@@ -85,11 +94,12 @@ def min_between(w: BandWork, o: Int, i: Int, first: Real, last: Real) -> Real:
         if gap[k] < bound:
             bound = gap[k]
     if w.max_step[o] > 0.0:
-        bound -= 0.5 * max(abs(gap[1] - gap[0]), abs(gap[PARTS] - gap[PARTS - 1]))
-    else:
-        # next to a stationary obstacle the gap lies, in the first and last part, above the next part's secant
-        bound = min(bound, gap[1] - max(gap[2] - gap[1], 0.0))
-        bound = min(bound, gap[PARTS - 1] + min(gap[PARTS - 1] - gap[PARTS - 2], 0.0))
+        bent = w.spacing * max(abs(w.curvature[i]), abs(w.curvature[i + 1]))
+        swing = w.radius[o, i] * turn_between(w, o, i) + LEVER * w.length * bent
+        bound -= TURN_ERROR * swing
+    # in the first and in the last part the gap lies above the next part's secant
+    bound = min(bound, gap[1] - max(gap[2] - gap[1], 0.0))
+    bound = min(bound, gap[PARTS - 1] + min(gap[PARTS - 1] - gap[PARTS - 2], 0.0))
     before = gap[1] - gap[0]
     here = gap[2] - gap[1]
     for k in range(1, PARTS - 1):
@@ -191,7 +201,8 @@ def sample_near(w: BandWork) -> None:
         w.pair_obstacle[count] = o
         w.pair_node[count] = i
         w.sampled[count] = gap_at(w, o, i)
-        w.bulge[count] = w.spacing * abs(w.curvature[i]) * (0.125 * w.spacing + 0.5 * moves)
+        turn = w.spacing * abs(w.curvature[i])
+        w.bulge[count] = 0.125 * w.spacing * turn + 0.5 * moves * (turn + turn_between(w, o, i))
         count += 1
     w.n_pairs = count
 
@@ -240,7 +251,7 @@ def bound_between(w: BandWork) -> None:
 
 
 def refine_between(w: BandWork) -> None:
-    """Sample closely where a bound is below the clearance, or loose next to a stationary obstacle."""
+    """Sample closely where a bound is below the clearance, or loose where the gap at the nodes is."""
     sampled = w.sampled
     bound = w.bound
     count = w.n_pairs
@@ -250,10 +261,15 @@ def refine_between(w: BandWork) -> None:
     for k in range(count - 1):
         o = w.pair_obstacle[k]
         i = w.pair_node[k]
-        if w.pair_node[k + 1] - i != 1 or min(sampled[k], sampled[k + 1]) < w.clearance:
+        if w.pair_node[k + 1] - i != 1:
             continue
-        loose = bound[k] < min_sample - LOOSE and bound[k] < w.clearance + DECISIVE and w.max_step[o] == 0.0
-        if bound[k] < w.clearance or loose:
+        min_at_nodes = min(sampled[k], sampled[k + 1])
+        decisive = w.clearance  # where nodes fall short, bounds are moved by the shortfall between them
+        if min_at_nodes < w.clearance:
+            decisive = min_at_nodes - LOOSE
+        elif w.max_step[o] == 0.0:
+            decisive = max(decisive, min(min_sample - LOOSE, w.clearance + DECISIVE))
+        if bound[k] < decisive:
             bound[k] = min_between(w, o, i, sampled[k], sampled[k + 1])
 
 

@@ -111,6 +111,24 @@ def test_moving_obstacle(
     assert_certified(relax(case, side=side), case)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_turning_obstacle_is_certified(seed: int) -> None:
+    """Cars and trucks on circles: a corner swings between nodes."""
+    rng = np.random.default_rng([31, seed])
+    for _ in range(25):
+        h = float(rng.choice((0.5, 1.0, 2.0)))
+        route = straight(120.0, h)
+        radius, psi = float(rng.choice((-1.0, 1.0))) * rng.uniform(8.0, 60.0), rng.uniform(-math.pi, math.pi)
+        at = (60.0 + rng.uniform(-6.0, 6.0), rng.uniform(-6.0, 6.0))
+        travel = rng.uniform(0.0, 2.5) * h * (np.arange(len(route)) - len(route) // 2 - rng.random())
+        heading = psi + travel / radius
+        x = at[0] + radius * (np.sin(heading) - math.sin(psi))
+        y = at[1] - radius * (np.cos(heading) - math.cos(psi))
+        size = (np.full(len(route), side) for side in ((12.0, 2.5) if rng.random() < 0.3 else (4.5, 1.8)))
+        case = scene(route, [boxes(x, y, heading, *size)], clearance=float(rng.choice((0.2, 0.5, 1.0))))
+        assert_certified(relax(case), case)
+
+
 @pytest.mark.parametrize("block", range(6))
 def test_closest_between_nodes(block: int) -> None:
     """Fast crossing, diagonal and oncoming boxes, long trucks among them, on a coarse mesh."""

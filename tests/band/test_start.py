@@ -36,6 +36,7 @@ def test_tail_of_optimal_band_is_optimal(nodes: np.ndarray, k: int) -> None:
 
 
 @example(d=-1.0, v=-1.0, met=73.6875, k=40, k_s=5e-5)
+@example(d=0.0, v=-1.0, met=60.0, k=51, k_s=5e-5)  # first met between nodes
 @given(
     d=st.floats(-1.0, 1.0), v=st.floats(-1.0, 0.6), met=st.floats(60.0, 100.0), k=st.integers(1, 120),
     k_s=st.sampled_from([0.0, 5e-5, 1e-2]),
@@ -49,9 +50,7 @@ def test_tail_is_optimal_past_moving_obstacle(d: float, v: float, met: float, k:
         left, later, side="left", vehicle=CAR, stiffness=stiffness, start=whole.displacement[k - 1 : k + 2]
     )
     if whole.n_solves == part.n_solves == 1 or (whole.ok and part.ok):
-        # tightening may overshoot: clearance above the one asked is displacement that was not needed
-        overshoot = sum(max(band.clearance - 1.0, 0.0) for band in (whole, part) if band.n_solves > 1)
-        assert np.abs(part.displacement - whole.displacement[k:]).max() < 0.03 + overshoot
+        assert np.abs(part.displacement - whole.displacement[k:]).max() < 0.03
 
 
 def test_start_fixes_position_heading_and_curvature() -> None:

@@ -161,7 +161,8 @@ class NumpyBand:
         if not len(at):
             return gaps
         sampled, floor = samples[o], samples.min()
-        bulge = self.h * np.abs(kappa) * (0.125 * self.h + 0.5 * moves)
+        turn = self.h * np.abs(kappa)
+        bulge = 0.125 * self.h * turn + 0.5 * moves * (turn + np.append(np.abs(np.diff(self.ahead[o])), 0.0))
         bulge += CURVE_ERROR if self.max_step.any() or kappa.any() else 0.0
         gaps[at] = sampled[at]
         change = np.diff(sampled)
@@ -173,9 +174,12 @@ class NumpyBand:
             if i in (0, self.n - 2):
                 bound -= 0.5 * moves
             low = min(sampled[i], sampled[i + 1])
-            loose = bound < floor - LOOSE and self.max_step[o] == 0.0 and bound < clearance + DECISIVE
-            if low >= clearance and (bound < clearance or loose):
-                bound = self.between(o, nodes, along, int(i))
+            decisive = clearance if low >= clearance else low - LOOSE
+            if low >= clearance and self.max_step[o] == 0.0:
+                decisive = max(clearance, min(floor - LOOSE, clearance + DECISIVE))
+            if bound < decisive:
+                bent = self.h * np.abs(kappa[i : i + 2]).max()
+                bound = self.between(o, nodes, along, int(i), 0.6 * car.length * bent)
             gaps[i] = bound
         return gaps
 
@@ -194,7 +198,7 @@ class NumpyBand:
         other = Boxes(relative.real, relative.imag, np.angle(heading), *(2.0 * each for each in lengths))
         return box_gap(ego, other)
 
-    def between(self, o: int, nodes: Array, along: Array, i: int) -> float:
+    def between(self, o: int, nodes: Array, along: Array, i: int, swing: float) -> float:
         """Least gap from a node to the next, closely sampled."""
         f, chord = np.linspace(0.0, 1.0, 17), nodes[i + 1] - nodes[i]
         a, b = along[i] * abs(chord) - chord, chord - along[i + 1] * abs(chord)
@@ -202,10 +206,11 @@ class NumpyBand:
         ahead = chord + (1.0 - f) * (1.0 - 3.0 * f) * a + f * (2.0 - 3.0 * f) * b
         gap = self.gap(o, position, ahead / np.abs(ahead), np.array(i), f)
         change = np.diff(gap)
+        bound = gap.min()
         if self.max_step[o] > 0.0:
-            bound = gap.min() - 0.5 * np.abs(change[[0, -1]]).max()
-        else:
-            bound = min(gap.min(), gap[1] - max(change[1], 0.0), gap[-2] + min(change[-2], 0.0))
+            turn = abs(self.ahead[o, i + 1] - self.ahead[o, i])
+            bound -= 0.125 * (self.radius[o, i] * turn + swing)
+        bound = min(bound, gap[1] - max(change[1], 0.0), gap[-2] + min(change[-2], 0.0))
         for k in np.flatnonzero((change[:-2] < 0.0) & (change[2:] > 0.0)):
             dip = change[k] * (change[k + 1] - change[k + 2]) / (change[k] - change[k + 2])
             bound = min(bound, gap[k + 1] + dip)

@@ -309,6 +309,7 @@ static void band_boxes_load_boxes(const BandBatch *q, int b, BandWork *w, int o)
 #define BAND_GAPS_LOOSE 0.004
 #define BAND_GAPS_DECISIVE 0.01
 #define BAND_GAPS_PARTS 16
+#define BAND_GAPS_TURN_ERROR 0.125
 #define BAND_GAPS_LEVER 0.6
 
 /* Return the gap to an obstacle with the ego at a node. */
@@ -380,6 +381,17 @@ static void band_gaps_sample_between(BandWork *w, int o, int i, double first, do
     }
 }
 
+/* Return by how much the box of an obstacle turns from a node to the next [rad]. */
+static double band_gaps_turn_between(const BandWork *w, int o, int i)
+{
+    if (w->is_fixed[o] != 0) {
+        return 0.0;
+    }
+    int j = int_min(i + 1, w->n - 1);
+    return box_gaps_norm(w->box_ahead_x[o * w->max_n + j] - w->box_ahead_x[o * w->max_n + i],
+        w->box_ahead_y[o * w->max_n + j] - w->box_ahead_y[o * w->max_n + i]);
+}
+
 /* Return a lower bound of the gap to an obstacle from a node to the next, whose gaps are given. */
 static double band_gaps_min_between(BandWork *w, int o, int i, double first, double last)
 {
@@ -392,12 +404,14 @@ static double band_gaps_min_between(BandWork *w, int o, int i, double first, dou
         }
     }
     if (w->max_step[o] > 0.0) {
-        bound -= 0.5 * real_max(fabs(gap[1] - gap[0]), fabs(gap[BAND_GAPS_PARTS] - gap[BAND_GAPS_PARTS - 1]));
-    } else {
-        bound = real_min(bound, gap[1] - real_max(gap[2] - gap[1], 0.0));
-        bound = real_min(bound, gap[BAND_GAPS_PARTS - 1] + real_min(gap[BAND_GAPS_PARTS - 1]
-            - gap[BAND_GAPS_PARTS - 2], 0.0));
+        double bent = w->spacing * real_max(fabs(w->curvature[i]), fabs(w->curvature[i + 1]));
+        double swing = w->radius[o * w->max_n + i] * band_gaps_turn_between(w, o, i) + BAND_GAPS_LEVER
+            * w->length * bent;
+        bound -= BAND_GAPS_TURN_ERROR * swing;
     }
+    bound = real_min(bound, gap[1] - real_max(gap[2] - gap[1], 0.0));
+    bound = real_min(bound, gap[BAND_GAPS_PARTS - 1] + real_min(gap[BAND_GAPS_PARTS - 1]
+        - gap[BAND_GAPS_PARTS - 2], 0.0));
     double before = gap[1] - gap[0];
     double here = gap[2] - gap[1];
     for (int k = 1, k_end_ = BAND_GAPS_PARTS - 1; k < k_end_; k += 1) {
@@ -513,7 +527,8 @@ static void band_gaps_sample_near(BandWork *w)
         w->pair_obstacle[count] = o;
         w->pair_node[count] = i;
         w->sampled[count] = band_gaps_gap_at(w, o, i);
-        w->bulge[count] = w->spacing * fabs(w->curvature[i]) * (0.125 * w->spacing + 0.5 * moves);
+        double turn = w->spacing * fabs(w->curvature[i]);
+        w->bulge[count] = 0.125 * w->spacing * turn + 0.5 * moves * (turn + band_gaps_turn_between(w, o, i));
         count += 1;
     }
     w->n_pairs = count;
@@ -571,7 +586,7 @@ static void band_gaps_bound_between(BandWork *w)
     }
 }
 
-/* Sample closely where a bound is below the clearance, or loose next to a stationary obstacle. */
+/* Sample closely where a bound is below the clearance, or loose where the gap at the nodes is. */
 static void band_gaps_refine_between(BandWork *w)
 {
     const double *sampled = w->sampled;
@@ -584,12 +599,18 @@ static void band_gaps_refine_between(BandWork *w)
     for (int k = 0, k_end_ = count - 1; k < k_end_; k += 1) {
         int o = w->pair_obstacle[k];
         int i = w->pair_node[k];
-        if (w->pair_node[k + 1] - i != 1 || real_min(sampled[k], sampled[k + 1]) < w->clearance) {
+        if (w->pair_node[k + 1] - i != 1) {
             continue;
         }
-        bool loose = bound[k] < min_sample - BAND_GAPS_LOOSE && bound[k] < w->clearance
-            + BAND_GAPS_DECISIVE && w->max_step[o] == 0.0;
-        if (bound[k] < w->clearance || loose) {
+        double min_at_nodes = real_min(sampled[k], sampled[k + 1]);
+        double decisive = w->clearance;
+        if (min_at_nodes < w->clearance) {
+            decisive = min_at_nodes - BAND_GAPS_LOOSE;
+        } else if (w->max_step[o] == 0.0) {
+            decisive = real_max(decisive, real_min(min_sample - BAND_GAPS_LOOSE, w->clearance
+                + BAND_GAPS_DECISIVE));
+        }
+        if (bound[k] < decisive) {
             bound[k] = band_gaps_min_between(w, o, i, sampled[k], sampled[k + 1]);
         }
     }

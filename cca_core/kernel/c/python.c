@@ -2343,7 +2343,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "5b4d500a78fbfe0164b804be1922a13d27722c7dbc13df9a17635b7b4042cd16") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "520a4c59ac8a799e3a1c41231069f1de1df21bd5286f7be33c743665c59e53be") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
