@@ -13,9 +13,10 @@ from cca_core._checks import check_real, read_real, shown
 from cca_core._files import parse_json, read_bytes
 from cca_core.errors import InputError
 from cca_core.v2x import Bsm, decode_bsm, encode_bsm
-from cca_core.v2x.wrappers import split_records
+from cca_core.v2x.capture import is_capture, split_capture
+from cca_core.v2x.wrappers import split_frames, split_records
 
-__all__ = ["read_bsm_log"]
+__all__ = ["SenderTimes", "read_bsm_log", "read_entries"]
 
 _MAX_BYTES = 200_000_000  # some two million messages
 _MAX_TIME = 1e12  # [s]
@@ -34,8 +35,9 @@ def read_bsm_log(
         ``Payload=`` of immediate forward messages, lines of JSON objects, a JSON list of them (or one under
         ``"samples"``), or a CSV table with a header. Objects and tables have the bytes under ``hex``,
         ``uper_hex`` or ``data`` and may have a time [s] under ``t``, ``time`` or ``t_received``. Or a binary
-        ODE log, such as ``rxMsg``. Each may be compressed by gzip. Messages may be in the wrappers that
-        `cca_core.v2x.unwrap_message` removes.
+        ODE log, such as ``rxMsg``, a capture of packets (pcap, pcapng), or bare messages one after another.
+        Each may be compressed by gzip. Messages may be in the wrappers that `cca_core.v2x.unwrap_message`
+        removes.
     start : float
         Simulation time of the first message's measurement [s], not negative.
     latency : float
@@ -56,24 +58,43 @@ def read_bsm_log(
     start = check_real("start", start, ge=0.0)
     latency = check_real("latency", latency, ge=0.0)
     bsm_log: list[tuple[float, bytes]] = []
-    t_measured, last_mark, first_recorded = start, None, None
-    for recorded, data in _messages(path):
+    times = SenderTimes(start, latency)
+    for recorded, content in read_entries(path):
+        data = content if isinstance(content, bytes) else _from_hexadecimal(content)
         bsm = _decoded(data)
+        t_arrival = times.arrival(recorded, bsm)
         if bsm is not None and bsm.sec_mark is not None:
-            # second marks count milliseconds within a minute
-            if last_mark is not None:
-                t_measured = max(t_measured + math.remainder(bsm.sec_mark - last_mark, 60.0), 0.0)
-            last_mark = bsm.sec_mark
-            mark = round(t_measured % 60.0 * 1000.0) % 60000 / 1000.0
+            mark = round(times.t_measured % 60.0 * 1000.0) % 60000 / 1000.0
             data = encode_bsm(replace(bsm, sec_mark=mark))
-        t_arrival = t_measured + latency
-        if recorded is not None:
-            first_recorded = recorded if first_recorded is None else first_recorded
-            t_arrival = start + latency + recorded - first_recorded
-        bsm_log.append((max(t_arrival, bsm_log[-1][0] if bsm_log else 0.0), data))
+        bsm_log.append((t_arrival, data))
     if not bsm_log:
         raise InputError(f"path must hold messages, {path} had none")
     return bsm_log
+
+
+class SenderTimes:
+    """Times of arrival of a log's messages, which never decrease."""
+
+    def __init__(self, start: float, latency: float) -> None:
+        self.t_measured = start
+        self._start, self._latency, self._t = start, latency, 0.0
+        self._last_mark: float | None = None
+        self._first_recorded: float | None = None
+
+    def arrival(self, recorded: float | None, bsm: Bsm | None) -> float:
+        """Return the time of arrival of the next message [s]."""
+        if bsm is not None and bsm.sec_mark is not None:
+            # second marks count milliseconds within a minute
+            if self._last_mark is not None:
+                step = math.remainder(bsm.sec_mark - self._last_mark, 60.0)
+                self.t_measured = max(self.t_measured + step, 0.0)
+            self._last_mark = bsm.sec_mark
+        t_arrival = self.t_measured + self._latency
+        if recorded is not None:
+            self._first_recorded = recorded if self._first_recorded is None else self._first_recorded
+            t_arrival = self._start + self._latency + recorded - self._first_recorded
+        self._t = max(t_arrival, self._t)
+        return self._t
 
 
 def _decoded(data: bytes) -> Bsm | None:
@@ -83,8 +104,15 @@ def _decoded(data: bytes) -> Bsm | None:
         return None
 
 
-def _messages(path: str | FilePath) -> Iterable[tuple[float | None, bytes]]:
-    """Return the time, if recorded, and the bytes of each message of a file."""
+def _from_hexadecimal(digits: str) -> bytes:
+    try:
+        return bytes.fromhex(digits)
+    except ValueError:
+        raise InputError(f"path must hold hexadecimal digits, had {digits[:40]!r}") from None
+
+
+def read_entries(path: str | FilePath) -> Iterable[tuple[float | None, bytes | str]]:
+    """Return the time, if recorded, and the bytes or hexadecimal digits of each entry of a log."""
     content = read_bytes(path, max_bytes=_MAX_BYTES, name="path")
     if content.startswith(b"\x1f\x8b"):
         try:
@@ -93,21 +121,18 @@ def _messages(path: str | FilePath) -> Iterable[tuple[float | None, bytes]]:
             raise InputError(f"path must be a whole gzip file if it begins like one: {error}") from None
         if len(content) > _MAX_BYTES:
             raise InputError(f"path must be at most {_MAX_BYTES // 1_000_000} MB long without compression")
+    if is_capture(content):
+        return split_capture(content)
     if records := split_records(content):
         return records
+    if frames := split_frames(content):
+        return [(None, frame) for frame in frames]
     try:
-        return _from_text(content.decode("utf-8"))
+        return _entries(content.decode("utf-8"))
     except UnicodeDecodeError as error:
-        raise InputError(f"path must be a text file or an ODE log, {path} was not: {error}") from None
-
-
-def _from_text(text: str) -> Iterator[tuple[float | None, bytes]]:
-    """Yield the time, if recorded, and the bytes of each message of a text."""
-    for recorded, digits in _entries(text):
-        try:
-            yield recorded, bytes.fromhex(digits)
-        except ValueError:
-            raise InputError(f"path must hold hexadecimal digits, had {digits[:40]!r}") from None
+        raise InputError(
+            f"path must be a text file, an ODE log or a capture, {path} was not: {error}"
+        ) from None
 
 
 def _entries(text: str) -> Iterator[tuple[float | None, str]]:

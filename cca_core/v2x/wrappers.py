@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from cca_core.errors import InputError
 from cca_core.v2x.uper import frame_extent
 
-__all__ = ["MessageFrame", "split_records", "unwrap_message"]
+__all__ = ["MessageFrame", "split_frames", "split_records", "unwrap_message"]
 
 # DE_DSRC_MessageID of SAE J2735; 240 to 255 are for tests and local use
 _NAMES = {
@@ -148,6 +148,16 @@ def split_records(data: bytes) -> list[tuple[float, bytes]]:
         if begin == len(data):
             return records
     return []
+
+
+def split_frames(data: bytes) -> list[bytes]:
+    """Return the frames of a file that holds nothing but bare messages; empty if it is none."""
+    frames, cursor = [], _Cursor(data)
+    while cursor.begin < cursor.end and _is_frame(cursor, exactly=False):
+        end = frame_extent(data, cursor.begin, cursor.end)[2]
+        frames.append(data[cursor.begin : end])
+        cursor.begin = end
+    return frames if cursor.begin == cursor.end else []
 
 
 def _to_bytes(data: object) -> tuple[bytes | bytearray, list[str]]:

@@ -1,0 +1,80 @@
+"""``cca fit``: a smooth road along a route, and how well it fits."""
+
+import argparse
+import math
+import warnings
+from pathlib import Path as FilePath
+
+import numpy as np
+
+from cca_core.cli.words import counted
+from cca_core.errors import InputError
+from cca_core.path import Path, Road, Waypoints, clean_route, read_waypoints
+from cca_core.path.clean import CleaningReport
+from cca_core.plot.svg import to_svg
+
+__all__ = ["run"]
+
+_STRAIGHT = 1e4  # radius from which a road is called straight [m]
+
+
+def run(given: argparse.Namespace) -> int:
+    """Fit, print and draw; return the exit code."""
+    if given.plot is not None and given.plot.name and given.plot.suffix != ".svg":
+        raise InputError(f"--plot must end with .svg, was {str(given.plot)!r}")
+    limits = {} if given.tolerance is None else {"tolerance": given.tolerance}
+    with warnings.catch_warnings(record=True) as noted:
+        warnings.simplefilter("always")
+        road = Road.from_file(given.route, part=given.part, max_gap=given.max_gap, **limits)
+        points = read_waypoints(given.route)
+    rms, cleaning = _compare(road, points, given.part)
+    _print_facts(given.route, road.path, points, rms, cleaning)
+    if road.elevation is not None:
+        heights = road.elevation[:, 1]
+        _print("heights", f"{np.nanmin(heights):.0f} m to {np.nanmax(heights):.0f} m above the begin")
+    for each in noted:
+        _print("warning", str(each.message))
+    if given.plot is not None:
+        file = given.plot if given.plot.name else FilePath(f"{given.route.stem}.svg")
+        file.write_text(to_svg(road.path), encoding="utf-8")
+        _print("picture", str(file))
+    return 0
+
+
+def _compare(road: Road, points: Waypoints, part: int | None) -> tuple[float, CleaningReport]:
+    """Return the root mean square of the waypoints' distance from the path, and what cleaning changed."""
+    origin = None if road.frame is None else (road.frame.lat0, road.frame.lon0)
+    xy, t = points.to_local(origin), points.t
+    if part is not None:
+        rows = slice(points.parts[part], [*points.parts.tolist(), len(xy)][part + 1])
+        xy, t = xy[rows], t[rows]
+    route = clean_route(xy, t=t if len(t) == len(xy) and np.isfinite(t).all() else None)
+    s, _ = road.path.project(route.parts[0])
+    # beyond its ends the path continues straight, where no waypoint is near
+    nearest = road.path.position(s.clip(road.path.start, road.path.end))
+    return math.sqrt(np.mean(np.sum((nearest - route.parts[0]) ** 2, axis=1))), route.report
+
+
+def _print_facts(file: FilePath, path: Path, points: Waypoints, rms: float, cleaning: CleaningReport) -> None:
+    n, report = max(len(points.lat), len(points.xy)), path.fit_report
+    counts = f"{counted(n, 'point')} in {counted(len(points.parts), 'part')}"
+    _print("route", f"{file.name}: {counts}, {counted(points.skipped, 'row')} without a position")
+    _print("cleaning", repr(cleaning).removeprefix("CleaningReport(").removesuffix(")"))
+    _print("length", f"{path.length:.1f} m" + (", closed" if cleaning.closed else ""))
+    if report is not None:
+        noise = "" if report.noise is None else f", from a noise of {report.noise:.2g} m"
+        _print("tolerance", f"{report.tolerance:.2g} m{noise}")
+        _print("max error", f"{report.max_deviation:.2f} m at s = {report.s_max_deviation:.0f} m")
+    _print("rms error", f"{rms:.2f} m")
+    s = path.s_min_radius
+    side = "left" if path.curvature_at(s) > 0.0 else "right"
+    tightest = f"radius {path.min_radius:.0f} m to the {side} at s = {s:.0f} m"
+    _print("tightest curve", tightest if path.min_radius < _STRAIGHT else "none, the road is straight")
+    if report is not None and len(report.missed):
+        _print("warning", f"{counted(len(report.missed), 'point')} farther away than the tolerance")
+    if len(cleaning.reversals):
+        _print("warning", f"the route turns back at {counted(len(cleaning.reversals), 'point')}")
+
+
+def _print(name: str, text: str) -> None:
+    print(f"{name + ':':16}{text}")

@@ -1,0 +1,149 @@
+"""The command line as a whole: help, exit codes, imports."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from cca_core.cli import main
+
+COMMANDS = ("demo", "fit", "decode", "report")
+BLOCK_MATPLOTLIB = """
+import sys
+
+
+class Blocker:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in ("matplotlib", "tqdm", "vehiclemodels"):
+            raise ModuleNotFoundError(name, name=name)
+
+
+sys.meta_path.insert(0, Blocker())
+import importlib.util
+
+find_spec = importlib.util.find_spec
+importlib.util.find_spec = lambda name, package=None: (
+    None if name.partition(".")[0] in ("matplotlib", "tqdm", "vehiclemodels") else find_spec(name, package)
+)
+from cca_core.cli import main
+
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def run(*arguments: str, code: str = "", cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    program = ["-c", code] if code else ["-m", "cca_core"]
+    return subprocess.run(
+        [sys.executable, *program, *arguments], capture_output=True, text=True, timeout=300, cwd=cwd
+    )
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_fits_a_screen(
+    command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    with pytest.raises(SystemExit) as ended:
+        main([*([command] if command else []), "--help"])
+    assert ended.value.code == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) <= 24
+    assert max(map(len, lines)) <= 80
+
+
+def test_help_names_every_command() -> None:
+    assert re.findall(r"^    (\w+) ", run("-h").stdout, re.MULTILINE) == list(COMMANDS)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["fit", "--help"], []])
+def test_help_imports_neither_scipy_nor_matplotlib(arguments: list[str]) -> None:
+    code = f"""
+import sys
+from cca_core.cli import main
+
+try:
+    main({arguments!r})
+except SystemExit:
+    loaded = {{name.partition(".")[0] for name in sys.modules}}
+    sys.exit(bool(loaded & {{"scipy", "matplotlib", "tqdm"}}) or "cca_core.sim" in sys.modules)
+"""
+    assert run(code=code).returncode == 0
+
+
+def test_module_is_the_command() -> None:
+    result = run("--help")
+    assert result.stdout.startswith("usage: cca ")
+    assert result.returncode == 0
+
+
+@pytest.mark.parametrize("arguments", [[], ["draw"], ["fit"], ["fit", "a.gpx", "--tolerance", "wide"]])
+def test_words_that_cannot_be_parsed_have_code_2(arguments: list[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["fit", "no.gpx"], ["decode", "no.pcap"], ["report", "no.npz"], ["demo", "--route", "no.gpx"]],
+    ids=" ".join,
+)
+def test_missing_file_is_one_line_and_code_2(
+    arguments: list[str], capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"cca {arguments[0]}: ")
+    assert arguments[-1] in error
+    assert error.count("\n") == 1
+
+
+def test_folder_that_cannot_be_written_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    route = tmp_path / "route.csv"
+    route.write_text("x,y\n0,0\n50,0\n100,0\n")
+    assert main(["fit", str(route), "--plot", str(tmp_path / "no" / "a.svg")]) == 2
+    assert "a.svg' cannot be written" in capsys.readouterr().err
+
+
+def test_reader_that_ends_early_leaves_no_traceback(tmp_path: Path) -> None:
+    log = tmp_path / "log.hex"
+    log.write_text("00\n" * 50_000 + "001480\n")
+    command = f"{sys.executable} -m cca_core decode {log} | head -n 1"
+    result = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=120)
+    assert "Traceback" not in result.stderr
+
+
+def test_demo_without_matplotlib_names_the_extra(tmp_path: Path) -> None:
+    result = run("demo", "--only", "eebl", "--out", "out", code=BLOCK_MATPLOTLIB, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "pip install 'cca-planner[plot]'" in result.stderr
+    assert len(list((tmp_path / "out").glob("*.npz"))) == 3
+    report = run("report", "out", code=BLOCK_MATPLOTLIB, cwd=tmp_path)
+    assert report.returncode == 2
+    assert "pip install 'cca-planner[plot]'" in report.stderr
+
+
+@pytest.mark.requires("matplotlib")
+def test_report_of_stored_logs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "out"
+    assert main(["demo", "--only", "eebl", "--out", str(out)]) == 0
+    table = capsys.readouterr().out
+    assert (out / "report.html").is_file()
+    logs = sorted(map(str, out.glob("*single_track.npz")))
+    assert main(["report", *logs, "--out", str(tmp_path / "again" / "page.html")]) == 0
+    assert "Without V2V the ego collides" in table
+    assert "Without V2V the ego collides" in capsys.readouterr().out
+    assert (tmp_path / "again" / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_progress_is_silent_without_terminal(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    main(["demo", "--only", "eebl", "--out", str(tmp_path)])
+    assert "driving" not in capsys.readouterr().err
+
+
+def test_unknown_scenario_of_demo_lists_names(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", "--only", "eeble"]) == 2
+    assert "eebl, ima, curbside, maneuver" in capsys.readouterr().err
