@@ -2,6 +2,7 @@
 
 from cca_core.kernel.rollout import ONCOMING, TIME_EPS
 from cca_core.kernel.scene import TOLERANCE, Scene, is_outside
+from cca_core.kernel.traffic import HALF_W, SURE_W, D
 from cca_core.kernel.types import Flag, Int, Real
 
 __all__ = [
@@ -10,6 +11,7 @@ __all__ = [
     "is_behind",
     "is_established",
     "is_in_zone_lane",
+    "keeps_zone",
     "reacts",
     "worst_rear_gap",
     "zone_begin",
@@ -45,14 +47,22 @@ def is_behind(w: Scene, row: Int, p: Int, j: Int, back: Int) -> Flag:
     return high < w.rear or abs(w.d_o[j, back] - w.offset_at[row, back]) < w.half_width
 
 
+def is_surely_in(w: Scene, j: Int, right: Real, left: Real) -> Flag:
+    """Whether a body is at least in part in a lane, wherever it is within its bounds."""
+    low = w.seen[j, D] - w.seen[j, SURE_W]
+    high = w.seen[j, D] + w.seen[j, SURE_W]
+    return low < left - w.entry_tolerance and high > right + w.entry_tolerance
+
+
 def is_established(w: Scene, j: Int) -> Flag:
     """Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in."""
     if w.established == 0 or w.crosses[j] != 0 or not w.v_o[j, 0] >= ONCOMING:
         return False
     if not w.s_o[j, 0] + w.half_l[j] < w.s_0 + w.offset - w.half_length:
         return False
-    inside = w.right[j, 0] < w.lane_left and w.left[j, 0] > w.lane_right
-    return w.adjacent[j] == w.established or w.adjacent[j] == 3 or (w.leaves and inside)
+    if w.established == 1:
+        return is_surely_in(w, j, w.lane_right if w.leaves else w.lane_left, w.edge_left)
+    return is_surely_in(w, j, w.edge_right, w.lane_left if w.leaves else w.lane_right)
 
 
 def zone_begin(w: Scene, since: Real) -> Int:
@@ -67,6 +77,16 @@ def zone_begin(w: Scene, since: Real) -> Int:
 def is_in_zone_lane(w: Scene, j: Int) -> Flag:
     """Whether a vehicle is in the adjacent lane that the maneuver enters."""
     return w.adjacent[j] == 3 or w.adjacent[j] == w.zone_side
+
+
+def keeps_zone(w: Scene, j: Int) -> Flag:
+    """Whether a vehicle is for certain in the adjacent lane that the maneuver enters, and not in the ego's."""
+    half = 0.5 * (w.seen[j, HALF_W] + w.seen[j, SURE_W])  # of the body, where it is reported
+    if w.zone_side == 1:
+        beside = w.seen[j, D] - half > w.lane_left - w.entry_tolerance
+        return beside and is_surely_in(w, j, w.lane_left, w.edge_left)
+    beside = w.seen[j, D] + half < w.lane_right + w.entry_tolerance
+    return beside and is_surely_in(w, j, w.edge_right, w.lane_right)
 
 
 def rear_gap(w: Scene, row: Int, begin: Int, front: Real, speed: Real) -> Real:
@@ -88,7 +108,7 @@ def rear_gap(w: Scene, row: Int, begin: Int, front: Real, speed: Real) -> Real:
 
 def reacts(w: Scene, row: Int, j: Int, begin: Int) -> Flag:
     """Whether a driver behind in the adjacent lane has the room to react to the ego from a time on."""
-    if not w.rear_reaction > 0.0 or w.crosses[j] != 0 or not is_in_zone_lane(w, j):
+    if not w.rear_reaction > 0.0 or w.crosses[j] != 0 or not keeps_zone(w, j):
         return False
     front = w.s_o[j, begin] + w.half_l[j]
     if not w.v_o[j, begin] >= ONCOMING or not front < w.s[row, begin] + w.offset - w.half_length:

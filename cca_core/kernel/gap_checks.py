@@ -10,6 +10,7 @@ from cca_core.kernel.duties import (
     is_behind,
     is_established,
     is_in_zone_lane,
+    keeps_zone,
     reacts,
     worst_rear_gap,
     zone_begin,
@@ -217,13 +218,15 @@ def check_worst_case(
                     rear - x_safety - (middle + w.half_length),
                     middle - w.half_length - (w.high[j, k] + x_safety),
                 )
-                if same and not ahead and w.rear_reaction > 0.0:  # it keeps its distance from then on
+                reacts_behind = same and not ahead and w.rear_reaction > 0.0
+                if reacts_behind:  # it keeps its distance from then on
                     zone_gap = worst_rear_gap(w, row, j, k) - x_safety if k == begin else FAR
                 if not zone_gap >= margin:
                     margin = zone_gap
                     decides = j
                     when = k
-                continue
+                if which == 1 or not reacts_behind or keeps_zone(w, j):
+                    continue
             if w.assumed[j] != 0:
                 continue
             if k > 0 and not w.v[row, k - 1] >= STANDSTILL and w.crosses[j] == 0:

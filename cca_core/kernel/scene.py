@@ -17,7 +17,7 @@ RunMarks = Annotated[Ints, "max_rows"]
 Terms = Annotated[Grid, "max_rows", 9]
 Stops = Annotated[Reals, 8]
 OtherLanes = Annotated[Grid, "max_lanes", 2]
-Seen = Annotated[Grid, "max_m", 24]
+Seen = Annotated[Grid, "max_m", 25]
 
 TOLERANCE = 0.05  # beyond a lane boundary, up to which the body is in its lane [m]
 
@@ -88,7 +88,7 @@ class Scene:
     psi_w: Motions
     half_l_w: Motions
     half_w_w: Motions
-    adjacent: VehicleMarks
+    adjacent: VehicleMarks  # lanes that it may be in: 1 left, 2 right, 3 both
     assumed: VehicleMarks  # at the end of the awareness range
     # what is assumed of others; `b_other` is the braking
     v_limit: Real

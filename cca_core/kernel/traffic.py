@@ -41,6 +41,7 @@ BODY_L = 20  # half extents of a body that crosses
 BODY_W = 21
 BULGE = 22  # width that a bend of curvature 1 adds to the straight body; of a bend of the route [m^2]
 BEND_W = 23  # part of the half extent across that the bend adds in which it is now
+SURE_W = 24  # half extent across that is covered for certain; negative if nothing is
 
 
 def travel(w: Scene, v: Real, a: Real, lasts: Real, t: Real) -> tuple[Real, Real]:

@@ -89,7 +89,7 @@ def _columns(n: FrenetVehicle, road: Road, settings: EvasionSettings, base: int)
         n.s - base, n.d, n.v_s, n.half_length, n.half_width, *extents, rate, nominal_rate, remote.age,
         math.cos(n.angle), side_speed, side_range, crosses,
         remote.x, remote.y, remote.psi, remote.v_x, remote.a_x, remote.r, *_half_body(n),
-        0.125 * remote.length**2, n.added_width,
+        0.125 * remote.length**2, n.added_width, n.half_width - 4.0 * remote.sigma_across,
     )  # fmt: skip
 
 
@@ -119,6 +119,6 @@ def _assumed_vehicles(
         return []
     at, size = observation.s - base, (0.0, 0.0, 1.0, 1.0)
     return [
-        (at - lane.direction * known, lane.d, lane.direction * road.speed_limit, *size, *[0.0] * 17)
+        (at - lane.direction * known, lane.d, lane.direction * road.speed_limit, *size, *[0.0] * 18)
         for lane in road.lanes if lane is not road.ego_lane
     ]  # fmt: skip

@@ -49,6 +49,15 @@ def test_follower_that_comes_near_at_return_is_seen(index: int) -> None:
     assert gap > 0.0 or not certificate.keeps_worst_case
 
 
+def test_follower_of_uncertain_lane_may_accelerate() -> None:
+    """It may be in the lane that the ego is in, but is not for certain: it has no duty."""
+    decided = decide(sample_case(np.random.default_rng((42, 674))), DEFAULT)
+    certificate = decided.command.certificate
+    assert certificate is not None
+    gap = min_gap(decided, np.random.default_rng((42, 674, 1)), reacts=True)
+    assert gap > 0.0 or not certificate.keeps_worst_case
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(1, 101))
 def test_certified_safe_stop_is_not_touched_in_many(block: int) -> None:

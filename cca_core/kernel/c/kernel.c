@@ -2862,120 +2862,6 @@ void cca_sum_costs(Scene *w, int row, int p, double until)
     w->terms[row * 9 + 6] = w->v[row * w->steps + last];
     w->terms[row * 9 + 7] = w->offset_at[row * w->steps + w->steps - 1];
 }
-#define DUTIES_FAR 1000.0
-
-/* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
-int cca_find_duty(Scene *w, int row, double wait)
-{
-    int back = 0;
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        if (scene_is_outside(w, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)) {
-            back = int_min(k + 1, w->steps - 1);
-        }
-    }
-    w->rear = w->s[row * w->steps + back] + w->offset - w->half_length;
-    w->duty_from = back;
-    for (int k = back, k_end_ = w->steps; k < k_end_; k += 1) {
-        if (back > 0 && w->t[k] < w->t[back] + wait) {
-            w->duty_from = k + 2;
-        }
-    }
-    return back;
-}
-
-/* Whether a vehicle is behind the ego in its lane from `duty_from` on, for good. */
-bool cca_has_duty(const Scene *w, int j, int back)
-{
-    if (w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
-        return false;
-    }
-    return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
-}
-
-/* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
-bool cca_is_behind(const Scene *w, int row, int p, int j, int back)
-{
-    double high = w->overtakes[p * w->max_m + j] != 0.0 ? w->high_passed[j * w->steps + back] : w->high[j
-        * w->steps + back];
-    return high < w->rear || fabs(w->d_o[j * w->steps + back] - w->offset_at[row * w->steps + back])
-        < w->half_width;
-}
-
-/* Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in. */
-bool cca_is_established(const Scene *w, int j)
-{
-    if (w->established == 0 || w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
-        return false;
-    }
-    if (!(w->s_o[j * w->steps + 0] + w->half_l[j] < w->s_0 + w->offset - w->half_length)) {
-        return false;
-    }
-    bool inside = w->right[j * w->steps + 0] < w->lane_left && w->left[j * w->steps + 0] > w->lane_right;
-    return w->adjacent[j] == w->established || w->adjacent[j] == 3 || (w->leaves && inside);
-}
-
-/* Index of the first time that is not before another. */
-int cca_zone_begin(const Scene *w, double since)
-{
-    int begin = w->steps - 1;
-    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        if (w->t[k] >= since - ROLLOUT_TIME_EPS) {
-            begin = int_min(begin, k);
-        }
-    }
-    return begin;
-}
-
-/* Whether a vehicle is in the adjacent lane that the maneuver enters. */
-bool cca_is_in_zone_lane(const Scene *w, int j)
-{
-    return w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side;
-}
-
-/* Least gap behind the ego to a driver who reacts to it from a time on, given their front and speed. */
-static double duties_rear_gap(const Scene *w, int row, int begin, double front, double speed)
-{
-    double gap = DUTIES_FAR;
-    double position = front;
-    double v = speed;
-    for (int k = begin, k_end_ = w->steps; k < k_end_; k += 1) {
-        gap = real_min(gap, w->s[row * w->steps + k] + w->offset - w->half_length - position);
-        bool has_reacted = w->t[k] - w->t[begin] >= w->rear_reaction - ROLLOUT_TIME_EPS;
-        if (k + 1 == w->steps || (has_reacted && !(v > w->v[row * w->steps + k]))) {
-            break;
-        }
-        double h = w->t[k + 1] - w->t[k];
-        double then = has_reacted ? real_max(v - w->rear_braking * h, 0.0) : v;
-        position = position + 0.5 * (v + then) * h;
-        v = then;
-    }
-    return gap;
-}
-
-/* Whether a driver behind in the adjacent lane has the room to react to the ego from a time on. */
-bool cca_reacts(const Scene *w, int row, int j, int begin)
-{
-    if (!(w->rear_reaction > 0.0) || w->crosses[j] != 0 || !cca_is_in_zone_lane(w, j)) {
-        return false;
-    }
-    double front = w->s_o[j * w->steps + begin] + w->half_l[j];
-    if (!(w->v_o[j * w->steps + begin] >= ROLLOUT_ONCOMING) || !(front < w->s[row * w->steps + begin]
-        + w->offset - w->half_length)) {
-        return false;
-    }
-    return duties_rear_gap(w, row, begin, front, w->v_o[j * w->steps + begin]) > 0.0;
-}
-
-/* Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts. */
-double cca_worst_rear_gap(const Scene *w, int row, int j, int begin)
-{
-    double speed = w->v_o[j * w->steps + begin];
-    if (begin > 0) {
-        speed = (w->high[j * w->steps + begin] - w->high[j * w->steps + begin - 1]) / (w->t[begin]
-            - w->t[begin - 1]);
-    }
-    return duties_rear_gap(w, row, begin, w->high[j * w->steps + begin], speed);
-}
 
 /* traffic.py: Other vehicles of a scene over time: nominal motion, worst case, and order in the lane. */
 
@@ -3555,6 +3441,7 @@ void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double
 #define TRAFFIC_BODY_W 21
 #define TRAFFIC_BULGE 22
 #define TRAFFIC_BEND_W 23
+#define TRAFFIC_SURE_W 24
 
 /* Nominal distance and speed without sign; a reported acceleration lasts for a bounded time. */
 static cca_dd traffic_travel(const Scene *w, double v, double a, double lasts, double t)
@@ -3584,43 +3471,43 @@ static void traffic_set_adjacent(Scene *w, int j, double right, double left)
 /* Motion of a vehicle along the route. */
 static void traffic_locate_along(Scene *w, int j)
 {
-    double v = w->seen[j * 24 + TRAFFIC_SPEED];
+    double v = w->seen[j * 25 + TRAFFIC_SPEED];
     double speed = fabs(v);
-    double side = w->seen[j * 24 + TRAFFIC_SIDE_SPEED];
+    double side = w->seen[j * 25 + TRAFFIC_SIDE_SPEED];
     double sign = copysign(1.0, v);
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        const cca_dd result1_ = traffic_travel(w, speed, w->seen[j * 24 + TRAFFIC_NOMINAL_RATE],
+        const cca_dd result1_ = traffic_travel(w, speed, w->seen[j * 25 + TRAFFIC_NOMINAL_RATE],
             w->acceleration_time, w->t[k]);
         double distance = result1_.item0;
         double now = result1_.item1;
-        w->s_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_S] + sign * distance;
+        w->s_o[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_S] + sign * distance;
         w->v_o[j * w->steps + k] = sign * now;
-        double across = copysign(real_min(fabs(side) * w->t[k], w->seen[j * 24 + TRAFFIC_SIDE_RANGE]), side);
-        w->d_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] + across;
-        w->right[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] - w->seen[j * 24 + TRAFFIC_HALF_W]
+        double across = copysign(real_min(fabs(side) * w->t[k], w->seen[j * 25 + TRAFFIC_SIDE_RANGE]), side);
+        w->d_o[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_D] + across;
+        w->right[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_D] - w->seen[j * 25 + TRAFFIC_HALF_W]
             + real_min(across, 0.0);
-        w->left[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] + w->seen[j * 24 + TRAFFIC_HALF_W]
+        w->left[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_D] + w->seen[j * 25 + TRAFFIC_HALF_W]
             + real_max(across, 0.0);
     }
-    traffic_set_adjacent(w, j, w->seen[j * 24 + TRAFFIC_D] - w->seen[j * 24 + TRAFFIC_HALF_W], w->seen[j
-        * 24 + TRAFFIC_D] + w->seen[j * 24 + TRAFFIC_HALF_W]);
+    traffic_set_adjacent(w, j, w->seen[j * 25 + TRAFFIC_D] - w->seen[j * 25 + TRAFFIC_HALF_W], w->seen[j
+        * 25 + TRAFFIC_D] + w->seen[j * 25 + TRAFFIC_HALF_W]);
 }
 
 /* Worst case along the route of a vehicle that is overtaken, or of one that is not. */
 static void traffic_reach_along(Scene *w, int j, bool passed)
 {
-    double v = w->seen[j * 24 + TRAFFIC_SPEED];
-    double rate = w->seen[j * 24 + TRAFFIC_RATE];
-    double nominal = w->seen[j * 24 + TRAFFIC_NOMINAL_RATE];
+    double v = w->seen[j * 25 + TRAFFIC_SPEED];
+    double rate = w->seen[j * 25 + TRAFFIC_RATE];
+    double nominal = w->seen[j * 25 + TRAFFIC_NOMINAL_RATE];
     if (passed && rate > 0.0) {
         rate = 0.0;
         nominal = real_min(nominal, 0.0);
     }
     double braking = real_max(w->b_other, -rate);
     double acceleration = real_max(passed ? w->a_passed : w->a_other, rate);
-    double rear = w->seen[j * 24 + TRAFFIC_S] - w->seen[j * 24 + TRAFFIC_HALF_L];
-    double front = w->seen[j * 24 + TRAFFIC_S] + w->seen[j * 24 + TRAFFIC_HALF_L];
-    const cca_ddd result1_ = reach_measured_motion(v, w->seen[j * 24 + TRAFFIC_AGE], rate, braking);
+    double rear = w->seen[j * 25 + TRAFFIC_S] - w->seen[j * 25 + TRAFFIC_HALF_L];
+    double front = w->seen[j * 25 + TRAFFIC_S] + w->seen[j * 25 + TRAFFIC_HALF_L];
+    const cca_ddd result1_ = reach_measured_motion(v, w->seen[j * 25 + TRAFFIC_AGE], rate, braking);
     double measured = result1_.item0;
     double counted = result1_.item1;
     double stops = result1_.item2;
@@ -3640,7 +3527,7 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
             low = copysign(1.0, v) * distance;
             high = low;
         } else {
-            const cca_dd result3_ = reach_reach(v, w->t[k], w->seen[j * 24 + TRAFFIC_AGE], braking,
+            const cca_dd result3_ = reach_reach(v, w->t[k], w->seen[j * 25 + TRAFFIC_AGE], braking,
                 acceleration, measured, counted, stops);
             low = result3_.item0;
             high = result3_.item1;
@@ -3657,7 +3544,7 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
             low = low_0 + sum_low;
             high = high_0 + sum_high;
             if (fabs(v) < CONSTANTS_STANDSTILL_SPEED) {
-                if (w->seen[j * 24 + TRAFFIC_AHEAD] > 0.0) {
+                if (w->seen[j * 25 + TRAFFIC_AHEAD] > 0.0) {
                     low = real_max(low, 0.0);
                 } else {
                     high = real_min(high, 0.0);
@@ -3666,7 +3553,7 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
         }
         if (passed) {
             if (v >= 0.0) {
-                const cca_dd result4_ = traffic_travel(w, fabs(v), w->seen[j * 24 + TRAFFIC_NOMINAL_RATE],
+                const cca_dd result4_ = traffic_travel(w, fabs(v), w->seen[j * 25 + TRAFFIC_NOMINAL_RATE],
                     w->acceleration_time, w->t[k]);
                 double distance = result4_.item0;
                 high = real_max(high, distance);
@@ -3685,33 +3572,33 @@ static cca_ddd traffic_on_arc(const Scene *w, int j, double s, double turn)
 {
     double half = 0.5 * turn;
     double chord = fabs(half) > 1e-12 ? s * (sin(half) / half) : s;
-    double heading = w->seen[j * 24 + TRAFFIC_PSI] + half;
-    double x = w->seen[j * 24 + TRAFFIC_X] + chord * cos(heading);
-    return (cca_ddd){x, w->seen[j * 24 + TRAFFIC_Y] + chord * sin(heading), w->seen[j * 24 + TRAFFIC_PSI]
+    double heading = w->seen[j * 25 + TRAFFIC_PSI] + half;
+    double x = w->seen[j * 25 + TRAFFIC_X] + chord * cos(heading);
+    return (cca_ddd){x, w->seen[j * 25 + TRAFFIC_Y] + chord * sin(heading), w->seen[j * 25 + TRAFFIC_PSI]
         + turn};
 }
 
 /* Motion of a vehicle in the plane: on its circle nominally, and where it can be within a time. */
 static void traffic_locate_crossing(Scene *w, int j)
 {
-    double v = w->seen[j * 24 + TRAFFIC_V_X];
+    double v = w->seen[j * 25 + TRAFFIC_V_X];
     double speed = fabs(v);
     double sign = copysign(1.0, v);
-    double rate = sign * w->seen[j * 24 + TRAFFIC_A_X];
-    double kappa = speed > CONSTANTS_STANDSTILL_SPEED ? w->seen[j * 24 + TRAFFIC_TURN_RATE] / v : 0.0;
+    double rate = sign * w->seen[j * 25 + TRAFFIC_A_X];
+    double kappa = speed > CONSTANTS_STANDSTILL_SPEED ? w->seen[j * 25 + TRAFFIC_TURN_RATE] / v : 0.0;
     double braking = w->keeps ? 0.0 : real_max(w->b_crossing, -rate);
     double acceleration = w->keeps ? 0.0 : real_max(w->a_crossing, rate);
-    double age = w->seen[j * 24 + TRAFFIC_AGE];
+    double age = w->seen[j * 25 + TRAFFIC_AGE];
     const cca_ddd result1_ = reach_measured_motion(speed, age, 0.0, braking);
     double measured = result1_.item0;
     double counted = result1_.item1;
     double still = result1_.item2;
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        w->s_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_S];
+        w->s_o[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_S];
         const cca_dd result2_ = traffic_travel(w, speed, rate, w->crossing_time, w->t[k]);
         double distance = result2_.item0;
         w->v_o[j * w->steps + k] = result2_.item1;
-        w->d_o[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D];
+        w->d_o[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_D];
         double s = sign * distance;
         const cca_ddd result3_ = traffic_on_arc(w, j, s, kappa * s);
         w->x_o[j * w->steps + k] = result3_.item0;
@@ -3733,8 +3620,8 @@ static void traffic_locate_crossing(Scene *w, int j)
         w->x_w[j * w->steps + k] = result6_.item0;
         w->y_w[j * w->steps + k] = result6_.item1;
         w->psi_w[j * w->steps + k] = result6_.item2;
-        w->half_l_w[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_BODY_L] + extent;
-        w->half_w_w[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_BODY_W] + real_min(0.25 * fabs(kappa)
+        w->half_l_w[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_BODY_L] + extent;
+        w->half_w_w[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_BODY_W] + real_min(0.25 * fabs(kappa)
             * extent * extent, extent);
     }
     w->adjacent[j] = 0;
@@ -3744,7 +3631,7 @@ static void traffic_locate_crossing(Scene *w, int j)
 static void traffic_locate_assumed(Scene *w, int j)
 {
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        double at = w->seen[j * 24 + TRAFFIC_S] + w->seen[j * 24 + TRAFFIC_SPEED] * w->t[k];
+        double at = w->seen[j * 25 + TRAFFIC_S] + w->seen[j * 25 + TRAFFIC_SPEED] * w->t[k];
         w->s_o[j * w->steps + k] = TRAFFIC_GONE;
         w->v_o[j * w->steps + k] = 0.0;
         w->d_o[j * w->steps + k] = 0.0;
@@ -3752,29 +3639,29 @@ static void traffic_locate_assumed(Scene *w, int j)
         w->high[j * w->steps + k] = at;
         w->low_passed[j * w->steps + k] = at;
         w->high_passed[j * w->steps + k] = at;
-        w->right[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH;
-        w->left[j * w->steps + k] = w->seen[j * 24 + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH;
+        w->right[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH;
+        w->left[j * w->steps + k] = w->seen[j * 25 + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH;
     }
-    traffic_set_adjacent(w, j, w->seen[j * 24 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH, w->seen[j * 24
+    traffic_set_adjacent(w, j, w->seen[j * 25 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH, w->seen[j * 25
         + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH);
 }
 
 /* Whether a body is at least in part in a lane. */
 static bool traffic_is_in(const Scene *w, int j, double right, double left)
 {
-    return w->seen[j * 24 + TRAFFIC_D] - w->seen[j * 24 + TRAFFIC_HALF_W] <= left && w->seen[j * 24
-        + TRAFFIC_D] + w->seen[j * 24 + TRAFFIC_HALF_W] >= right;
+    return w->seen[j * 25 + TRAFFIC_D] - w->seen[j * 25 + TRAFFIC_HALF_W] <= left && w->seen[j * 25
+        + TRAFFIC_D] + w->seen[j * 25 + TRAFFIC_HALF_W] >= right;
 }
 
 /* Whether no stationary vehicle is in a lane next to a vehicle or a little ahead. */
 static bool traffic_is_clear(const Scene *w, int j, int n, double right, double left)
 {
-    double rear = w->seen[j * 24 + TRAFFIC_S] - w->seen[j * 24 + TRAFFIC_HALF_L];
-    double end = w->seen[j * 24 + TRAFFIC_S] + w->seen[j * 24 + TRAFFIC_HALF_L] + w->queue_gap;
+    double rear = w->seen[j * 25 + TRAFFIC_S] - w->seen[j * 25 + TRAFFIC_HALF_L];
+    double end = w->seen[j * 25 + TRAFFIC_S] + w->seen[j * 25 + TRAFFIC_HALF_L] + w->queue_gap;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        bool stands = fabs(w->seen[i * 24 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED;
-        bool near = w->seen[i * 24 + TRAFFIC_S] - w->seen[i * 24 + TRAFFIC_HALF_L] < end && w->seen[i * 24
-            + TRAFFIC_S] + w->seen[i * 24 + TRAFFIC_HALF_L] > rear;
+        bool stands = fabs(w->seen[i * 25 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED;
+        bool near = w->seen[i * 25 + TRAFFIC_S] - w->seen[i * 25 + TRAFFIC_HALF_L] < end && w->seen[i * 25
+            + TRAFFIC_S] + w->seen[i * 25 + TRAFFIC_HALF_L] > rear;
         if (i != j && stands && near && traffic_is_in(w, i, right, left)) {
             return false;
         }
@@ -3785,17 +3672,17 @@ static bool traffic_is_clear(const Scene *w, int j, int n, double right, double 
 /* Distance kept behind a single stationary vehicle next to a clear lane, for a later maneuver. */
 static double traffic_distance_to_pass(const Scene *w, int j, int n)
 {
-    if (!(fabs(w->seen[j * 24 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED) || w->crosses[j] != 0) {
+    if (!(fabs(w->seen[j * 25 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED) || w->crosses[j] != 0) {
         return 0.0;
     }
     if (!traffic_is_in(w, j, w->lane_right, w->lane_left)) {
         return 0.0;
     }
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double gap = w->seen[i * 24 + TRAFFIC_S] - w->seen[i * 24 + TRAFFIC_HALF_L] - (w->seen[j * 24
-            + TRAFFIC_S] + w->seen[j * 24 + TRAFFIC_HALF_L]);
-        if (i != j && (0.0 < gap && gap < w->queue_gap) && fabs(w->seen[i * 24 + TRAFFIC_D] - w->seen[j
-            * 24 + TRAFFIC_D]) < TRAFFIC_ABREAST) {
+        double gap = w->seen[i * 25 + TRAFFIC_S] - w->seen[i * 25 + TRAFFIC_HALF_L] - (w->seen[j * 25
+            + TRAFFIC_S] + w->seen[j * 25 + TRAFFIC_HALF_L]);
+        if (i != j && (0.0 < gap && gap < w->queue_gap) && fabs(w->seen[i * 25 + TRAFFIC_D] - w->seen[j
+            * 25 + TRAFFIC_D]) < TRAFFIC_ABREAST) {
             return 0.0;
         }
     }
@@ -3812,9 +3699,9 @@ void cca_locate_vehicles(Scene *w, int seen)
 {
     w->crossing = 0;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        w->half_l[j] = w->seen[j * 24 + TRAFFIC_NOMINAL_L];
-        w->half_w[j] = w->seen[j * 24 + TRAFFIC_NOMINAL_W];
-        w->crosses[j] = j < seen && w->seen[j * 24 + TRAFFIC_CROSSES] != 0.0 ? 1 : 0;
+        w->half_l[j] = w->seen[j * 25 + TRAFFIC_NOMINAL_L];
+        w->half_w[j] = w->seen[j * 25 + TRAFFIC_NOMINAL_W];
+        w->crosses[j] = j < seen && w->seen[j * 25 + TRAFFIC_CROSSES] != 0.0 ? 1 : 0;
         w->assumed[j] = j >= seen ? 1 : 0;
         w->passing_distance[j] = 0.0;
         if (j >= seen) {
@@ -3853,6 +3740,142 @@ void cca_locate_vehicles(Scene *w, int seen)
             w->d_high[j] = real_max(w->d_high[j], w->d_o[j * w->steps + i]);
         }
     }
+}
+#define DUTIES_FAR 1000.0
+
+/* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
+int cca_find_duty(Scene *w, int row, double wait)
+{
+    int back = 0;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (scene_is_outside(w, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)) {
+            back = int_min(k + 1, w->steps - 1);
+        }
+    }
+    w->rear = w->s[row * w->steps + back] + w->offset - w->half_length;
+    w->duty_from = back;
+    for (int k = back, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (back > 0 && w->t[k] < w->t[back] + wait) {
+            w->duty_from = k + 2;
+        }
+    }
+    return back;
+}
+
+/* Whether a vehicle is behind the ego in its lane from `duty_from` on, for good. */
+bool cca_has_duty(const Scene *w, int j, int back)
+{
+    if (w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
+        return false;
+    }
+    return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
+}
+
+/* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
+bool cca_is_behind(const Scene *w, int row, int p, int j, int back)
+{
+    double high = w->overtakes[p * w->max_m + j] != 0.0 ? w->high_passed[j * w->steps + back] : w->high[j
+        * w->steps + back];
+    return high < w->rear || fabs(w->d_o[j * w->steps + back] - w->offset_at[row * w->steps + back])
+        < w->half_width;
+}
+
+/* Whether a body is at least in part in a lane, wherever it is within its bounds. */
+static bool duties_is_surely_in(const Scene *w, int j, double right, double left)
+{
+    double low = w->seen[j * 25 + TRAFFIC_D] - w->seen[j * 25 + TRAFFIC_SURE_W];
+    double high = w->seen[j * 25 + TRAFFIC_D] + w->seen[j * 25 + TRAFFIC_SURE_W];
+    return low < left - w->entry_tolerance && high > right + w->entry_tolerance;
+}
+
+/* Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in. */
+bool cca_is_established(const Scene *w, int j)
+{
+    if (w->established == 0 || w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
+        return false;
+    }
+    if (!(w->s_o[j * w->steps + 0] + w->half_l[j] < w->s_0 + w->offset - w->half_length)) {
+        return false;
+    }
+    if (w->established == 1) {
+        return duties_is_surely_in(w, j, w->leaves ? w->lane_right : w->lane_left, w->edge_left);
+    }
+    return duties_is_surely_in(w, j, w->edge_right, w->leaves ? w->lane_left : w->lane_right);
+}
+
+/* Index of the first time that is not before another. */
+int cca_zone_begin(const Scene *w, double since)
+{
+    int begin = w->steps - 1;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (w->t[k] >= since - ROLLOUT_TIME_EPS) {
+            begin = int_min(begin, k);
+        }
+    }
+    return begin;
+}
+
+/* Whether a vehicle is in the adjacent lane that the maneuver enters. */
+bool cca_is_in_zone_lane(const Scene *w, int j)
+{
+    return w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side;
+}
+
+/* Whether a vehicle is for certain in the adjacent lane that the maneuver enters, and not in the ego's. */
+bool cca_keeps_zone(const Scene *w, int j)
+{
+    double half = 0.5 * (w->seen[j * 25 + TRAFFIC_HALF_W] + w->seen[j * 25 + TRAFFIC_SURE_W]);
+    if (w->zone_side == 1) {
+        bool beside = w->seen[j * 25 + TRAFFIC_D] - half > w->lane_left - w->entry_tolerance;
+        return beside && duties_is_surely_in(w, j, w->lane_left, w->edge_left);
+    }
+    bool beside = w->seen[j * 25 + TRAFFIC_D] + half < w->lane_right + w->entry_tolerance;
+    return beside && duties_is_surely_in(w, j, w->edge_right, w->lane_right);
+}
+
+/* Least gap behind the ego to a driver who reacts to it from a time on, given their front and speed. */
+static double duties_rear_gap(const Scene *w, int row, int begin, double front, double speed)
+{
+    double gap = DUTIES_FAR;
+    double position = front;
+    double v = speed;
+    for (int k = begin, k_end_ = w->steps; k < k_end_; k += 1) {
+        gap = real_min(gap, w->s[row * w->steps + k] + w->offset - w->half_length - position);
+        bool has_reacted = w->t[k] - w->t[begin] >= w->rear_reaction - ROLLOUT_TIME_EPS;
+        if (k + 1 == w->steps || (has_reacted && !(v > w->v[row * w->steps + k]))) {
+            break;
+        }
+        double h = w->t[k + 1] - w->t[k];
+        double then = has_reacted ? real_max(v - w->rear_braking * h, 0.0) : v;
+        position = position + 0.5 * (v + then) * h;
+        v = then;
+    }
+    return gap;
+}
+
+/* Whether a driver behind in the adjacent lane has the room to react to the ego from a time on. */
+bool cca_reacts(const Scene *w, int row, int j, int begin)
+{
+    if (!(w->rear_reaction > 0.0) || w->crosses[j] != 0 || !cca_keeps_zone(w, j)) {
+        return false;
+    }
+    double front = w->s_o[j * w->steps + begin] + w->half_l[j];
+    if (!(w->v_o[j * w->steps + begin] >= ROLLOUT_ONCOMING) || !(front < w->s[row * w->steps + begin]
+        + w->offset - w->half_length)) {
+        return false;
+    }
+    return duties_rear_gap(w, row, begin, front, w->v_o[j * w->steps + begin]) > 0.0;
+}
+
+/* Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts. */
+double cca_worst_rear_gap(const Scene *w, int row, int j, int begin)
+{
+    double speed = w->v_o[j * w->steps + begin];
+    if (begin > 0) {
+        speed = (w->high[j * w->steps + begin] - w->high[j * w->steps + begin - 1]) / (w->t[begin]
+            - w->t[begin - 1]);
+    }
+    return duties_rear_gap(w, row, begin, w->high[j * w->steps + begin], speed);
 }
 #define GAP_CHECKS_STANDSTILL 0.2
 #define GAP_CHECKS_FAR_IN_PLANE 15.0
@@ -4008,7 +4031,7 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k,
     bool passed = w->overtakes[p * w->max_m + j] != 0.0;
     double low = passed ? w->low_passed[j * w->steps + k] : w->low[j * w->steps + k];
     double high = passed ? w->high_passed[j * w->steps + k] : w->high[j * w->steps + k];
-    double bulge = real_max(w->seen[j * 24 + TRAFFIC_BULGE] * w->bends[k] - w->seen[j * 24
+    double bulge = real_max(w->seen[j * 25 + TRAFFIC_BULGE] * w->bends[k] - w->seen[j * 25
         + TRAFFIC_BEND_W], 0.0);
     return gap_checks_ego_gap(w, row, k, low - w->margin, high + w->margin, w->right[j * w->steps + k]
         - bulge, w->left[j * w->steps + k] + bulge, enough);
@@ -4081,7 +4104,8 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
                 double rear = ahead ? w->s_o[j * w->steps + k] - w->half_l[j] : w->low[j * w->steps + k];
                 double zone_gap = real_max(rear - x_safety - (middle + w->half_length), middle
                     - w->half_length - (w->high[j * w->steps + k] + x_safety));
-                if (same && !ahead && w->rear_reaction > 0.0) {
+                bool reacts_behind = same && !ahead && w->rear_reaction > 0.0;
+                if (reacts_behind) {
                     zone_gap = k == begin ? cca_worst_rear_gap(w, row, j, k) - x_safety : DUTIES_FAR;
                 }
                 if (!(zone_gap >= margin)) {
@@ -4089,7 +4113,9 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
                     decides = j;
                     when = k;
                 }
-                continue;
+                if (which == 1 || !reacts_behind || cca_keeps_zone(w, j)) {
+                    continue;
+                }
             }
             if (w->assumed[j] != 0) {
                 continue;
@@ -4315,7 +4341,7 @@ cca_ddd cca_find_span(const Scene *w, int row, int j, double clearance, double t
     double begin = result1_.item0;
     double end = result1_.item1;
     double v = result1_.item2;
-    double lead = begin < HUGE_VAL ? ttc * real_max(v - w->seen[j * 24 + TRAFFIC_SPEED], 0.0) : 0.0;
+    double lead = begin < HUGE_VAL ? ttc * real_max(v - w->seen[j * 25 + TRAFFIC_SPEED], 0.0) : 0.0;
     const cca_ddd result2_ = obstacles_span(w, row, j, reach, lead);
     begin = result2_.item0;
     end = result2_.item1;
@@ -4340,12 +4366,12 @@ static int obstacles_step_at(const Scene *w, double t, int k)
 static bool obstacles_is_obstacle(const Scene *w, double base, int n, const double *s, const double *t,
     int j, double rear)
 {
-    if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(w->seen[j * 24 + TRAFFIC_S] + w->seen[j * 24
+    if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(w->seen[j * 25 + TRAFFIC_S] + w->seen[j * 25
         + TRAFFIC_HALF_L] >= rear)) {
         return false;
     }
-    double d = w->seen[j * 24 + TRAFFIC_D];
-    if (!(d - w->seen[j * 24 + TRAFFIC_HALF_W] <= w->lane_left && d + w->seen[j * 24 + TRAFFIC_HALF_W]
+    double d = w->seen[j * 25 + TRAFFIC_D];
+    if (!(d - w->seen[j * 25 + TRAFFIC_HALF_W] <= w->lane_left && d + w->seen[j * 25 + TRAFFIC_HALF_W]
         >= w->lane_right)) {
         return false;
     }

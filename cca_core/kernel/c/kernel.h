@@ -233,7 +233,7 @@ typedef struct Scene {
     double *overtakes; /* [max_paths][max_m] */
     double *t; /* [steps] */
     int m;
-    double *seen; /* [max_m][24] */
+    double *seen; /* [max_m][25] */
     double *s_o; /* [max_m][steps] */
     double *v_o; /* [max_m][steps] */
     double *d_o; /* [max_m][steps] */
@@ -357,30 +357,6 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
 /* Integrals over a time of what a motion costs, and its peak lateral acceleration. */
 void cca_sum_costs(Scene *w, int row, int p, double until);
 
-/* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
-int cca_find_duty(Scene *w, int row, double wait);
-
-/* Whether a vehicle is behind the ego in its lane from `duty_from` on, for good. */
-bool cca_has_duty(const Scene *w, int j, int back);
-
-/* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
-bool cca_is_behind(const Scene *w, int row, int p, int j, int back);
-
-/* Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in. */
-bool cca_is_established(const Scene *w, int j);
-
-/* Index of the first time that is not before another. */
-int cca_zone_begin(const Scene *w, double since);
-
-/* Whether a vehicle is in the adjacent lane that the maneuver enters. */
-bool cca_is_in_zone_lane(const Scene *w, int j);
-
-/* Whether a driver behind in the adjacent lane has the room to react to the ego from a time on. */
-bool cca_reacts(const Scene *w, int row, int j, int begin);
-
-/* Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts. */
-double cca_worst_rear_gap(const Scene *w, int row, int j, int begin);
-
 /* Keep the vehicles of one direction behind each other, the first one first. */
 void cca_set_order(Scene *w, double sign);
 
@@ -473,6 +449,33 @@ void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double
 
 /* Predict the vehicles in `seen`, the first of which are real, the others assumed. */
 void cca_locate_vehicles(Scene *w, int seen);
+
+/* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
+int cca_find_duty(Scene *w, int row, double wait);
+
+/* Whether a vehicle is behind the ego in its lane from `duty_from` on, for good. */
+bool cca_has_duty(const Scene *w, int j, int back);
+
+/* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
+bool cca_is_behind(const Scene *w, int row, int p, int j, int back);
+
+/* Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in. */
+bool cca_is_established(const Scene *w, int j);
+
+/* Index of the first time that is not before another. */
+int cca_zone_begin(const Scene *w, double since);
+
+/* Whether a vehicle is in the adjacent lane that the maneuver enters. */
+bool cca_is_in_zone_lane(const Scene *w, int j);
+
+/* Whether a vehicle is for certain in the adjacent lane that the maneuver enters, and not in the ego's. */
+bool cca_keeps_zone(const Scene *w, int j);
+
+/* Whether a driver behind in the adjacent lane has the room to react to the ego from a time on. */
+bool cca_reacts(const Scene *w, int row, int j, int begin);
+
+/* Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts. */
+double cca_worst_rear_gap(const Scene *w, int row, int j, int begin);
 
 /* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
 void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet);

@@ -438,244 +438,6 @@ static PyObject *call_sum_costs(PyObject *self_, PyObject *const *given_, Py_ssi
     Py_RETURN_NONE;
 }
 
-static PyObject *call_find_duty(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("find_duty", 3, count_)) {
-        return NULL;
-    }
-    Scene *w;
-    int row;
-    double wait;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_real(given_[2], &wait)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    int result_;
-    Py_BEGIN_ALLOW_THREADS
-    result_ = cca_find_duty(w, row, wait);
-    Py_END_ALLOW_THREADS
-    lend_end(lent_, held_);
-    return PyLong_FromLong(result_);
-}
-
-static PyObject *call_has_duty(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("has_duty", 3, count_)) {
-        return NULL;
-    }
-    const Scene *w;
-    int j;
-    int back;
-    if (!lend_whole(given_[1], &j)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &back)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    bool result_;
-    result_ = cca_has_duty(w, j, back);
-    lend_end(lent_, held_);
-    return PyBool_FromLong(result_);
-}
-
-static PyObject *call_is_behind(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("is_behind", 5, count_)) {
-        return NULL;
-    }
-    const Scene *w;
-    int row;
-    int p;
-    int j;
-    int back;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &p)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[3], &j)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[4], &back)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    bool result_;
-    result_ = cca_is_behind(w, row, p, j, back);
-    lend_end(lent_, held_);
-    return PyBool_FromLong(result_);
-}
-
-static PyObject *call_is_established(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("is_established", 2, count_)) {
-        return NULL;
-    }
-    const Scene *w;
-    int j;
-    if (!lend_whole(given_[1], &j)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    bool result_;
-    result_ = cca_is_established(w, j);
-    lend_end(lent_, held_);
-    return PyBool_FromLong(result_);
-}
-
-static PyObject *call_zone_begin(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("zone_begin", 2, count_)) {
-        return NULL;
-    }
-    const Scene *w;
-    double since;
-    if (!lend_real(given_[1], &since)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    int result_;
-    result_ = cca_zone_begin(w, since);
-    lend_end(lent_, held_);
-    return PyLong_FromLong(result_);
-}
-
-static PyObject *call_is_in_zone_lane(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("is_in_zone_lane", 2, count_)) {
-        return NULL;
-    }
-    const Scene *w;
-    int j;
-    if (!lend_whole(given_[1], &j)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    bool result_;
-    result_ = cca_is_in_zone_lane(w, j);
-    lend_end(lent_, held_);
-    return PyBool_FromLong(result_);
-}
-
-static PyObject *call_reacts(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("reacts", 4, count_)) {
-        return NULL;
-    }
-    const Scene *w;
-    int row;
-    int j;
-    int begin;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &j)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[3], &begin)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    bool result_;
-    result_ = cca_reacts(w, row, j, begin);
-    lend_end(lent_, held_);
-    return PyBool_FromLong(result_);
-}
-
-static PyObject *call_worst_rear_gap(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
-{
-    (void)self_;
-    (void)given_;
-    if (!lend_count("worst_rear_gap", 4, count_)) {
-        return NULL;
-    }
-    const Scene *w;
-    int row;
-    int j;
-    int begin;
-    if (!lend_whole(given_[1], &row)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[2], &j)) {
-        return NULL;
-    }
-    if (!lend_whole(given_[3], &begin)) {
-        return NULL;
-    }
-    Lent lent_[1];
-    int held_ = 0;
-    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
-    if (w == NULL) {
-        lend_end(lent_, held_);
-        return NULL;
-    }
-    double result_;
-    result_ = cca_worst_rear_gap(w, row, j, begin);
-    lend_end(lent_, held_);
-    return PyFloat_FromDouble(result_);
-}
-
 static PyObject *call_set_order(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -1375,6 +1137,269 @@ static PyObject *call_locate_vehicles(PyObject *self_, PyObject *const *given_, 
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     Py_RETURN_NONE;
+}
+
+static PyObject *call_find_duty(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("find_duty", 3, count_)) {
+        return NULL;
+    }
+    Scene *w;
+    int row;
+    double wait;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_real(given_[2], &wait)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 1);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    int result_;
+    Py_BEGIN_ALLOW_THREADS
+    result_ = cca_find_duty(w, row, wait);
+    Py_END_ALLOW_THREADS
+    lend_end(lent_, held_);
+    return PyLong_FromLong(result_);
+}
+
+static PyObject *call_has_duty(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("has_duty", 3, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    int j;
+    int back;
+    if (!lend_whole(given_[1], &j)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &back)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    result_ = cca_has_duty(w, j, back);
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
+}
+
+static PyObject *call_is_behind(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("is_behind", 5, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    int row;
+    int p;
+    int j;
+    int back;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[3], &j)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[4], &back)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    result_ = cca_is_behind(w, row, p, j, back);
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
+}
+
+static PyObject *call_is_established(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("is_established", 2, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    int j;
+    if (!lend_whole(given_[1], &j)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    result_ = cca_is_established(w, j);
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
+}
+
+static PyObject *call_zone_begin(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("zone_begin", 2, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    double since;
+    if (!lend_real(given_[1], &since)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    int result_;
+    result_ = cca_zone_begin(w, since);
+    lend_end(lent_, held_);
+    return PyLong_FromLong(result_);
+}
+
+static PyObject *call_is_in_zone_lane(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("is_in_zone_lane", 2, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    int j;
+    if (!lend_whole(given_[1], &j)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    result_ = cca_is_in_zone_lane(w, j);
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
+}
+
+static PyObject *call_keeps_zone(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("keeps_zone", 2, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    int j;
+    if (!lend_whole(given_[1], &j)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    result_ = cca_keeps_zone(w, j);
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
+}
+
+static PyObject *call_reacts(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("reacts", 4, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    int row;
+    int j;
+    int begin;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &j)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[3], &begin)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    bool result_;
+    result_ = cca_reacts(w, row, j, begin);
+    lend_end(lent_, held_);
+    return PyBool_FromLong(result_);
+}
+
+static PyObject *call_worst_rear_gap(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("worst_rear_gap", 4, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    int row;
+    int j;
+    int begin;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &j)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[3], &begin)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    double result_;
+    result_ = cca_worst_rear_gap(w, row, j, begin);
+    lend_end(lent_, held_);
+    return PyFloat_FromDouble(result_);
 }
 
 static PyObject *call_check_nominal(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
@@ -2292,14 +2317,6 @@ static PyMethodDef methods[] = {
     {"limit_path_speed", (PyCFunction)(void (*)(void))call_limit_path_speed, METH_FASTCALL, NULL},
     {"roll_out", (PyCFunction)(void (*)(void))call_roll_out, METH_FASTCALL, NULL},
     {"sum_costs", (PyCFunction)(void (*)(void))call_sum_costs, METH_FASTCALL, NULL},
-    {"find_duty", (PyCFunction)(void (*)(void))call_find_duty, METH_FASTCALL, NULL},
-    {"has_duty", (PyCFunction)(void (*)(void))call_has_duty, METH_FASTCALL, NULL},
-    {"is_behind", (PyCFunction)(void (*)(void))call_is_behind, METH_FASTCALL, NULL},
-    {"is_established", (PyCFunction)(void (*)(void))call_is_established, METH_FASTCALL, NULL},
-    {"zone_begin", (PyCFunction)(void (*)(void))call_zone_begin, METH_FASTCALL, NULL},
-    {"is_in_zone_lane", (PyCFunction)(void (*)(void))call_is_in_zone_lane, METH_FASTCALL, NULL},
-    {"reacts", (PyCFunction)(void (*)(void))call_reacts, METH_FASTCALL, NULL},
-    {"worst_rear_gap", (PyCFunction)(void (*)(void))call_worst_rear_gap, METH_FASTCALL, NULL},
     {"set_order", (PyCFunction)(void (*)(void))call_set_order, METH_FASTCALL, NULL},
     {"set_following_speed", (PyCFunction)(void (*)(void))call_set_following_speed, METH_FASTCALL, NULL},
     {"curve_point", (PyCFunction)(void (*)(void))call_curve_point, METH_FASTCALL, NULL},
@@ -2316,6 +2333,15 @@ static PyMethodDef methods[] = {
     {"occupancy_boxes", (PyCFunction)(void (*)(void))call_occupancy_boxes, METH_FASTCALL, NULL},
     {"vehicle_boxes", (PyCFunction)(void (*)(void))call_vehicle_boxes, METH_FASTCALL, NULL},
     {"locate_vehicles", (PyCFunction)(void (*)(void))call_locate_vehicles, METH_FASTCALL, NULL},
+    {"find_duty", (PyCFunction)(void (*)(void))call_find_duty, METH_FASTCALL, NULL},
+    {"has_duty", (PyCFunction)(void (*)(void))call_has_duty, METH_FASTCALL, NULL},
+    {"is_behind", (PyCFunction)(void (*)(void))call_is_behind, METH_FASTCALL, NULL},
+    {"is_established", (PyCFunction)(void (*)(void))call_is_established, METH_FASTCALL, NULL},
+    {"zone_begin", (PyCFunction)(void (*)(void))call_zone_begin, METH_FASTCALL, NULL},
+    {"is_in_zone_lane", (PyCFunction)(void (*)(void))call_is_in_zone_lane, METH_FASTCALL, NULL},
+    {"keeps_zone", (PyCFunction)(void (*)(void))call_keeps_zone, METH_FASTCALL, NULL},
+    {"reacts", (PyCFunction)(void (*)(void))call_reacts, METH_FASTCALL, NULL},
+    {"worst_rear_gap", (PyCFunction)(void (*)(void))call_worst_rear_gap, METH_FASTCALL, NULL},
     {"check_nominal", (PyCFunction)(void (*)(void))call_check_nominal, METH_FASTCALL, NULL},
     {"check_worst_case", (PyCFunction)(void (*)(void))call_check_worst_case, METH_FASTCALL, NULL},
     {"find_conflicts", (PyCFunction)(void (*)(void))call_find_conflicts, METH_FASTCALL, NULL},
@@ -2343,7 +2369,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "520a4c59ac8a799e3a1c41231069f1de1df21bd5286f7be33c743665c59e53be") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "3583cc48619c384470118e169b971e1021fda50765aa5e82a70dcf8cb8fc0a1d") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
