@@ -80,7 +80,7 @@ def is_in_zone_lane(w: Scene, j: Int) -> Flag:
 
 
 def keeps_zone(w: Scene, j: Int) -> Flag:
-    """Whether a vehicle is for certain in the adjacent lane that the maneuver enters, and not in the ego's."""
+    """Whether a vehicle is for certain in the adjacent lane that the maneuver enters, not in the ego's."""
     half = 0.5 * (w.seen[j, HALF_W] + w.seen[j, SURE_W])  # of the body, where it is reported
     if w.zone_side == 1:
         beside = w.seen[j, D] - half > w.lane_left - w.entry_tolerance

@@ -195,7 +195,7 @@ def roll_out(
         available = math.sqrt(max(w.grip * w.grip - side * side, 0.25))
         want = min(max(want, -available), available)
         if not free or ends:
-            hard = want < -2.0 * w.b_comfort or tail > 0.0
+            hard = want < -2.0 * w.b_comfort or ends
             low = command - (w.jerk_emergency if hard else w.jerk) * h
             high = command + w.jerk * h
             if command < 0.0:

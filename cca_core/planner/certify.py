@@ -21,6 +21,7 @@ from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED
 
 _TAIL = N_ROWS - 1  # row of the braking tail
 _BISECTIONS = 3
+_SAME = 0.05  # difference of accelerations of the same motion [m/s^2]
 _ALL, _ADJACENT = 0, 1  # vehicles of a check
 _GRIP_SHARE = 0.95  # of all tires that a path may use [-]
 
@@ -56,13 +57,20 @@ class Certifier:
         """Grade a plan."""
         self.count += 1
         self._grade(plan)
-        if plan.grade is Grade.NOMINAL and plan.profile.kept and self._valid > 0.0:
+        if plan.grade is Grade.NOMINAL and self._goes_on(plan):
             # others have kept within the bounds of its last certificate, whose safe end is still ahead
             plan.grade, plan.is_prolonged = Grade.FULL, True
             plan.braking = self._around.limits.b_max
-            plan.branch = plan.branch._replace(react=self._valid, braking=plan.braking)
         elif plan.grade is Grade.NOMINAL:
             plan.exposure = self._exposure(plan)
+
+    def _goes_on(self, plan: Plan) -> bool:
+        """Whether a plan is the motion whose certificate is still valid."""
+        if not plan.profile.kept or self._kept is None or not self._valid > 0.0:
+            return False
+        until = TIMES < self._valid
+        is_same = bool((np.abs(plan.a - self._kept)[until] < _SAME).all())
+        return is_same and (plan.path.is_last or plan.path.kind is PathKind.ROUTE)
 
     def _grade(self, plan: Plan) -> None:
         plan.branch = Branch(

@@ -14,7 +14,8 @@ from cca_core.decide import Rejection
 from cca_core.follow import SpeedSettings
 from cca_core.geometry import boxes
 from cca_core.path import Path, Road, interpolate_path
-from cca_core.planner.actuate import safe_stop
+from cca_core.planner.actuate import safe_stop, since
+from cca_core.planner.assumptions import Assumptions
 from cca_core.planner.candidates import (
     Rollout,
     Stop,
@@ -46,6 +47,7 @@ from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import VehicleParams
 
 _ON_PATH = 0.4  # lateral error up to which the ego is on its path [m]
+_OFF_PLAN = 0.2  # deviation up to which the ego is where its plan was to bring it [m], [m/s]
 _STAGES = ((Level.COMFORT,), (Level.HARD, Level.NARROW))  # levels that are enumerated at once
 
 
@@ -139,6 +141,7 @@ class Deliberation:
         self._around = around = replace(around, free_s=free.s + self._base, free_v=free.v)
         self._rollout.around = around
         self._stops = find_stops(scene, around, rows[0])
+        self._assumptions = Assumptions.of(scene, traffic.vehicles, observation.t, self._base)
         self._kept = None if self._last is None else shifted(self._last.a, observation.t - self._last.t)
         self._certifier = Certifier(
             scene, around, inside=inside, kept=self._kept, stops=self._stops,
@@ -203,30 +206,37 @@ class Deliberation:
         else:
             reference = reference_of(path, setup.road, observation.s)
             path = replace(path, reference=reference)
-        stop = safe_stop(setup.scenes.route, *self._certifier.safe_end(best), setup.vehicle)
-        limited_by, yields_to = self._limit_of(best)
-        certified = observation.t if best.grade <= Grade.FULL else -math.inf
         if best.is_prolonged and last is not None:
-            certified = last.t_certified
+            stop = since(last.safe_stop, observation.t - last.t)
+            certificate, assumptions = last.certificate, last.assumptions
+        else:
+            stop = safe_stop(setup.scenes.route, *self._certifier.safe_end(best), setup.vehicle)
+            certificate = self._certifier.certificate(best)
+            assumptions = self._assumptions if best.grade <= Grade.FULL else None
+        limited_by, yields_to = self._limit_of(best)
         rejected = (p.rejection for p in self._plans if p.rejection is not None and p.cost < best.cost)
         return DrivenPlan(
             t=observation.t, path=path, reference=reference, profile=best.profile, s=best.s + self._base,
             v=best.v.copy(), a=best.a.copy(), a_0=self._state.a_x, limited_by=limited_by,
-            certificate=self._certifier.certificate(best), yields_to=yields_to,
+            certificate=certificate, yields_to=yields_to,
             free_a=float(self._free.a[3]), rejections=(*self._rejections, *rejected), safe_stop=stop,
-            costs=best.costs, impact_id=best.impact_id or self._cause_of(best), t_certified=certified,
+            costs=best.costs, impact_id=best.impact_id or self._cause_of(best), assumptions=assumptions,
         )  # fmt: skip
 
     def _valid_time(self) -> float:
         """Return the time until the last certified plan must brake, if another decision precedes that [s].
 
-        A vehicle that is new was not within the bounds of its certificate.
+        It is 0 if a vehicle is not within the bounds of its certificate, or the ego not where it was to be.
         """
-        if self._last is None or self._state.has_news:
+        last, observation, settings = self._last, self._observation, self._setup.settings
+        if last is None or last.assumptions is None or self._state.has_news:
             return 0.0
-        settings, elapsed = self._setup.settings, self._observation.t - self._last.t_certified
-        left = settings.certificate.reaction_time - elapsed
-        return left if left > settings.decision.period + 1e-6 else 0.0
+        left = settings.certificate.reaction_time - (observation.t - last.assumptions.t)
+        if left <= settings.decision.period + 1e-6:
+            return 0.0
+        s, v = (float(np.interp(observation.t - last.t, TIMES, row)) for row in (last.s, last.v))
+        is_there = abs(s - observation.s) < _OFF_PLAN and abs(v - observation.v) < _OFF_PLAN
+        return left if is_there and last.assumptions.hold(self._assumptions) else 0.0
 
     def _limit_of(self, plan: Plan) -> tuple[str, str]:
         """Return what limits the speed of a plan now, and the vehicle that it yields to."""

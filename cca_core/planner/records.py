@@ -12,6 +12,7 @@ from cca_core.band import Band
 from cca_core.decide import Rejection
 from cca_core.frenet import FrenetVehicle
 from cca_core.path import Path
+from cca_core.planner.assumptions import Assumptions
 from cca_core.planner.certificate import Certificate, Grade, SafeStop
 from cca_core.planner.last_known import Memory
 from cca_core.vehicle import VehicleState
@@ -184,7 +185,7 @@ class DrivenPlan:
     rejections: tuple[Rejection, ...] = ()
     costs: Costs = field(default_factory=Costs)
     impact_id: str = ""
-    t_certified: float = -math.inf  # of the decision that certified it [s]
+    assumptions: Assumptions | None = None  # of the certificate; None if the worst case is not excluded
 
     @property
     def grade(self) -> Grade:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from tests.support.declared_motion import min_gap
-from tests.support.guarantee import CAUTIOUS, DEFAULT, decide, sample_case
+from tests.support.guarantee import CAUTIOUS, DEFAULT, Case, Sender, decide, sample_case
 from tests.support.guarantee_search import search
 from tests.support.refusals import is_refused
 
@@ -55,6 +55,23 @@ def test_follower_of_uncertain_lane_may_accelerate() -> None:
     certificate = decided.command.certificate
     assert certificate is not None
     gap = min_gap(decided, np.random.default_rng((42, 674, 1)), reacts=True)
+    assert gap > 0.0 or not certificate.keeps_worst_case
+
+
+def test_certificate_ends_when_lead_leaves_its_assumptions() -> None:
+    """It begins to move sideways and is less certain than before: the last certificate is void."""
+    lead = Sender(
+        s=509.58536611112066, d=-0.04715679456279093, v=4.376045292499182, v_d=-0.3366989901297422,
+        a=0.9621865252143762, age=0.9063056983645164, length=18.7, width=2.55, along=-0.5676758172462298,
+        across=0.3409505740203025, first=0.9431464575333296, second=0.9611374000050785,
+    )  # fmt: skip
+    case = Case(
+        road=13, v=3.8197317829576445, cruise=13.984662064905761, driven=1.7033550996802944, senders=(lead,)
+    )
+    decided = decide(case, CAUTIOUS)
+    certificate = decided.command.certificate
+    assert certificate is not None
+    gap = min_gap(decided, np.random.default_rng(1), reacts=False)
     assert gap > 0.0 or not certificate.keeps_worst_case
 
 

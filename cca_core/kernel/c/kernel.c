@@ -2806,7 +2806,7 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
         double available = sqrt(real_max(w->grip * w->grip - side * side, 0.25));
         want = real_min(real_max(want, -available), available);
         if (!free || ends) {
-            bool hard = want < -2.0 * w->b_comfort || tail > 0.0;
+            bool hard = want < -2.0 * w->b_comfort || ends;
             double low = command - (hard ? w->jerk_emergency : w->jerk) * h;
             double high = command + w->jerk * h;
             if (command < 0.0) {
@@ -3821,7 +3821,7 @@ bool cca_is_in_zone_lane(const Scene *w, int j)
     return w->adjacent[j] == 3 || w->adjacent[j] == w->zone_side;
 }
 
-/* Whether a vehicle is for certain in the adjacent lane that the maneuver enters, and not in the ego's. */
+/* Whether a vehicle is for certain in the adjacent lane that the maneuver enters, not in the ego's. */
 bool cca_keeps_zone(const Scene *w, int j)
 {
     double half = 0.5 * (w->seen[j * 25 + TRAFFIC_HALF_W] + w->seen[j * 25 + TRAFFIC_SURE_W]);

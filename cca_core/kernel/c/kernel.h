@@ -468,7 +468,7 @@ int cca_zone_begin(const Scene *w, double since);
 /* Whether a vehicle is in the adjacent lane that the maneuver enters. */
 bool cca_is_in_zone_lane(const Scene *w, int j);
 
-/* Whether a vehicle is for certain in the adjacent lane that the maneuver enters, and not in the ego's. */
+/* Whether a vehicle is for certain in the adjacent lane that the maneuver enters, not in the ego's. */
 bool cca_keeps_zone(const Scene *w, int j);
 
 /* Whether a driver behind in the adjacent lane has the room to react to the ego from a time on. */
