@@ -44,7 +44,8 @@ def has_duty(w: Scene, j: Int, back: Int) -> Flag:
 def is_behind(w: Scene, row: Int, p: Int, j: Int, back: Int) -> Flag:
     """Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane."""
     high = w.high_passed[j, back] if w.overtakes[p, j] != 0.0 else w.high[j, back]
-    return high < w.rear or abs(w.d_o[j, back] - w.offset_at[row, back]) < w.half_width
+    in_lane = w.half_width + min(w.seen[j, SURE_W], 0.0)
+    return high < w.rear or abs(w.d_o[j, back] - w.offset_at[row, back]) < in_lane
 
 
 def is_surely_in(w: Scene, j: Int, right: Real, left: Real) -> Flag:

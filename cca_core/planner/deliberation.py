@@ -13,6 +13,7 @@ from cca_core.band import relax_band
 from cca_core.decide import Rejection
 from cca_core.follow import SpeedSettings
 from cca_core.geometry import boxes
+from cca_core.kernel.scene import TOLERANCE
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.actuate import safe_stop, since
 from cca_core.planner.assumptions import Assumptions
@@ -116,13 +117,14 @@ class Deliberation:
         fill_route(setup.scenes, setup.road.path, self._base, self._profile)
         traffic = predict_vehicles(setup.scenes, observation, setup.road, setup.settings, self._base)
         scene, half = traffic.scene, 0.5 * vehicle.width
-        inside = lane.right < observation.d - half and observation.d + half < lane.left
+        left, right = observation.d + half - TOLERANCE, observation.d - half + TOLERANCE
+        inside = lane.right < right and left < lane.left
         set_numbers(
             scene, s_0=observation.s - self._base, v_0=observation.v, a_0=state.a_x, a_true=state.a_true,
             react=setup.settings.certificate.reaction_time,
             established=0 if inside or setup.settings.keeps_motion or not setup.settings.rear_reaction_time
             else 1 if observation.d > lane.d else 2,
-            leaves=lane.right < observation.d + half and observation.d - half < lane.left,
+            leaves=lane.right < left and right < lane.left,
         )  # fmt: skip
         lateral = lateral_state(
             self._base, observation.s, observation.d, observation.angle, observation.bend, driven, _ON_PATH

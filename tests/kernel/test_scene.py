@@ -194,3 +194,36 @@ def test_crossing_vehicle_moves_as_ctra_predicts(v: float, a: float, r: float) -
     remote = RemoteVehicle(id="A", x=30.0, y=-8.0, psi=1.4, v_x=v, a_x=a, r=r)
     for name, expected in zip(("x_o", "y_o", "psi_o"), predict_ctra(remote, rows["t"]), strict=True):
         np.testing.assert_allclose(rows[name][0], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_motion_before_tail_equals_plan(kept: bool) -> None:
+    """What is driven until the tail begins is what its check assumes."""
+    differ = 0
+    for seed in range(40):
+        random = np.random.default_rng((77, seed))
+        rows = driven_with_tail(random, kept=kept)
+        begin = int(np.argmax(rows["t"] >= rows["react"] - 1e-9))
+        for name in ("s", "v"):
+            np.testing.assert_array_equal(rows[name][0, : begin + 1], rows[name][1, : begin + 1])
+        np.testing.assert_array_equal(rows["a"][0, :begin], rows["a"][1, :begin])
+        differ += not np.array_equal(rows["a"][0], rows["a"][1])
+    assert differ > 20
+
+
+def driven_with_tail(random: Random, *, kept: bool) -> dict[str, Any]:
+    """Drive a path without and with a braking tail."""
+    lent = lend(Scene, "python", **SIZES)
+    work: Any = lent.workspace
+    for name, value in given(random).items():
+        if name in lent.arrays:
+            lent.arrays[name][...] = value
+        else:
+            setattr(work, name, value)
+    work.react = 0.4
+    located(work)
+    limit_path_speed(work, 1, 3.0)
+    lent.arrays["a"][:] = random.uniform(-4.0, 1.0, STEPS)
+    for row, tail in enumerate((0.0, 7.0)):
+        roll_out(work, row, 1, True, False, 2, 0.0, tail, kept)
+    return {**lent.arrays, "react": 0.4}

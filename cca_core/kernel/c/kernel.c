@@ -3776,8 +3776,9 @@ bool cca_is_behind(const Scene *w, int row, int p, int j, int back)
 {
     double high = w->overtakes[p * w->max_m + j] != 0.0 ? w->high_passed[j * w->steps + back] : w->high[j
         * w->steps + back];
+    double in_lane = w->half_width + real_min(w->seen[j * 25 + TRAFFIC_SURE_W], 0.0);
     return high < w->rear || fabs(w->d_o[j * w->steps + back] - w->offset_at[row * w->steps + back])
-        < w->half_width;
+        < in_lane;
 }
 
 /* Whether a body is at least in part in a lane, wherever it is within its bounds. */

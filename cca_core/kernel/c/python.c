@@ -2369,7 +2369,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "c0d5dad790343ae199ea69368e71d7b7527382ecba270dda0a5635d9af281a80") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "526ebf8588f8fb16d9a8b942c3b18b3e566d3224e7e4a87c9fddf2f7936d56d5") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
