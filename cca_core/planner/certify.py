@@ -11,12 +11,13 @@ from cca_core.decide import Rejection, RejectionKind
 from cca_core.frenet import FrenetVehicle
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
-from cca_core.planner.candidates import Stop, adjacent_lane, lane_refusal, lane_rejection
+from cca_core.planner.candidates import Stop, lane_refusal, lane_rejection
 from cca_core.planner.certificate import Certificate, Grade
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.rear_gaps import keeps_rear_gaps
 from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
+from cca_core.planner.stretch import adjacent_lanes
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED
 
 _TAIL = N_ROWS - 1  # row of the braking tail
@@ -95,7 +96,7 @@ class Certifier:
         if plan.peak > _GRIP_SHARE * around.limits.grip:
             plan.severity = 0.5 + plan.peak - around.limits.grip
             return
-        lane, half = around.road.ego_lane, 0.5 * around.vehicle.width
+        lane, half = around.lane, 0.5 * around.vehicle.width
         end = float(plan.d[-1])
         if not lane.right < end - half < end + half < lane.left:
             plan.severity = 0.0  # it comes to rest, or drives on, where it must not stay
@@ -109,7 +110,7 @@ class Certifier:
     def _set_zone(self, plan: Plan) -> Mask:
         """Set when and on which side a plan leaves the lane; return when it is outside."""
         around, half = self._around, 0.5 * self._around.vehicle.width
-        lane = around.road.ego_lane
+        lane = around.lane
         left, right = plan.d + half > lane.left + 0.01, plan.d - half < lane.right - 0.01
         out: Mask = left | right
         begins = np.flatnonzero(plan.s + around.lateral.base >= plan.path.begin)
@@ -210,7 +211,8 @@ class Certifier:
         ends = here._replace(react=max(back, settings.reaction_time))
         side: Side = "left" if plan.path.kind is PathKind.LEFT else "right"
         begins_later = self._inside and not (plan.path.is_last and plan.path.begin <= around.s)
-        refusal = lane_refusal(around, adjacent_lane(around.road, side), side) if begins_later else None
+        lanes = adjacent_lanes(around.road, side, around.s) if begins_later else ()
+        refusal = next(filter(None, (lane_refusal(around, lane, side) for lane in lanes)), None)
         if refusal is not None:
             plan.grade, plan.rejection = Grade.REFUSED, refusal
             return

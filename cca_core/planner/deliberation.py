@@ -18,7 +18,6 @@ from cca_core.planner.actuate import safe_stop
 from cca_core.planner.candidates import (
     Rollout,
     Stop,
-    adjacent_lane,
     find_stops,
     home_paths,
     maneuver_paths,
@@ -30,7 +29,7 @@ from cca_core.planner.certify import Certifier
 from cca_core.planner.choose import assess, choose
 from cca_core.planner.limits import Limits, limits_of
 from cca_core.planner.occupancy import predict_vehicles
-from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
+from cca_core.planner.paths import Surroundings, lateral_state, reference_of
 from cca_core.planner.records import (
     DrivenPlan,
     LateralPath,
@@ -43,6 +42,7 @@ from cca_core.planner.records import (
 )
 from cca_core.planner.scene import TIMES, Scenes, set_numbers
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.stretch import AHEAD, BEHIND, ego_lane_near
 from cca_core.vehicle import VehicleParams
 
 _ON_PATH = 0.4  # lateral error up to which the ego is on its path [m]
@@ -67,7 +67,7 @@ class Setup:
         """Return the setup of a planner."""
         limits = limits_of(vehicle, speed, settings)
         lanes = [(lane.right, lane.left) for lane in road.lanes if lane is not road.ego_lane]
-        scenes = Scenes(BEHIND + AHEAD, numbers_of(vehicle, road, settings, speed, limits), lanes)
+        scenes = Scenes(BEHIND + AHEAD, numbers_of(vehicle, settings, speed, limits), lanes)
         # what is slow to import or to build exists before the first cycle
         scenes.for_vehicles(0)
         route = [(float(x), 0.0) for x in range(8)]
@@ -110,7 +110,7 @@ class Deliberation:
     def _prepare(self, driven: LateralPath | None) -> None:
         """Place the vehicles, and roll out the paths home and the last plan."""
         setup, observation, state = self._setup, self._observation, self._state
-        vehicle, lane = setup.vehicle, setup.road.ego_lane
+        vehicle, lane = setup.vehicle, ego_lane_near(setup.road, observation.s)
         fill_route(setup.scenes, setup.road.path, self._base, self._profile)
         traffic = predict_vehicles(setup.scenes, observation, setup.road, setup.settings, self._base)
         scene, half = traffic.scene, 0.5 * vehicle.width
@@ -126,9 +126,10 @@ class Deliberation:
             self._base, observation.s, observation.d, observation.angle, observation.bend, driven, _ON_PATH
         )
         around = Surroundings(
-            vehicle=vehicle, road=setup.road, settings=setup.settings, limits=setup.limits, traffic=traffic,
-            lateral=lateral, s=observation.s, v=observation.v, awareness_range=observation.awareness_range,
-            jerk=setup.speed.jerk, jerk_emergency=setup.speed.jerk_emergency,
+            vehicle=vehicle, road=setup.road, lane=lane, settings=setup.settings, limits=setup.limits,
+            traffic=traffic, lateral=lateral, s=observation.s, v=observation.v,
+            awareness_range=observation.awareness_range, jerk=setup.speed.jerk,
+            jerk_emergency=setup.speed.jerk_emergency,
             free_s=TIMES, free_v=TIMES,
         )  # fmt: skip
         self._scene, self._rollout = scene, Rollout(scene, around)
@@ -257,16 +258,13 @@ def fill_route(scenes: Scenes, path: Path, base: int, profile: tuple[Array, Arra
 
 
 def numbers_of(
-    vehicle: VehicleParams, road: Road, settings: EvasionSettings, speed: SpeedSettings, limits: Limits
+    vehicle: VehicleParams, settings: EvasionSettings, speed: SpeedSettings, limits: Limits
 ) -> dict[str, float]:
     """Return the ego, its limits and the assumptions of the settings as numbers of a scene."""
-    certificate, lane, crossing = settings.certificate, road.ego_lane, settings.crossing
-    left, right = adjacent_lane(road, "left"), adjacent_lane(road, "right")
+    certificate, crossing = settings.certificate, settings.crossing
     return {
-        "edge_left": math.inf if left is None else left.left,
-        "edge_right": -math.inf if right is None else right.right,
         "crossing_time": crossing.acceleration_time,
-        "lane_right": lane.right, "lane_left": lane.left, "half_length": 0.5 * vehicle.length,
+        "half_length": 0.5 * vehicle.length,
         "half_width": 0.5 * vehicle.width, "offset": vehicle.box_offset, "a_max": limits.a_max,
         "b_comfort": limits.b_comfort, "b_max": limits.b_max,
         "b_soft": settings.cost.risk_braking / speed.b_max * limits.b_max,
@@ -278,7 +276,7 @@ def numbers_of(
         "keeps": settings.keeps_motion, "b_other": settings.assumed_braking,
         "a_other": settings.assumed_acceleration, "a_passed": settings.assumed_acceleration_passed,
         "b_crossing": crossing.assumed_braking, "a_crossing": crossing.assumed_acceleration,
-        "min_pet": crossing.min_pet, "v_limit": road.speed_limit, "braking_time": certificate.braking_time,
+        "min_pet": crossing.min_pet, "braking_time": certificate.braking_time,
         "acceleration_time": certificate.acceleration_time, "entry_tolerance": settings.lane_entry_tolerance,
         "queue_gap": settings.lead.queue_gap,
         "passing_gap": settings.lead.passing_distance,

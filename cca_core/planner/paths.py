@@ -7,16 +7,14 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.geometry import QUINTIC_PEAK
-from cca_core.path import Path, Road
+from cca_core.path import Lane, Path, Road
 from cca_core.path.interpolate import spline_through
 from cca_core.planner.limits import Limits
 from cca_core.planner.occupancy import Traffic
 from cca_core.planner.records import LateralPath, Level, PathKind
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.stretch import AHEAD, BEHIND
 from cca_core.vehicle import VehicleParams
-
-BEHIND, AHEAD = 60, 800
-"""Part of the route around the ego on which paths are defined [m]."""
 
 _MIN_OFFSET = 0.3  # of which the length of a return is computed at least [m]
 _TIGHTEST = 0.1  # largest curvature that a return aims at [1/m]
@@ -45,6 +43,7 @@ class Surroundings:
 
     vehicle: VehicleParams
     road: Road
+    lane: Lane  # the ego lane, as narrow as it is on this part of the route
     settings: EvasionSettings
     limits: Limits
     traffic: Traffic

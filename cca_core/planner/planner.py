@@ -134,9 +134,8 @@ class Planner:
     def _profile(self, cruise: float) -> tuple[Array, Array]:
         """Speed profile of the route for a cruise speed."""
         speed = replace(self.speed, b_comfort=self._limits.b_comfort)
-        return squared_speed_limit(
-            self.road.path, min(cruise, self.road.speed_limit), self._limits.curve, speed
-        )
+        limit = min(cruise, self.road.speed_limit)
+        return squared_speed_limit(self.road.path, limit, self._limits.curve, speed, self.road.speed_limits)
 
     def step(
         self,
