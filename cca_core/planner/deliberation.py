@@ -12,6 +12,7 @@ from cca_core._checks import Array
 from cca_core.band import relax_band
 from cca_core.decide import Rejection
 from cca_core.follow import SpeedSettings
+from cca_core.frenet.branches import Branches
 from cca_core.geometry import boxes
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.actuate import safe_stop
@@ -51,7 +52,7 @@ _STAGES = ((Level.COMFORT,), (Level.HARD, Level.NARROW))  # levels that are enum
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Setup:
-    """What does not change from decision to decision."""
+    """What does not change from decision to decision, as long as the route is the same."""
 
     vehicle: VehicleParams
     road: Road
@@ -59,22 +60,33 @@ class Setup:
     speed: SpeedSettings
     limits: Limits
     scenes: Scenes
+    lateral_range: tuple[float, float]  # of bodies that matter [m]
+    branches: Branches | None  # of a route that passes itself
 
     @classmethod
     def make(
-        cls, vehicle: VehicleParams, road: Road, settings: EvasionSettings, speed: SpeedSettings
-    ) -> Self:
-        """Return the setup of a planner."""
+        cls, vehicle: VehicleParams, road: Road, settings: EvasionSettings, speed: SpeedSettings,
+    ) -> Self:  # fmt: skip
+        """Return the setup of a planner for a route."""
         limits = limits_of(vehicle, speed, settings)
         lanes = [(lane.right, lane.left) for lane in road.lanes if lane is not road.ego_lane]
         scenes = Scenes(BEHIND + AHEAD, numbers_of(vehicle, settings, speed, limits), lanes)
-        # what is slow to import or to build exists before the first cycle
+        # what is slow to build exists before the first cycle
         scenes.for_vehicles(0)
+        road.path.project(road.path.position(road.path.start))
+        margin, branches = settings.clearance + settings.decision.relevance_margin, Branches(road.path)
+        return cls(
+            vehicle=vehicle, road=road, settings=settings, speed=speed, limits=limits, scenes=scenes,
+            lateral_range=(road.right_edge - margin, road.left_edge + margin),
+            branches=branches if branches.passes_itself else None,
+        )  # fmt: skip
+
+    def warm_up(self) -> None:
+        """Import and build once what is slow, so that the first cycle is not."""
         route = [(float(x), 0.0) for x in range(8)]
-        relax_band(route, [boxes(4.0, 9.0, 0.0, 1.0, 1.0)], vehicle=vehicle)
+        relax_band(route, [boxes(4.0, 9.0, 0.0, 1.0, 1.0)], vehicle=self.vehicle)
         interpolate_path(route)
         import_module("scipy.interpolate")
-        return cls(vehicle=vehicle, road=road, settings=settings, speed=speed, limits=limits, scenes=scenes)
 
 
 class Deliberation:

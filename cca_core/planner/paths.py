@@ -87,8 +87,7 @@ def return_paths(around: Surroundings) -> list[LateralPath]:
     x: Array = state.base + np.arange(float(BEHIND + AHEAD)) - around.s
     paths = []
     for level, a_y in ((Level.COMFORT, limits.a_y), (Level.HARD, limits.a_y_hard)):
-        length = _length(abs(state.offset) + abs(state.slope) * v, a_y, v)
-        d = _quintic(state.offset, state.slope, state.bend, 0.0, length, x)
+        d, length = blend(state.offset, state.slope, state.bend, a_y, v, x)
         paths.append((level, length, d))
     road, half = around.road, 0.5 * around.vehicle.width + 0.1
     for fraction in (0.3, 0.6, 1.0):
@@ -126,6 +125,14 @@ def reference_of(lateral: LateralPath, road: Road, s: float) -> Path:
     if abs(float(lateral.on(begin, 2)[0])) > 1e-3:
         return spline_through(nodes, float(begin), None, last)
     return spline_through(nodes, float(begin), first, last)
+
+
+def blend(
+    offset: float, slope: float, bend: float, a_y: float, v: float, x: Array, min_length: float = 0.0
+) -> tuple[Array, float]:
+    """Return a way back to the route from a lateral state at `x` 0, and its length [m]."""
+    length = max(_length(abs(offset) + abs(slope) * v, a_y, v), min_length)
+    return _quintic(offset, slope, bend, 0.0, length, x), length
 
 
 def _length(offset: float, a_y: float, v: float) -> float:
