@@ -148,7 +148,7 @@ class Certifier:
         """Rate a plan that comes too close: by the impact, or by the gap that lacks if bodies stay apart."""
         work, settings = self._scene.workspace, self._settings
         check_gaps(work, plan.row, plan.path_row, settings.touch, clearance, settings.duty_delay, 0.0)
-        if work.gap < 0.0:
+        if work.gap < -self._doubt(work.which):
             plan.t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
             # a later impact is less certain: others and the ego can still react
             plan.severity = 1.0 + work.impact**2 * math.exp(-plan.t_impact / self._settings.foresight)
@@ -156,6 +156,13 @@ class Certifier:
             lack = max(-work.min_margin, 0.01)
             plan.exposure = self._exposure(plan)
             plan.severity = min(lack + self._settings.exposure * plan.exposure, 0.9)
+
+    def _doubt(self, j: int) -> float:
+        """Overlap with the uncertainty bound of a vehicle up to which the bodies themselves are apart [m]."""
+        vehicles = self._around.traffic.vehicles
+        if not 0 <= j < len(vehicles):
+            return 0.0
+        return 2.0 * min(vehicles[j].remote.sigma_along, vehicles[j].remote.sigma_across)
 
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
@@ -165,10 +172,15 @@ class Certifier:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
             plan.grade = Grade.FULL
-        elif responds and not plan.path.kind.is_evasive and not out_now:
+        elif responds and self._is_ahead(plan.decides) and not plan.path.kind.is_evasive and not out_now:
             plan.grade, plan.braking = Grade.RESPONSE, limits.b_max
         else:
             plan.grade = Grade.NOMINAL
+
+    def _is_ahead(self, name: str) -> bool:
+        """Whether a vehicle is ahead of the ego: braking is no response to what comes from behind."""
+        j = self._around.traffic.index(name)
+        return j < 0 or bool(self._around.traffic.s[j, 0] > self._around.s)
 
     def _responds(self, plan: Plan, urgency: float) -> bool:
         """Whether a plan brakes soon and stays at it: in comfort, or up to fully where it is urgent."""
