@@ -41,7 +41,7 @@ def has_duty(w: Scene, j: Int, back: Int) -> Flag:
 
 
 def merges_behind(w: Scene, row: Int, j: Int) -> Int:
-    """First step at which a vehicle from the side is in the ego's way behind it: it keeps its distance then."""
+    """First step at which a vehicle from the side is behind the ego in its way, and keeps its distance."""
     if w.crosses[j] != 0 or not w.v_o[j, 0] >= ONCOMING:
         return w.steps
     across = w.half_w[j] + w.half_width

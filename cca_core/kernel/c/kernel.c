@@ -2892,7 +2892,7 @@ bool cca_has_duty(const Scene *w, int j, int back)
     return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
 }
 
-/* First step at which a vehicle from the side is in the ego's way behind it: it keeps its distance then. */
+/* First step at which a vehicle from the side is behind the ego in its way, and keeps its distance. */
 int cca_merges_behind(const Scene *w, int row, int j)
 {
     if (w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {

@@ -363,7 +363,7 @@ int cca_find_duty(Scene *w, int row, double wait);
 /* Whether a vehicle is behind the ego in its lane from `duty_from` on, for good. */
 bool cca_has_duty(const Scene *w, int j, int back);
 
-/* First step at which a vehicle from the side is in the ego's way behind it: it keeps its distance then. */
+/* First step at which a vehicle from the side is behind the ego in its way, and keeps its distance. */
 int cca_merges_behind(const Scene *w, int row, int j);
 
 /* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */

@@ -2373,7 +2373,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "112f61190b65af6c47c28ca676d1ec974756e2fda62c1e2359a76302fbb2c94b") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "27dbc1f14ef55e3c7f5e883671d40f018e2e6b14cb5a21e5a44d472e27c9c45b") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
