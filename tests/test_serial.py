@@ -149,7 +149,7 @@ def test_omitted_fields_take_defaults() -> None:
 
 
 WRONG = [
-    (Lane, {"d": 0.0, "wide": 3.5}, r"^wide is not a field of Lane; it has d, width, direction$"),
+    (Lane, {"d": 0.0, "wide": 3.5}, r"^wide is not a field of Lane; it has d, width, direction, boundaries$"),
     (Lane, {"width": 3.5}, r"^d is missing, a field of Lane$"),
     (Lane, {"d": "left"}, r"^d must be a number, was 'left'$"),
     (Lane, {"d": True}, r"^d must be a number, was 'True'$"),
@@ -240,4 +240,4 @@ def test_numpy_numbers_are_plain_numbers() -> None:
 
 def test_description_is_readable() -> None:
     assert to_dict(VehicleParams.bmw_320i())["m"] == 1093.3
-    assert list(to_dict(Lane(d=1.0))) == ["type", "version", "d", "width", "direction"]
+    assert list(to_dict(Lane(d=1.0))) == ["type", "version", "d", "width", "direction", "boundaries"]

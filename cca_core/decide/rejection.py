@@ -19,6 +19,7 @@ class RejectionKind(Enum):
     TOO_FAST = "{vehicle_id} too fast to pass ({value:.1f} m/s, limit {limit:.1f} m/s)"
     TOO_LONG = "passing {vehicle_id} on the {side} takes more than {limit:.0f} m"
     ROUTE_ENDS = "route ends before the maneuver to the {side} ({limit:.0f} m, required {value:.0f} m)"
+    LANE_ENDS = "{side} lane ends before the maneuver ({limit:.0f} m, required {value:.0f} m)"
     NO_SPACE = "no space to pass {vehicle_id} on the {side}, {where}"
     CLEARANCE = "clearance to {vehicle_id} {value:.2f} m on the {side} (limit {limit:.2f} m)"
     ROAD_EDGE = "maneuver to the {side} exceeds a road edge by {value:.2f} m"

@@ -15,6 +15,8 @@ from cca_core.vehicle import GRAVITY
 _arrival_times, _profile_acceleration = bind(kernel.arrival_times), bind(kernel.profile_acceleration)
 _squared_speed_limits = bind(kernel.squared_speed_limits)
 
+_TRACKING_ERROR = 0.1  # by which a car that slows down is still too fast after that time [m/s]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpeedSettings:
@@ -185,9 +187,9 @@ def arrival_times(v_x: float, v_target: float, distances: Array, settings: Speed
 
 @formula
 def squared_speed_limit(
-    path: Path, cruise: float, a_y: float, settings: SpeedSettings
+    path: Path, cruise: float, a_y: float, settings: SpeedSettings, limits: Array | None = None
 ) -> tuple[Array, Array]:
-    """Square of the highest speed along a path: cruise speed, curves, standstill at its end.
+    """Square of the highest speed along a path: cruise speed, limits, curves, standstill at its end.
 
     Parameters
     ----------
@@ -199,6 +201,9 @@ def squared_speed_limit(
         Lateral acceleration on curves, which limits the speed there [m/s^2].
     settings : SpeedSettings
         `b_comfort` is the deceleration before slower points.
+    limits : ndarray, shape (n, 2), optional
+        Stations [m] and speeds [m/s] of `Road.speed_limits`. The ego is slower than a lower limit from a
+        time of ``1 / approach_rate`` before its station on.
 
     Returns
     -------
@@ -209,10 +214,30 @@ def squared_speed_limit(
         the acceleration everywhere.
     """
     s = np.linspace(path.start, path.end, max(2, math.ceil(path.length / 2.0)))
+    parts = [] if limits is None else _limited_parts(limits, 1.0 / settings.approach_rate)
+    ends = np.array([at for part in parts for at in part[:2] if path.start < at < path.end])
+    s = np.union1d(s, ends) if len(ends) else s
     squared = np.empty_like(s)
     _squared_speed_limits(path.curve, len(s), cruise, a_y, settings.b_comfort, s, squared)
+    for start, end, limit in parts:
+        before = 2.0 * settings.b_comfort * np.maximum(start - s, 0.0)
+        squared = np.where(s <= end, np.minimum(squared, limit * limit + before), squared)
     tail = 200.0  # [m]: the profile falls on behind the end
     return np.append(s, s[-1] + tail), np.append(squared, -2.0 * settings.b_comfort * tail)
+
+
+def _limited_parts(limits: Array, time: float) -> list[tuple[float, float, float]]:
+    """Return from where to where which speed is the limit; a lower limit is met a time before."""
+    # plans are driven on a grid of whole meters, between which the squared speed is linear
+    starts, ends = np.floor(limits[:, 0]), np.append(np.ceil(limits[1:, 0]), math.inf)
+    starts[0], parts, last = -math.inf, [], 0.0
+    for start, end, limit in zip(starts.tolist(), ends.tolist(), limits[:, 1].tolist(), strict=True):
+        parts.append((start, end, limit))
+        if limit < last:
+            slower = max(limit - _TRACKING_ERROR, 0.9 * limit)
+            parts.append((math.floor(start - limit * time), start, slower))
+        last = limit
+    return parts
 
 
 @formula

@@ -12,6 +12,7 @@ __all__ = [
     "is_established",
     "is_in_zone_lane",
     "keeps_zone",
+    "merges_behind",
     "reacts",
     "worst_rear_gap",
     "zone_begin",
@@ -39,6 +40,19 @@ def has_duty(w: Scene, j: Int, back: Int) -> Flag:
     if w.crosses[j] != 0 or not w.v_o[j, 0] >= ONCOMING:
         return False
     return w.s_o[j, back] + 0.5 * w.half_l[j] < w.rear
+
+
+def merges_behind(w: Scene, row: Int, j: Int) -> Int:
+    """First step at which a vehicle from the side is behind the ego in its way, and keeps its distance."""
+    if w.crosses[j] != 0 or not w.v_o[j, 0] >= ONCOMING:
+        return w.steps
+    across = w.half_w[j] + w.half_width
+    for k in range(w.steps):
+        if abs(w.d_o[j, k] - w.offset_at[row, k]) < across:
+            moves_in = abs(w.d_o[j, 0] - w.offset_at[row, k]) >= across
+            behind = w.s_o[j, k] + w.half_l[j] < w.s[row, k] + w.offset - w.half_length
+            return k if moves_in and behind else w.steps
+    return w.steps
 
 
 def is_behind(w: Scene, row: Int, p: Int, j: Int, back: Int) -> Flag:

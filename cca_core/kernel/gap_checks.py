@@ -11,6 +11,7 @@ from cca_core.kernel.duties import (
     is_established,
     is_in_zone_lane,
     keeps_zone,
+    merges_behind,
     reacts,
     worst_rear_gap,
     zone_begin,
@@ -116,6 +117,7 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
         asked = clearance if w.overtakes[p, j] != 0.0 else touch
         keeps_off = reacts(w, row, j, begin)
         until = w.duty_from if has_duty(w, j, back) else steps
+        until = min(until, merges_behind(w, row, j))
         for k in range(min(until, steps)):
             if keeps_off and begin <= k and k <= back:
                 continue

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path as FilePath
 from typing import Any, Self
@@ -10,53 +9,14 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cca_core._checks import Array, check_real, check_reals, shown
+from cca_core._checks import Array, check_array, check_real, check_reals
 from cca_core.errors import InputError
+from cca_core.path.lane import Lane
 from cca_core.path.local_frame import LocalFrame
 from cca_core.path.path import Path
 from cca_core.path.road_file import read_route
 
 _SIGMA_ELEVATION = 3.0  # of heights of satellite receivers [m]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Lane:
-    """One lane of a road.
-
-    Parameters
-    ----------
-    d : float
-        Lateral offset of its center line [m], left of the route positive.
-    width : float
-        Width [m].
-    direction : int
-        Direction of travel [-]: 1 along the route, -1 against it.
-
-    Raises
-    ------
-    InputError
-        If a value is not finite, the width is not positive, or the direction is neither 1 nor -1.
-    """
-
-    d: float
-    width: float = 3.5
-    direction: int = 1
-
-    def __post_init__(self) -> None:
-        check_real("d", self.d)
-        check_real("width", self.width, gt=0.0)
-        if self.direction not in (1, -1):
-            raise InputError(f"direction must be 1 or -1, was {shown(self.direction)}")
-
-    @property
-    def right(self) -> float:
-        """Lateral offset of the right lane boundary [m]."""
-        return self.d - 0.5 * self.width
-
-    @property
-    def left(self) -> float:
-        """Lateral offset of the left lane boundary [m]."""
-        return self.d + 0.5 * self.width
 
 
 class Road:
@@ -69,7 +29,7 @@ class Road:
     lanes : sequence of Lane, optional
         All lanes; one lane must contain d = 0. The default is the ego lane alone, 3.5 m wide.
     speed_limit : float
-        Legal speed [m/s].
+        Legal speed [m/s]; without effect if `speed_limits` is given.
     stop_lines : sequence of float
         Stations at which the ego stops to yield to crossing traffic [m].
     elevation : array_like, shape (n, 2), optional
@@ -78,12 +38,15 @@ class Road:
         default the route is level, at height 0.
     sigma_elevation : float
         Standard deviation of these heights [m].
+    speed_limits : array_like, shape (n, 2), optional
+        Stations [m], increasing, from each of which on a legal speed [m/s] holds; the first one holds before
+        its station too. `speed_limit` is then the highest of them.
 
     Raises
     ------
     InputError
-        If `path` is not a `Path`, no lane contains the route, the speed limit is not positive, or the
-        stations of `elevation` do not increase.
+        If `path` is not a `Path`, a speed limit is not positive, or the stations of `elevation` or
+        `speed_limits` do not increase. If no lane of direction 1 contains the route all along it.
     """
 
     def __init__(
@@ -94,6 +57,7 @@ class Road:
         stop_lines: Sequence[float] = (),
         elevation: ArrayLike | None = None,
         sigma_elevation: float = 0.0,
+        speed_limits: ArrayLike | None = None,
     ) -> None:
         if not isinstance(path, Path):
             raise InputError(f"path must be a Path, was {type(path).__name__}")
@@ -107,10 +71,10 @@ class Road:
         self.stop_lines = check_reals("stop_lines", stop_lines)
         self.elevation = None if elevation is None else _check_elevation(elevation)
         self.sigma_elevation = check_real("sigma_elevation", sigma_elevation, ge=0.0)
-        ego_lane = self.lane_at(0.0)
-        if ego_lane is None or ego_lane.direction != 1:
-            raise InputError("lanes must contain the route (d = 0) in a lane of direction 1")
-        self.ego_lane = ego_lane
+        self.speed_limits = None if speed_limits is None else _check_limits(speed_limits)
+        if self.speed_limits is not None:
+            self.speed_limit = float(self.speed_limits[:, 1].max())
+        self.ego_lane = self._find_ego_lane()
         self.frame: LocalFrame | None = None
 
     @classmethod
@@ -186,13 +150,56 @@ class Road:
 
     @property
     def right_edge(self) -> float:
-        """Lateral offset of the right road edge [m]."""
-        return min(lane.right for lane in self.lanes)
+        """Lateral offset of the right road edge [m]; the outermost one if it varies."""
+        return min(lane.outer_bounds[0] for lane in self.lanes)
 
     @property
     def left_edge(self) -> float:
-        """Lateral offset of the left road edge [m]."""
-        return max(lane.left for lane in self.lanes)
+        """Lateral offset of the left road edge [m]; the outermost one if it varies."""
+        return max(lane.outer_bounds[1] for lane in self.lanes)
+
+    def edges_at(self, s: float) -> tuple[float, float]:
+        """Road edges at a station.
+
+        Parameters
+        ----------
+        s : float
+            Station [m].
+
+        Returns
+        -------
+        right, left : float
+            Lateral offsets of the right and the left road edge [m], left positive; those at the end of the
+            route beyond it.
+
+        Raises
+        ------
+        InputError
+            If `s` is no real number.
+        """
+        s = min(max(check_real("s", s), self.path.start), self.path.end)
+        bounds = [bounds for lane in self.lanes if (bounds := lane.bounds_at(s)) is not None]
+        return min(right for right, _ in bounds), max(left for _, left in bounds)
+
+    def highest_limit(self, start: float, end: float) -> float:
+        """Highest legal speed on a part of the route.
+
+        Parameters
+        ----------
+        start, end : float
+            Stations [m]; the same twice for the legal speed at a station.
+
+        Returns
+        -------
+        v : float
+            Speed [m/s].
+        """
+        if self.speed_limits is None:
+            return self.speed_limit
+        at, limits = self.speed_limits.T
+        first = max(int(np.searchsorted(at, start, side="right")) - 1, 0)
+        last = max(int(np.searchsorted(at, end, side="right")), first + 1)
+        return float(limits[first:last].max())
 
     def height_range(self, start: float, end: float) -> tuple[float, float]:
         """Lowest and highest height of a part of the route.
@@ -214,13 +221,15 @@ class Road:
         heights = np.append(within, np.interp((start, end), s, z, left=math.nan, right=math.nan))
         return float(heights.min()), float(heights.max())
 
-    def lane_at(self, d: float) -> Lane | None:
+    def lane_at(self, d: float, s: float | None = None) -> Lane | None:
         """Lane at a lateral offset.
 
         Parameters
         ----------
         d : float
             Lateral offset [m], left positive.
+        s : float, optional
+            Station [m]. By default lanes are taken to be as long as the road, with their nominal width.
 
         Returns
         -------
@@ -230,10 +239,33 @@ class Road:
         Raises
         ------
         InputError
-            If `d` is no real number.
+            If `d` or `s` is no real number.
         """
         d = check_real("d", d, allow_inf=True)
-        return next((lane for lane in self.lanes if lane.right <= d <= lane.left), None)
+        if s is None:
+            return next((lane for lane in self.lanes if lane.right <= d <= lane.left), None)
+        s = check_real("s", s)
+        bounds = ((lane, lane.bounds_at(s)) for lane in self.lanes)
+        return next((lane for lane, at in bounds if at is not None and at[0] <= d <= at[1]), None)
+
+    def _find_ego_lane(self) -> Lane:
+        """Return the lane that contains the route all along it."""
+        for lane in self.lanes:
+            bounds = lane.inner_bounds(self.path.start, self.path.end)
+            if bounds is not None and bounds[0] <= 0.0 <= bounds[1]:
+                if lane.direction != 1 or not bounds[0] < bounds[1]:
+                    break
+                return lane
+        raise InputError("lanes must contain the route (d = 0) all along in one lane of direction 1")
+
+
+def _check_limits(limits: ArrayLike) -> Array:
+    """Return stations and speed limits as a read-only table."""
+    table = check_array("speed_limits", limits, (None, 2))
+    if not len(table) or not (np.diff(table[:, 0]) > 0.0).all() or not (table[:, 1] > 0.0).all():
+        raise InputError("speed_limits must be increasing stations and positive speeds, was not")
+    table.setflags(write=False)
+    return table
 
 
 def _check_elevation(elevation: ArrayLike) -> Array:

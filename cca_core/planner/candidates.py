@@ -11,13 +11,14 @@ from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
-from cca_core.path import Lane, Road
+from cca_core.path import Lane
 from cca_core.planner.maneuvers import plan_path
 from cca_core.planner.occupancy import N_STOPS
 from cca_core.planner.paths import Surroundings, return_paths, route_path
 from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan, Profile
 from cca_core.planner.scene import FREE_ROW, N_PATHS, N_ROWS, TIMES, find, limit_path, meet, roll, sum_up
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.stretch import adjacent_lanes, highest_speed
 
 _SIDES: dict[Side, tuple[Side, Side]] = {"right": ("left", "right"), "left": ("right", "left")}
 """Sides on which vehicles are passed by the side on which they drive, the preferred one first."""
@@ -86,11 +87,11 @@ def maneuver_paths(
             )  # fmt: skip
             break
         for side in sides:
-            lane = adjacent_lane(road, side)
-            if lane is not None and last is None and not is_passing_allowed(around.settings, side):
+            next_to = adjacent_lanes(road, side, around.s)
+            if next_to and last is None and not is_passing_allowed(around.settings, side):
                 rejections.append(Rejection(kind=RejectionKind.INNER_SIDE, side=side))
-                lane = None
-            lanes: tuple[Lane | None, ...] = (None,) if lane is None else (None, lane)
+                next_to = ()
+            lanes: tuple[Lane | None, ...] = (None, *next_to)
             for level in levels:
                 for corridor in lanes:
                     found = lane_refusal(around, corridor, side) or plan_path(
@@ -110,19 +111,13 @@ def is_passing_allowed(settings: EvasionSettings, side: Side) -> bool:
     return settings.inner_passing or side != settings.traffic_side
 
 
-def adjacent_lane(road: Road, side: Side) -> Lane | None:
-    """Return the adjacent lane on a side; None if there is none."""
-    return road.lane_at(road.ego_lane.left + 0.1 if side == "left" else road.ego_lane.right - 0.1)
-
-
 def lane_rejection(around: Surroundings, kind: PathKind, j: int) -> Rejection:
     """Return the rejection of a gap because of the vehicle that decides."""
     side = kind.value
     if j >= len(around.traffic.ids):
         known = around.settings.awareness_range
-        return Rejection(
-            kind=RejectionKind.BEYOND_AWARENESS, side=side, value=around.road.speed_limit, limit=known
-        )
+        fastest = highest_speed(around.road, around.s, known if math.isfinite(known) else 0.0)
+        return Rejection(kind=RejectionKind.BEYOND_AWARENESS, side=side, value=fastest, limit=known)
     n = around.traffic.vehicles[j]
     ahead = n.rear - around.s - around.vehicle.front
     behind = around.s + around.vehicle.rear - n.front

@@ -11,12 +11,13 @@ from cca_core.decide import Rejection, RejectionKind
 from cca_core.frenet import FrenetVehicle
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
-from cca_core.planner.candidates import Stop, adjacent_lane, lane_refusal, lane_rejection
+from cca_core.planner.candidates import Stop, lane_refusal, lane_rejection
 from cca_core.planner.certificate import Certificate, Grade
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.rear_gaps import keeps_rear_gaps
 from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan
 from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
+from cca_core.planner.stretch import adjacent_lanes
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED
 
 _TAIL = N_ROWS - 1  # row of the braking tail
@@ -103,7 +104,7 @@ class Certifier:
         if plan.peak > _GRIP_SHARE * around.limits.grip:
             plan.severity = 0.5 + plan.peak - around.limits.grip
             return
-        lane, half = around.road.ego_lane, 0.5 * around.vehicle.width
+        lane, half = around.lane, 0.5 * around.vehicle.width
         end = float(plan.d[-1])
         if not lane.right < end - half < end + half < lane.left:
             plan.severity = 0.0  # it comes to rest, or drives on, where it must not stay
@@ -117,7 +118,7 @@ class Certifier:
     def _set_zone(self, plan: Plan) -> Mask:
         """Set when and on which side a plan leaves the lane; return when it is outside."""
         around, half = self._around, 0.5 * self._around.vehicle.width
-        lane = around.road.ego_lane
+        lane = around.lane
         left, right = plan.d + half > lane.left + 0.01, plan.d - half < lane.right - 0.01
         out: Mask = left | right
         begins = np.flatnonzero(plan.s + around.lateral.base >= plan.path.begin)
@@ -155,7 +156,7 @@ class Certifier:
         """Rate a plan that comes too close: by the impact, or by the gap that lacks if bodies stay apart."""
         work, settings = self._scene.workspace, self._settings
         check_gaps(work, plan.row, plan.path_row, settings.touch, clearance, settings.duty_delay, 0.0)
-        if work.gap < 0.0:
+        if work.gap < -self._doubt(work.which):
             plan.t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
             # a later impact is less certain: others and the ego can still react
             plan.severity = 1.0 + work.impact**2 * math.exp(-plan.t_impact / self._settings.foresight)
@@ -163,6 +164,13 @@ class Certifier:
             lack = max(-work.min_margin, 0.01)
             plan.exposure = self._exposure(plan)
             plan.severity = min(lack + self._settings.exposure * plan.exposure, 0.9)
+
+    def _doubt(self, j: int) -> float:
+        """Overlap with the uncertainty bound of a vehicle up to which the bodies themselves are apart [m]."""
+        vehicles = self._around.traffic.vehicles
+        if not 0 <= j < len(vehicles):
+            return 0.0
+        return 2.0 * min(vehicles[j].remote.sigma_along, vehicles[j].remote.sigma_across)
 
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
@@ -172,10 +180,15 @@ class Certifier:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
             plan.grade = Grade.FULL
-        elif responds and not plan.path.kind.is_evasive and not out_now:
+        elif responds and self._is_ahead(plan.decides) and not plan.path.kind.is_evasive and not out_now:
             plan.grade, plan.braking = Grade.RESPONSE, limits.b_max
         else:
             plan.grade = Grade.NOMINAL
+
+    def _is_ahead(self, name: str) -> bool:
+        """Whether a vehicle is ahead of the ego: braking is no response to what comes from behind."""
+        j = self._around.traffic.index(name)
+        return j < 0 or bool(self._around.traffic.s[j, 0] > self._around.s)
 
     def _responds(self, plan: Plan, urgency: float) -> bool:
         """Whether a plan brakes soon and stays at it: in comfort, or up to fully where it is urgent."""
@@ -218,7 +231,8 @@ class Certifier:
         ends = here._replace(react=max(back, settings.reaction_time))
         side: Side = "left" if plan.path.kind is PathKind.LEFT else "right"
         begins_later = self._inside and not (plan.path.is_last and plan.path.begin <= around.s)
-        refusal = lane_refusal(around, adjacent_lane(around.road, side), side) if begins_later else None
+        lanes = adjacent_lanes(around.road, side, around.s) if begins_later else ()
+        refusal = next(filter(None, (lane_refusal(around, lane, side) for lane in lanes)), None)
         if refusal is not None:
             plan.grade, plan.rejection = Grade.REFUSED, refusal
             return

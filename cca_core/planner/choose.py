@@ -51,7 +51,7 @@ def assess(
         change += weights.sharp * max(sharp, 0.0) ** 2
     if path.side == around.settings.traffic_side and row[_TERMS["outside"]] > 0.0:
         change += weights.right
-    lane, half = around.road.ego_lane, 0.5 * around.vehicle.width
+    lane, half = around.lane, 0.5 * around.vehicle.width
     end = row[_TERMS["d_end"]]
     if not lane.right < end - half < end + half < lane.left:
         change += weights.astray

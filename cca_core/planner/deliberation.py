@@ -12,6 +12,7 @@ from cca_core._checks import Array
 from cca_core.band import relax_band
 from cca_core.decide import Rejection
 from cca_core.follow import SpeedSettings
+from cca_core.frenet.branches import Branches
 from cca_core.geometry import boxes
 from cca_core.kernel.scene import TOLERANCE
 from cca_core.path import Path, Road, interpolate_path
@@ -20,7 +21,6 @@ from cca_core.planner.assumptions import Assumptions
 from cca_core.planner.candidates import (
     Rollout,
     Stop,
-    adjacent_lane,
     find_stops,
     home_paths,
     maneuver_paths,
@@ -32,7 +32,7 @@ from cca_core.planner.certify import Certifier
 from cca_core.planner.choose import assess, choose
 from cca_core.planner.limits import Limits, limits_of
 from cca_core.planner.occupancy import predict_vehicles
-from cca_core.planner.paths import AHEAD, BEHIND, Surroundings, lateral_state, reference_of
+from cca_core.planner.paths import Surroundings, lateral_state, reference_of
 from cca_core.planner.records import (
     DrivenPlan,
     LateralPath,
@@ -45,6 +45,7 @@ from cca_core.planner.records import (
 )
 from cca_core.planner.scene import TIMES, Scenes, set_numbers
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.stretch import AHEAD, BEHIND, ego_lane_near
 from cca_core.vehicle import VehicleParams
 
 _ON_PATH = 0.4  # lateral error up to which the ego is on its path [m]
@@ -54,7 +55,7 @@ _STAGES = ((Level.COMFORT,), (Level.HARD, Level.NARROW))  # levels that are enum
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Setup:
-    """What does not change from decision to decision."""
+    """What does not change from decision to decision, as long as the route is the same."""
 
     vehicle: VehicleParams
     road: Road
@@ -62,22 +63,33 @@ class Setup:
     speed: SpeedSettings
     limits: Limits
     scenes: Scenes
+    lateral_range: tuple[float, float]  # of bodies that matter [m]
+    branches: Branches | None  # of a route that passes itself
 
     @classmethod
     def make(
-        cls, vehicle: VehicleParams, road: Road, settings: EvasionSettings, speed: SpeedSettings
-    ) -> Self:
-        """Return the setup of a planner."""
+        cls, vehicle: VehicleParams, road: Road, settings: EvasionSettings, speed: SpeedSettings,
+    ) -> Self:  # fmt: skip
+        """Return the setup of a planner for a route."""
         limits = limits_of(vehicle, speed, settings)
         lanes = [(lane.right, lane.left) for lane in road.lanes if lane is not road.ego_lane]
-        scenes = Scenes(BEHIND + AHEAD, numbers_of(vehicle, road, settings, speed, limits), lanes)
-        # what is slow to import or to build exists before the first cycle
+        scenes = Scenes(BEHIND + AHEAD, numbers_of(vehicle, settings, speed, limits), lanes)
+        # what is slow to build exists before the first cycle
         scenes.for_vehicles(0)
+        road.path.project(road.path.position(road.path.start))
+        margin, branches = settings.clearance + settings.decision.relevance_margin, Branches(road.path)
+        return cls(
+            vehicle=vehicle, road=road, settings=settings, speed=speed, limits=limits, scenes=scenes,
+            lateral_range=(road.right_edge - margin, road.left_edge + margin),
+            branches=branches if branches.passes_itself else None,
+        )  # fmt: skip
+
+    def warm_up(self) -> None:
+        """Import and build once what is slow, so that the first cycle is not."""
         route = [(float(x), 0.0) for x in range(8)]
-        relax_band(route, [boxes(4.0, 9.0, 0.0, 1.0, 1.0)], vehicle=vehicle)
+        relax_band(route, [boxes(4.0, 9.0, 0.0, 1.0, 1.0)], vehicle=self.vehicle)
         interpolate_path(route)
         import_module("scipy.interpolate")
-        return cls(vehicle=vehicle, road=road, settings=settings, speed=speed, limits=limits, scenes=scenes)
 
 
 class Deliberation:
@@ -113,7 +125,7 @@ class Deliberation:
     def _prepare(self, driven: LateralPath | None) -> None:
         """Place the vehicles, and roll out the paths home and the last plan."""
         setup, observation, state = self._setup, self._observation, self._state
-        vehicle, lane = setup.vehicle, setup.road.ego_lane
+        vehicle, lane = setup.vehicle, ego_lane_near(setup.road, observation.s)
         fill_route(setup.scenes, setup.road.path, self._base, self._profile)
         traffic = predict_vehicles(setup.scenes, observation, setup.road, setup.settings, self._base)
         scene, half = traffic.scene, 0.5 * vehicle.width
@@ -130,9 +142,10 @@ class Deliberation:
             self._base, observation.s, observation.d, observation.angle, observation.bend, driven, _ON_PATH
         )
         around = Surroundings(
-            vehicle=vehicle, road=setup.road, settings=setup.settings, limits=setup.limits, traffic=traffic,
-            lateral=lateral, s=observation.s, v=observation.v, awareness_range=observation.awareness_range,
-            jerk=setup.speed.jerk, jerk_emergency=setup.speed.jerk_emergency,
+            vehicle=vehicle, road=setup.road, lane=lane, settings=setup.settings, limits=setup.limits,
+            traffic=traffic, lateral=lateral, s=observation.s, v=observation.v,
+            awareness_range=observation.awareness_range, jerk=setup.speed.jerk,
+            jerk_emergency=setup.speed.jerk_emergency,
             free_s=TIMES, free_v=TIMES,
         )  # fmt: skip
         self._scene, self._rollout = scene, Rollout(scene, around)
@@ -269,16 +282,13 @@ def fill_route(scenes: Scenes, path: Path, base: int, profile: tuple[Array, Arra
 
 
 def numbers_of(
-    vehicle: VehicleParams, road: Road, settings: EvasionSettings, speed: SpeedSettings, limits: Limits
+    vehicle: VehicleParams, settings: EvasionSettings, speed: SpeedSettings, limits: Limits
 ) -> dict[str, float]:
     """Return the ego, its limits and the assumptions of the settings as numbers of a scene."""
-    certificate, lane, crossing = settings.certificate, road.ego_lane, settings.crossing
-    left, right = adjacent_lane(road, "left"), adjacent_lane(road, "right")
+    certificate, crossing = settings.certificate, settings.crossing
     return {
-        "edge_left": math.inf if left is None else left.left,
-        "edge_right": -math.inf if right is None else right.right,
         "crossing_time": crossing.acceleration_time,
-        "lane_right": lane.right, "lane_left": lane.left, "half_length": 0.5 * vehicle.length,
+        "half_length": 0.5 * vehicle.length,
         "half_width": 0.5 * vehicle.width, "offset": vehicle.box_offset, "a_max": limits.a_max,
         "b_comfort": limits.b_comfort, "b_max": limits.b_max,
         "b_soft": settings.cost.risk_braking / speed.b_max * limits.b_max,
@@ -290,7 +300,7 @@ def numbers_of(
         "keeps": settings.keeps_motion, "b_other": settings.assumed_braking,
         "a_other": settings.assumed_acceleration, "a_passed": settings.assumed_acceleration_passed,
         "b_crossing": crossing.assumed_braking, "a_crossing": crossing.assumed_acceleration,
-        "min_pet": crossing.min_pet, "v_limit": road.speed_limit, "braking_time": certificate.braking_time,
+        "min_pet": crossing.min_pet, "braking_time": certificate.braking_time,
         "acceleration_time": certificate.acceleration_time, "entry_tolerance": settings.lane_entry_tolerance,
         "queue_gap": settings.lead.queue_gap,
         "passing_gap": settings.lead.passing_distance,

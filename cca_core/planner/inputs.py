@@ -28,6 +28,7 @@ __all__ = [
     "CycleClock",
     "RadioHealth",
     "check_arguments",
+    "check_road",
     "first_station",
     "invalid_input_reason",
     "invalid_state_reason",
@@ -113,6 +114,12 @@ def check_arguments(
     ):
         if not isinstance(value, kinds):
             raise InputError(f"{name} must be {kinds[0].__name__}, was {type(value).__name__}")
+
+
+def check_road(road: object) -> None:
+    """Raise InputError if a route is none."""
+    if not isinstance(road, Road | Path):
+        raise InputError(f"road must be Road or Path, was {type(road).__name__}")
 
 
 def warn_of_tight_bend(path: Path, vehicle: VehicleParams) -> None:

@@ -12,9 +12,10 @@ from cca_core.decide import Rejection, RejectionKind
 from cca_core.errors import Status
 from cca_core.geometry import QUINTIC_PEAK, Boxes
 from cca_core.path import Lane
-from cca_core.planner.paths import AHEAD, LateralState, Surroundings
+from cca_core.planner.paths import LateralState, Surroundings
 from cca_core.planner.records import LateralPath, Level, PathKind
 from cca_core.planner.scene import FREE_ROW, TIMES, obstacles_of, span_of
+from cca_core.planner.stretch import AHEAD, narrowed
 
 _MAX_NODES = 140  # of a band
 _MIN_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
@@ -32,6 +33,7 @@ class _Window:
 
     start: int
     end: int
+    lane: Lane | None  # the adjacent lane as narrow as it is there
     clearance: float
     margin: float  # kept to the edges, if there is room [m]
     lead_distances: tuple[float, ...]
@@ -45,16 +47,16 @@ def plan_path(
     window = _window(around, group, side, lane, level, last)
     if isinstance(window, Rejection):
         return window
-    found = _bend_path(around, group, side, lane, level, last, window)
+    found = _bend_path(around, group, side, level, last, window)
     narrowest = min(around.settings.last_resort.clearance, _MIN_CLEARANCE)
     if level is Level.NARROW and isinstance(found, Rejection) and window.clearance > narrowest:
-        return _bend_path(around, group, side, lane, level, last, replace(window, clearance=narrowest))
+        return _bend_path(around, group, side, level, last, replace(window, clearance=narrowest))
     return found
 
 
 def _bend_path(
-    around: Surroundings, group: Sequence[int], side: Side, lane: Lane | None, level: Level,
-    last: LateralPath | None, window: _Window,
+    around: Surroundings, group: Sequence[int], side: Side, level: Level, last: LateralPath | None,
+    window: _Window,
 ) -> LateralPath | Rejection:  # fmt: skip
     """Return the band in a window."""
     state, path, ongoing = around.lateral, around.road.path, last is not None or not around.lateral.on_route
@@ -69,7 +71,7 @@ def _bend_path(
     v = np.maximum(np.interp(stations, around.free_s, around.free_v), _MIN_SPEED)
     limit = around.limits.a_y_limit if level is Level.COMFORT else around.limits.a_y_max
     obstacles, names = _obstacles(around, group, stations, t)
-    lanes = (around.road.ego_lane, around.road.ego_lane if lane is None else lane)
+    lanes = (around.lane, window.lane or around.lane)
     right = min(each.right for each in lanes) + window.margin
     left = max(each.left for each in lanes) - window.margin
     slack = np.where(t < _TIME_TO_CLEAR, _excess(around, right, left), 0.0) if ongoing else 0.0
@@ -143,7 +145,7 @@ def _window(
     settings, traffic, base = around.settings, around.traffic, around.lateral.base
     narrow = level is Level.NARROW
     first_id, sign = traffic.ids[group[0]], 1.0 if side == "left" else -1.0
-    lanes = (around.road.ego_lane, around.road.ego_lane if lane is None else lane)
+    lanes = (around.lane, around.lane if lane is None else lane)
     edge = max(sign * (each.left if side == "left" else each.right) for each in lanes)
     outermost = max(float((sign * traffic.d[j] + traffic.half_w[j]).max()) for j in group)
     space = edge - outermost - around.vehicle.width
@@ -166,8 +168,17 @@ def _window(
     if last is not None:
         start = math.floor(last.begin)
         end = math.ceil(last.end) if end < last.end + 2.0 else end
+    if lane is not None and lane.boundaries:
+        local = narrowed(lane, start, end)
+        if local is None and (lane.start > start or lane.end >= end):
+            return Rejection(kind=RejectionKind.NO_LANE, side=side)
+        if local is None:
+            return Rejection(
+                kind=RejectionKind.LANE_ENDS, side=side, value=end - around.s, limit=lane.end - around.s
+            )
+        return _window(around, group, side, local, level, last)
     return _Window(
-        start=start, end=end, clearance=clearance, lead_distances=tuple(s[2] for s in spans),
+        start=start, end=end, lane=lane, clearance=clearance, lead_distances=tuple(s[2] for s in spans),
         margin=0.0 if narrow else min(_EDGE_MARGIN, 0.5 * max(space - clearance, 0.0)),
     )  # fmt: skip
 

@@ -9,8 +9,9 @@ from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.path import Road
 from cca_core.planner.records import Observation
-from cca_core.planner.scene import Scenes, locate
+from cca_core.planner.scene import Scenes, locate, set_numbers
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.stretch import highest_speed, road_numbers
 from cca_core.vehicle import STANDSTILL_SPEED
 
 N_STOPS = 6
@@ -69,6 +70,7 @@ def predict_vehicles(
     rows = scene.arrays
     if seen:
         rows["seen"][: len(seen)] = seen
+    set_numbers(scene, **road_numbers(road, observation.s))
     locate(scene.workspace, n)
     ids, crosses = tuple([n.id for n in vehicles]), rows["crosses"][:n] != 0
     return Traffic(
@@ -106,7 +108,9 @@ def _lateral_motion(n: FrenetVehicle, road: Road, settings: EvasionSettings) -> 
     if abs(v_d) < certificate.side_speed and not turned:
         return 0.0, 0.0
     side = math.copysign(1.0, v_d)
-    ahead = [(lane.d - n.d) * side for lane in road.lanes if (lane.d - n.d) * side > 0.2]
+    lanes = [lane for lane in road.lanes if lane.start <= n.s <= lane.end]
+    # the center of the body may be so far from that of what it covers, which is compared
+    ahead = [x + n.added_width for lane in lanes if (x := (lane.d - n.d) * side) > 0.2 + n.added_width]
     return v_d, min(ahead) if ahead else 1.5 * abs(v_d)
 
 
@@ -118,7 +122,9 @@ def _assumed_vehicles(
     if not 0.0 < known < math.inf:
         return []
     at, size = observation.s - base, (0.0, 0.0, 1.0, 1.0)
+    fastest = highest_speed(road, observation.s, known)
     return [
-        (at - lane.direction * known, lane.d, lane.direction * road.speed_limit, *size, *[0.0] * 18)
+        (at - lane.direction * known, lane.d, lane.direction * fastest, *size, *[0.0] * 18)
         for lane in road.lanes if lane is not road.ego_lane
+        and lane.start < observation.s + known and lane.end > observation.s - known
     ]  # fmt: skip

@@ -7,16 +7,14 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.geometry import QUINTIC_PEAK
-from cca_core.path import Path, Road
+from cca_core.path import Lane, Path, Road
 from cca_core.path.interpolate import spline_through
 from cca_core.planner.limits import Limits
 from cca_core.planner.occupancy import Traffic
 from cca_core.planner.records import LateralPath, Level, PathKind
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.stretch import AHEAD, BEHIND
 from cca_core.vehicle import VehicleParams
-
-BEHIND, AHEAD = 60, 800
-"""Part of the route around the ego on which paths are defined [m]."""
 
 _MIN_OFFSET = 0.3  # of which the length of a return is computed at least [m]
 _TIGHTEST = 0.1  # largest curvature that a return aims at [1/m]
@@ -45,6 +43,7 @@ class Surroundings:
 
     vehicle: VehicleParams
     road: Road
+    lane: Lane  # the ego lane, as narrow as it is on this part of the route
     settings: EvasionSettings
     limits: Limits
     traffic: Traffic
@@ -88,8 +87,7 @@ def return_paths(around: Surroundings) -> list[LateralPath]:
     x: Array = state.base + np.arange(float(BEHIND + AHEAD)) - around.s
     paths = []
     for level, a_y in ((Level.COMFORT, limits.a_y), (Level.HARD, limits.a_y_hard)):
-        length = _length(abs(state.offset) + abs(state.slope) * v, a_y, v)
-        d = _quintic(state.offset, state.slope, state.bend, 0.0, length, x)
+        d, length = blend(state.offset, state.slope, state.bend, a_y, v, x)
         paths.append((level, length, d))
     road, half = around.road, 0.5 * around.vehicle.width + 0.1
     for fraction in (0.3, 0.6, 1.0):
@@ -127,6 +125,14 @@ def reference_of(lateral: LateralPath, road: Road, s: float) -> Path:
     if abs(float(lateral.on(begin, 2)[0])) > 1e-3:
         return spline_through(nodes, float(begin), None, last)
     return spline_through(nodes, float(begin), first, last)
+
+
+def blend(
+    offset: float, slope: float, bend: float, a_y: float, v: float, x: Array, min_length: float = 0.0
+) -> tuple[Array, float]:
+    """Return a way back to the route from a lateral state at `x` 0, and its length [m]."""
+    length = max(_length(abs(offset) + abs(slope) * v, a_y, v), min_length)
+    return _quintic(offset, slope, bend, 0.0, length, x), length
 
 
 def _length(offset: float, a_y: float, v: float) -> float:

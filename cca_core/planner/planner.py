@@ -13,7 +13,6 @@ from cca_core.decide import Decision
 from cca_core.errors import Status
 from cca_core.follow import PreviewController, SpeedSettings, squared_speed_limit
 from cca_core.frenet import INCOMPLETE, to_frenet
-from cca_core.frenet.branches import Branches
 from cca_core.path import Path, Road
 from cca_core.planner import modes
 from cca_core.planner.actuate import dead_reckon, planned_acceleration, since, stop_acceleration
@@ -24,6 +23,7 @@ from cca_core.planner.inputs import (
     CycleClock,
     RadioHealth,
     check_arguments,
+    check_road,
     first_station,
     invalid_state_reason,
     is_list,
@@ -34,6 +34,7 @@ from cca_core.planner.inputs import (
 from cca_core.planner.last_known import recall
 from cca_core.planner.reasons import explain
 from cca_core.planner.records import DrivenPlan, LateralPath, Level, Mode, Observation, PathKind, PlannerState
+from cca_core.planner.route_change import carry_plan, is_same_road, station_on
 from cca_core.planner.settings import EvasionSettings
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
@@ -84,20 +85,16 @@ class Planner:
         self.evasion = evasion or EvasionSettings()
         self.speed = speed or SpeedSettings()
         self._setup = Setup.make(vehicle, self.road, self.evasion, self.speed)
+        self._setup.warm_up()
         self._limits = self._setup.limits
         self._controller = controller or PreviewController(vehicle)
-        self._speed_profile = self._profile(self._cruise_speed)
-        self.road.path.project(self.road.path.position(self.road.path.start))
-        margin = self.evasion.clearance + self.evasion.decision.relevance_margin
-        self._lateral_range = self.road.right_edge - margin, self.road.left_edge + margin
-        branches = Branches(self.road.path)
-        self._branches = branches if branches.passes_itself else None
         self._last_s: dict[str, float] = {}
         self._clock = CycleClock()
         self._command: Command | None = None
         self._input_faults: tuple[str, ...] = ()
         self._stop_path: tuple[DrivenPlan | None, Path] = None, self.road.path  # that of a lost state
         self._state = PlannerState()
+        self._speed_profile = self._profile()
 
     def __repr__(self) -> str:
         mode = self._state.mode.value
@@ -114,14 +111,44 @@ class Planner:
         if value == self._cruise_speed:
             return
         self._cruise_speed = value
-        stations, target = self._profile(value)
-        v, s = self._state.v, self._state.s
-        if s is not None and v > value:  # slow down in comfort from here
-            b = self._limits.b_comfort
-            begin = s + 0.5 * v * b / self.speed.jerk  # while the deceleration builds up
-            ramp = v * v - 2.0 * b * (stations - begin)
-            target = np.minimum(self._profile(v)[1], np.maximum(target, ramp))
-        self._speed_profile = stations, target
+        self._speed_profile = self._profile()
+
+    def set_route(self, road: Road | Path) -> None:
+        """Go on along another route, or with other lanes and limits of the same one.
+
+        It can be called between two steps, at any speed and within a maneuver. Steering and acceleration do
+        not jump: the path that is being driven is carried over, and the ego returns from it to the new route
+        in comfort. To lower speeds it brakes in comfort. The next step decides anew.
+
+        Parameters
+        ----------
+        road : Road or Path
+            Route and lanes from now on; a bare path is one lane of 3.5 m. A road that equals the last one
+            changes nothing.
+
+        Raises
+        ------
+        InputError
+            If `road` is neither a `Road` nor a `Path`. An ego that is off the new route, or heads against it,
+            makes a safe stop in the next step.
+        """
+        check_road(road)
+        last, self.road = self.road, road if isinstance(road, Road) else Road(road)
+        if is_same_road(last, self.road):
+            return
+        warn_of_tight_bend(self.road.path, self.vehicle)
+        self._drive_along(Setup.make(self.vehicle, self.road, self.evasion, self.speed))
+
+    def _drive_along(self, setup: Setup) -> None:
+        """Change the route that is driven along, under way."""
+        last, state, self._setup = self._setup.road, self._state, setup
+        self._last_s = {}
+        if state.s is not None and state.estimate is not None:
+            s, plan = station_on(setup.road.path, state.estimate, state.s), state.plan
+            if plan is not None:
+                plan = carry_plan(plan, last, setup.road, state.s, s, state.v, self._limits)
+            self._state = state._replace(s=s, plan=plan, t_decided=-math.inf)
+        self._speed_profile = self._profile()
 
     @property
     def maneuver(self) -> LateralPath | None:
@@ -131,12 +158,19 @@ class Planner:
             return None
         return plan.path
 
-    def _profile(self, cruise: float) -> tuple[Array, Array]:
-        """Speed profile of the route for a cruise speed."""
-        speed = replace(self.speed, b_comfort=self._limits.b_comfort)
-        return squared_speed_limit(
-            self.road.path, min(cruise, self.road.speed_limit), self._limits.curve, speed
-        )
+    def _profile(self) -> tuple[Array, Array]:
+        """Speed profile of the route; to a lower cruise speed or limit the ego slows down in comfort."""
+        road, b = self._setup.road, self._limits.b_comfort
+        path, a_y, speed = road.path, self._limits.curve, replace(self.speed, b_comfort=b)
+        v, s = self._state.v, self._state.s
+        limit = min(self._cruise_speed, road.speed_limit)
+        stations, squared = squared_speed_limit(path, limit, a_y, speed, road.speed_limits)
+        if s is None or v * v <= np.interp(s, stations, squared):
+            return stations, squared
+        begin = s + 0.5 * v * b / self.speed.jerk  # while the deceleration builds up
+        ramp = v * v - 2.0 * b * (stations - begin)
+        curves = np.interp(stations, *squared_speed_limit(path, v, a_y, speed))
+        return stations, np.minimum(curves, np.maximum(squared, ramp))
 
     def step(
         self,
@@ -200,23 +234,24 @@ class Planner:
         self, state: VehicleState, remotes: Iterable[RemoteVehicle], known: float, *, is_blind: bool
     ) -> tuple[Observation | str, tuple[tuple[str, str], ...]]:
         """Return the ego and the other vehicles on the route, or why the ego is not on it."""
-        path, settings = self.road.path, self.evasion.decision
+        setup, settings = self._setup, self.evasion.decision
+        path = setup.road.path
         guess = first_station(path, state) if self._state.s is None else self._state.s
         s, d, heading, kappa = path.foot_point(state.x, state.y, guess)
         if not abs(d) < settings.max_route_distance:
             return f"ego {abs(d):.1f} m off the route (limit {settings.max_route_distance:.1f} m)", ()
         if math.cos(state.psi - heading) < 0.0:
             return f"ego heading {state.psi:.2f} rad, route {heading:.2f} rad (degrees?)", ()
-        branches = None if self._branches is None else (self._branches, s)
-        vehicles, dropped = to_frenet(remotes, path, self._last_s, self._lateral_range, branches)
+        branches = None if setup.branches is None else (setup.branches, s)
+        vehicles, dropped = to_frenet(remotes, path, self._last_s, setup.lateral_range, branches)
         incomplete = tuple(reason for _, reason in dropped if reason.startswith(INCOMPLETE))
         memory, missing, assumed = recall(
             self._state.memory, self._clock.t, vehicles, dropped, settings,
             lost=bool(incomplete) or not is_list(remotes), blind=is_blind,
         )  # fmt: skip
         if missing:
-            vehicles += to_frenet(missing, path, {}, self._lateral_range, branches)[0]
-        vehicles, off_level, faults = vehicles_on_level(vehicles, self.road, settings)
+            vehicles += to_frenet(missing, path, {}, setup.lateral_range, branches)[0]
+        vehicles, off_level, faults = vehicles_on_level(vehicles, setup.road, settings)
         dropped, self._input_faults = (
             dropped + off_level,
             (*self._input_faults, *incomplete, *assumed, *faults),
@@ -278,7 +313,7 @@ class Planner:
         """Follow the safe stop of the last plan on a dead-reckoned state; without one, brake straight on."""
         state = self._state
         a_x, delta = -self.evasion.actuation.safe_stop_deceleration, state.delta
-        reference, plan, estimate = self.road.path, state.plan, state.estimate
+        reference, plan, estimate = self._setup.road.path, state.plan, state.estimate
         a_x = max(a_x, -self._limits.b_max)
         if plan is not None and estimate is not None and "internal" not in reason:
             a_x = max(

@@ -66,6 +66,7 @@ class LateralPath:
     band: Band | None = None
     reference: Path | None = None
     is_last: bool = False
+    rest: float = 0.0  # lateral offset beyond the last station [m]
 
     @property
     def side(self) -> str:
@@ -83,15 +84,17 @@ class LateralPath:
         return self.base + np.arange(float(len(self.d)))
 
     def offset_at(self, s: float) -> float:
-        """Return the lateral offset at a station [m], 0 beyond."""
-        return float(np.interp(s, self.stations, self.d, left=0.0, right=0.0))
+        """Return the lateral offset at a station [m], 0 before the first one."""
+        return float(np.interp(s, self.stations, self.d, left=0.0, right=self.rest))
 
     def on(self, base: int, n: int) -> Array:
-        """Return the lateral offset on another stretch of the route; 0 beyond."""
+        """Return the lateral offset on another stretch of the route; 0 before the first station."""
         d, shift = np.zeros(n), base - self.base
         begin, end = max(-shift, 0), min(len(self.d) - shift, n)
         if end > begin:
             d[begin:end] = self.d[begin + shift : end + shift]
+        if self.rest != 0.0:
+            d[max(end, 0) :] = self.rest
         return d
 
 

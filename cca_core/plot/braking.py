@@ -10,7 +10,7 @@ from cca_core.errors import InputError
 from cca_core.plot.labels import escape_figure_text, run_heading
 from cca_core.plot.style import COLORS, TEXT, assign_colors, mark_collision, new_figure
 from cca_core.sim import Log
-from cca_core.sim.outcome import MOVING_SPEED, first_collision
+from cca_core.sim.outcome import MOVING_SPEED, first_collision, row_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,7 +55,7 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
     first, last = _interesting(logs)
     position.set_xlim(first, last)
     shown = [_body_centers(log)[(log.t >= first) & (log.t <= last)] for log in logs]
-    position.set_ylim(min(s.min() for s in shown) - 10.0, max(s.max() for s in shown) + 10.0)
+    position.set_ylim(min(np.nanmin(s) for s in shown) - 10.0, max(np.nanmax(s) for s in shown) + 10.0)
     position.legend(fontsize=TEXT.legend, loc="upper left")
     return escape_figure_text(figure)
 
@@ -92,7 +92,7 @@ def _draw_bands(axis: Any, log: Log, palette: dict[str, str]) -> None:
         axis.fill_between(log.t, s - 0.5 * length, s + 0.5 * length, color=color, linewidth=0.3, label=name)
     collision = first_collision(log)
     if collision is not None:
-        s = _body_centers(log)[-1, 0] + 0.5 * ego.length
+        s = _body_centers(log)[row_at(log, collision.t), 0] + 0.5 * ego.length
         mark_collision(axis, collision.t, s)
         axis.annotate(
             f"{collision.speed:.1f} m/s", (collision.t, s), (9, -3), textcoords="offset points",
@@ -109,4 +109,4 @@ def _interesting(logs: Sequence[Log]) -> tuple[float, float]:
         brakes, moves = (a < -1.0).any(axis=1), (v > MOVING_SPEED).any(axis=1)
         first.append(log.t[np.argmax(brakes)] if brakes.any() else log.t[0])
         last.append(log.t[np.flatnonzero(moves)[-1]] if moves.any() else log.t[-1])
-    return max(min(first) - 1.0, 0.0), max(last) + 1.5
+    return max(min(first) - 1.0, min(log.t[0] for log in logs)), max(last) + 1.5

@@ -35,7 +35,8 @@ def blocked(log: Log) -> "np.ndarray[Any, np.dtype[np.bool_]]":
 def _poses_of_others(log: Log) -> Array:
     """Poses of the other road users, shape (m, n_users, 3); after a collision continued for 2 s."""
     poses = log.road_users[::EVERY, :, :3]
-    if first_collision(log) is None:
+    collision = first_collision(log)
+    if collision is None or collision.t < log.t[-1]:
         return poses
     step = log.t[1] - log.t[0]
     rows = EVERY * np.arange(len(poses), len(poses) + int(2.0 / (EVERY * step)))

@@ -60,7 +60,7 @@ def plot_crossing(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figu
         )
         above.set_title(run_heading(log, outcomes, i), fontsize=TEXT.heading, loc="left")
         _draw_diagram(below, log)
-        below.set(xlabel="time [s]", xlim=(0.0, end), ylim=(-40.0, 30.0))
+        below.set(xlabel="time [s]", xlim=(logs[0].t[0], end), ylim=(-40.0, 30.0))
     axes[0, 0].set_ylabel("y [m]")
     base = "the stop line" if logs[0].scenario.stop_line is not None else "the start"
     axes[1, 0].set_ylabel(f"ego's front beyond\n{base} [m]")
@@ -83,25 +83,30 @@ def _draw_bodies(axis: Any, log: Log, *, period: float = 1.0, min_distance: floa
     """Draw each body every `period` [s], but not closer than `min_distance` [m] to its last one."""
     ego, others = log.bodies()
     corners = np.concatenate((ego.corners(), others.corners()), axis=1)
-    has_collided = first_collision(log) is not None
+    collision = first_collision(log)
     rows = [row_at(log, t) for t in np.arange(log.t[0], log.t[-1] + 1e-6, period).tolist()]
-    if has_collided:
-        rows = [row for row in rows if log.t[-1] - log.t[row] > 0.4 * period] + [len(log.t) - 1]
+    if collision is not None:
+        rows = [row for row in rows if collision.t - log.t[row] > 0.4 * period]
+        rows.append(row_at(log, collision.t))
     names = ["ego", *(user.id for user in log.scenario.road_users)]
     palette = {"ego": COLORS.ego, **assign_colors(names[1:])}
     for i, name in enumerate(names):
         track = corners[:, i].mean(axis=1)
         axis.plot(*track.T, color=palette[name], linewidth=0.8, alpha=0.7, zorder=2)
-        is_moving = np.ptp(track, axis=0).max() > 1.0
+        seen = track[np.isfinite(track[:, 0])]
+        is_moving = np.ptp(seen, axis=0).max() > 1.0
         shown: Array | None = None
         for row in rows:
             at = track[row]
+            if not np.isfinite(at[0]):
+                continue
             if shown is not None and np.hypot(*(at - shown)) < min_distance and row != rows[-1]:
                 continue
             shown = at
             axis.fill(
                 *corners[row, i].T, facecolor=palette[name], edgecolor="white", linewidth=0.5, zorder=3,
-                alpha=1.0 if row == rows[-1] and has_collided else 0.55, gid=f"{name}@{log.t[row]:.1f}",
+                alpha=1.0 if row == rows[-1] and collision is not None else 0.55,
+                gid=f"{name}@{log.t[row]:.1f}",
             )  # fmt: skip
             axis.annotate(
                 f"{log.t[row]:.0f}" if is_moving else name, at, ha="center", va="center_baseline",
@@ -134,4 +139,4 @@ def _draw_diagram(axis: Any, log: Log) -> None:
         axis.axhline(0.0, color=COLORS.line, linewidth=1.0, linestyle="--", label="stop line")
     collision = first_collision(log)
     if collision is not None:
-        mark_collision(axis, collision.t, log.ego_frenet[-1, 0] + front - base)
+        mark_collision(axis, collision.t, log.ego_frenet[row_at(log, collision.t), 0] + front - base)

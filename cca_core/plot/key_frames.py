@@ -6,6 +6,7 @@ import numpy as np
 
 from cca_core.decide import Action
 from cca_core.sim import Log
+from cca_core.sim.outcome import first_collision
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,9 +27,12 @@ def key_frames(
     for t, name, reason in log.decisions[1:]:
         ranked.append((2 if name == Action.KEEP.value else 0, KeyFrame(t=t, text=f"{name}: {reason}")))
     ranked += [(1, frame) for frame in _encounters(log, max_distance) + _actions_of_others(log)]
-    collided = (log.gaps() <= 0.0).any()
-    end = "the run ends in a collision" if collided else "the run ends"
-    ranked.append((-1 if collided else 3, KeyFrame(t=float(log.t[-1]), text=end)))
+    collision, t_end = first_collision(log), float(log.t[-1])
+    if collision is not None:
+        text = "the run ends in a collision" if collision.t == t_end else str(collision)
+        ranked.append((-1, KeyFrame(t=collision.t, text=text)))
+    if collision is None or collision.t < t_end:
+        ranked.append((3, KeyFrame(t=t_end, text="the run ends")))
     ranked.sort(key=lambda entry: (entry[0], -entry[1].t if entry[0] == 2 else entry[1].t))
     chosen: list[KeyFrame] = []
     for _, frame in ranked:
@@ -42,6 +46,7 @@ def _encounters(log: Log, max_distance: float) -> list[KeyFrame]:
     frames, gaps = [], log.gaps()
     for i, user in enumerate(log.scenario.road_users):
         distance = np.hypot(*(log.road_users[:, i, :2] - log.ego[:, :2]).T)
+        distance[~log.present[:, i]] = np.inf
         row = int(np.argmin(distance))
         if distance[row] < max_distance and 0 < row < len(log.t) - 1:
             alongside = abs(log.user_frenet[row, i, 0] - log.ego_frenet[row, 0]) < user.length

@@ -20,7 +20,7 @@ from cca_core.plot.style import (
     new_figure,
 )
 from cca_core.sim import Log
-from cca_core.sim.outcome import first_collision
+from cca_core.sim.outcome import final_station, first_collision, row_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,7 +60,7 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
     axes = figure.subplots(len(logs) + 2, 1, height_ratios=[1.0] * len(logs) + [2.2, 1.6])
     *strips, paths, lateral = axes
     for k, (axis, log, i) in enumerate(zip(strips, logs, at, strict=True)):
-        _draw_strip(axis, log, float(log.user_frenet[-1, i, 0]))
+        _draw_strip(axis, log, final_station(log, i))
         axis.set_title(run_heading(log, outcomes, k, ": "), fontsize=TEXT.heading, loc="left", pad=3)
     _draw_obstacle(paths, logs[-1], at[-1])
     for log, i in zip(logs, at, strict=True):
@@ -94,8 +94,10 @@ def _draw_strip(axis: Any, log: Log, base: float, *, period: float = 0.5) -> Non
     rows = np.arange(len(log.t) - 1, -1, -round(period / (log.t[1] - log.t[0])))
     corners = frenet_corners(log) - (base, 0.0)
     for i, name in enumerate(names):
-        is_moving = np.ptp(log.user_frenet[:, i - 1, 0]) > 1.0 if i else True
-        for row in rows if is_moving else rows[:1]:
+        s = log.user_frenet[log.present[:, i - 1], i - 1, 0]
+        is_moving = np.ptp(s) > 1.0 if i else True
+        seen = [row for row in rows if i == 0 or log.present[row, i - 1]]
+        for row in seen if is_moving else seen[:1]:
             box = corners[row, i]
             if box[:, 0].max() > _VIEW[0] and box[:, 0].min() < _VIEW[1]:
                 solid = not is_moving or (i == 0 and row == rows[0])
@@ -103,34 +105,39 @@ def _draw_strip(axis: Any, log: Log, base: float, *, period: float = 0.5) -> Non
                     *box.T, facecolor=palette[name], edgecolor="white", linewidth=0.4, zorder=2 + (i == 0),
                     alpha=1.0 if solid else 0.45, gid=f"{name}@{log.t[row]:.2f}",
                 )  # fmt: skip
-    if first_collision(log) is not None:
-        mark_collision(axis, float(corners[-1, 0, :, 0].max()), log.ego_frenet[-1, 1])
+    collision = first_collision(log)
+    if collision is not None:
+        row = row_at(log, collision.t)
+        mark_collision(axis, float(corners[row, 0, :, 0].max()), log.ego_frenet[row, 1])
 
 
 def _draw_obstacle(axis: Any, log: Log, i: int) -> None:
     road, users = log.scenario.road, log.scenario.road_users
     draw_lanes(axis, road)
     axis.axhline(0.0, color="black", linewidth=0.8, linestyle=":")
-    box = frenet_corners(log, slice(-1, None))[0, 1 + i] - (log.user_frenet[-1, i, 0], 0.0)
+    row = int(np.flatnonzero(log.present[:, i])[-1])
+    box = frenet_corners(log, slice(row, row + 1))[0, 1 + i] - (final_station(log, i), 0.0)
     axis.fill(*box.T, color=assign_colors([user.id for user in users])[users[i].id], zorder=2)
     axis.set(xlim=_VIEW, ylim=(road.right_edge - 0.3, road.left_edge + 0.3), ylabel="left of the\nroute [m]")
 
 
 def _draw_path(paths: Any, lateral: Any, log: Log, i: int) -> None:
     color, line, _ = EGO_TYPE_STYLES[log.scenario.ego_type]
-    s = log.ego_frenet[:, 0] - log.user_frenet[-1, i, 0]
+    s = log.ego_frenet[:, 0] - final_station(log, i)
     near = (s > _VIEW[0] - 5.0) & (s < _VIEW[1] + 5.0)
     label = ego_label(log)
     paths.plot(s[near], log.ego_frenet[near, 1], line, color=color, label=label, zorder=3)
     label += f": {np.abs(log.a_y).max():.1f} m/s²"
     lateral.plot(s[near], log.a_y[near], line, color=color, label=label)
-    if first_collision(log) is not None:
-        mark_collision(paths, s[-1], log.ego_frenet[-1, 1], size=9.0)
-        mark_collision(lateral, s[-1], log.a_y[-1], size=9.0)
+    collision = first_collision(log)
+    if collision is not None:
+        row = row_at(log, collision.t)
+        mark_collision(paths, s[row], log.ego_frenet[row, 1], size=9.0)
+        mark_collision(lateral, s[row], log.a_y[row], size=9.0)
 
 
 def _draw_swept(axis: Any, log: Log, i: int) -> None:
-    s, d = (log.ego_frenet - (log.user_frenet[-1, i, 0], 0.0)).T
+    s, d = (log.ego_frenet - (final_station(log, i), 0.0)).T
     half = 0.5 * log.scenario.vehicle.width
     style = {"color": COLORS.ego, "alpha": 0.18, "linewidth": 0.0, "zorder": 1}
     axis.fill_between(s, d - half, d + half, label="swept by the body", **style)

@@ -54,7 +54,7 @@ def plot_time_series(log: Log) -> "Figure":
     for axis in (speed, gap) if len(gap.lines) > 1 else (speed,):
         axis.legend(loc="upper right", fontsize=TEXT.legend, ncols=4, framealpha=0.9)
     _draw_actions(axes, log)
-    speed.set_xlim(0.0, log.t[-1])
+    speed.set_xlim(log.t[0], log.t[-1])
     figure.suptitle(title(log), x=0.01, ha="left", weight="bold", fontsize=TEXT.title)
     figure.align_ylabels()
     return escape_figure_text(figure)
@@ -87,7 +87,7 @@ def _draw_actions(axes: Any, log: Log) -> None:
     for (begin, name, _), end in zip(log.decisions, ends, strict=True):
         for axis in axes:
             axis.axvspan(begin, end, color=ACTION_COLORS[name], linewidth=0.0, zorder=0)
-        if end - begin > 0.02 * end_of_run:
+        if end - begin > 0.02 * log.duration:
             axes[0].annotate(
                 name.replace("_", "\n"), (0.5 * (begin + end), 1.0), (0, 3),
                 xycoords=("data", "axes fraction"), textcoords="offset points", ha="center",

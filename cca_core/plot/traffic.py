@@ -187,10 +187,11 @@ def _draw_road(axis: Any, log: Log, view: tuple[float, float]) -> None:
 
 
 def _boxes(log: Log, row: int) -> list[tuple[str, Array, float]]:
-    """Id, corners in path coordinates and speed of each vehicle in one cycle."""
+    """Id, corners in path coordinates and speed of each vehicle that is present in one cycle."""
     names = ["ego", *(user.id for user in log.scenario.road_users)]
     speeds = np.append(log.ego[row, 3], log.road_users[row, :, 3]).tolist()
-    return list(zip(names, frenet_corners(log, slice(row, row + 1))[0], speeds, strict=True))
+    bodies = zip(names, frenet_corners(log, slice(row, row + 1))[0], speeds, strict=True)
+    return [body for body in bodies if np.isfinite(body[2])]
 
 
 def _draw_box(axis: Any, corners: Array, color: str, gid: str) -> None:

@@ -68,10 +68,10 @@ def animate(logs: Sequence[Log], *, standalone: bool = True) -> str:
 
     Notes
     -----
-    The fragment holds times [ms] and, as differences between frames, the poses of all body centers [cm, 0.1
-    mrad] and speeds [cm/s] at 10 Hz. Positions are relative to the ego's first one, which is stored too
-    [m]. The camera moves along the route, so lane changes are visible. In a scenario with other roads it is
-    fixed.
+    The fragment holds times since the start [ms] and, as differences between frames, the poses of all body
+    centers [cm, 0.1 mrad] and speeds [cm/s] at 10 Hz. Positions are relative to the ego's first one, which is
+    stored too [m]. The camera moves along the route, so lane changes are visible. In a scenario with other
+    roads it is fixed. A vehicle that comes later or leaves is hidden while it is not there.
     """
     check_bool("standalone", standalone)
     if not logs:
@@ -85,7 +85,7 @@ def animate(logs: Sequence[Log], *, standalone: bool = True) -> str:
         "player.html",
         label=escape(f"{sanitize_text(scenario_name(logs[0].scenario))}: {names}"),
         runs="".join(_run(*each) for each in zip(logs, views, strict=True)),
-        end=f"{max(float(log.t[-1]) for log in logs):.3f}",
+        end=f"{max(log.duration for log in logs):.3f}",
         data=data,
     )
     if not standalone:
@@ -108,7 +108,12 @@ def _poses(log: Log) -> Array:
     """Body center, heading and speed of all, the ego first, shape (n, 1 + n_users, 4)."""
     box, _ = log.bodies()
     ego = np.stack((box.x[:, 0], box.y[:, 0], log.ego[:, 2], log.ego[:, 3]), axis=-1)
-    return np.concatenate((ego[:, None], log.road_users), axis=1)
+    # an absent vehicle is hidden where it was last, or where it appears
+    users = log.road_users.copy()
+    for i, present in enumerate(log.present.T):
+        rows = np.maximum.accumulate(np.where(present, np.arange(len(present)), int(present.argmax())))
+        users[:, i] = users[rows, i]
+    return np.concatenate((ego[:, None], users), axis=1)
 
 
 def _views(logs: Sequence[Log]) -> list[View]:
@@ -154,18 +159,20 @@ def _data(log: Log, view: View) -> dict[str, Any]:
     origin = poses[0, 0, :2].copy()
     poses[:, :, :2] -= origin
     camera = view.camera - (*origin, 0.0)
-    known = log.tracked | log.visible
+    known = np.where(log.present, np.where(log.tracked | log.visible, "1", "0"), "-")
+    start = float(log.t[0])
     collision = first_collision(log)
     units = np.array([100.0, 100.0, 1e4, 100.0])  # cm, cm, 0.1 mrad, cm/s
     return {
         "origin": origin.round(3).tolist(),
         "names": ["ego", *(sanitize_text(user.id) for user in users)],
-        "t": _steps(1e3 * log.t[rows]),
+        "start": start,
+        "t": _steps(1e3 * (log.t[rows] - start)),
         "camera": [_steps(column) for column in (camera * units[:3]).T],
         "bodies": [[_steps(column) for column in (poses[rows, i] * units).T] for i in range(1 + len(users))],
-        "known": ["".join("01"[int(k)] for k in known[rows, i]) for i in range(len(users))],
+        "known": ["".join(known[rows, i]) for i in range(len(users))],
         "received": _rings(log),
-        "actions": [[round(t, 3), name, sanitize_text(reason)] for t, name, reason in log.decisions],
+        "actions": [[round(t - start, 3), name, sanitize_text(reason)] for t, name, reason in log.decisions],
         "collision": None if collision is None else sanitize_text(str(collision)),
     }
 
@@ -182,7 +189,7 @@ def _rings(log: Log) -> list[list[int]]:
     shown: dict[str, list[int]] = {sender_id(i): [] for i in range(len(log.scenario.road_users))}
     for row, data in log.received:
         times = shown.get(decode_bsm(data).id)
-        now = round(1e3 * float(log.t[row]))
+        now = round(1e3 * float(log.t[row] - log.t[0]))
         if times is not None and (not times or now - times[-1] >= 1e3 * _CAMERA.ring_period):
             times.append(now)
     return list(shown.values())

@@ -2,8 +2,10 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from cca_core.plot import (
     plot_braking,
@@ -17,7 +19,7 @@ from cca_core.plot import (
 from cca_core.plot.labels import begin_sentence, ego_label
 from cca_core.report.narrative import describe_run, summarize_outcome
 from cca_core.report.selection import baseline_and_v2v, group_by_case, one_run_per_ego
-from cca_core.sim import Log
+from cca_core.sim import Log, RoadUser, Scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -72,7 +74,8 @@ def report_figures(group: Sequence[Log]) -> Iterator[ReportFigure]:
     n_layouts = 0 if scenario.name == "maneuver" else 1
     frames = scenario.paper_figures[n_layouts:2]
     yield ReportFigure(
-        name=_file_name(scenario.paper_figures[:n_layouts], slug, "layout"), figure=plot_layout(scenario),
+        name=_file_name(scenario.paper_figures[:n_layouts], slug, "layout"),
+        figure=plot_layout(_at_start(pair[-1])),
         caption="The start. The dotted line is the ego's route; arrows show the distance of one second.",
     )  # fmt: skip
     yield from _comparison(one_run_per_ego(group), pair, slug)
@@ -109,7 +112,7 @@ def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator
             caption="Bodies each second, numbered by the time in seconds; below, its station over time. "
             "In the red area the ego would collide. Counterpart of Fig 9.",
         )
-    parked = next((user.id for user in scenario.road_users if user.v_x == 0.0 and user.route is None), None)
+    parked = next((user.id for user in scenario.road_users if _is_parked(runs, user)), None)
     if parked is not None:
         yield ReportFigure(
             name=_file_name(numbers, slug, "paths"),
@@ -117,6 +120,33 @@ def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator
             caption=f"How the ego passes {parked}: bodies each half second, to scale, then the ego's "
             "paths with the width drawn larger. Counterpart of Figs 11 and 12.",
         )
+
+
+def _at_start(log: Log) -> Scenario:
+    """Scenario of a run with the road users that are on the road when it begins."""
+    scenario = log.scenario
+    if log.remotes is None:  # simulated: all are there from the start
+        return scenario
+    users = tuple(
+        user
+        for user, is_present in zip(scenario.road_users, log.present[0], strict=True)
+        if is_present and user.route is None
+    )
+    return replace(scenario, road_users=users)
+
+
+def _is_parked(logs: Sequence[Log], user: RoadUser) -> bool:
+    """Return whether a road user stands on the ego's route in all runs."""
+    if user.v_x != 0.0 or user.route is not None:
+        return False
+    for log in logs:
+        ids = [each.id for each in log.scenario.road_users]
+        if user.id not in ids:
+            return False
+        i = ids.index(user.id)
+        if np.nanmax(np.abs(log.road_users[:, i, 3])) > 0.0:
+            return False
+    return True
 
 
 def _file_name(numbers: Sequence[int], *parts: str) -> str:

@@ -6,9 +6,9 @@ import numpy as np
 
 from cca_core.decide import Action
 from cca_core.plot.labels import begin_sentence, case_name, join_names
-from cca_core.report.selection import baseline_and_v2v, one_run_per_ego
+from cca_core.report.selection import baseline_and_v2v, compares_v2v, one_run_per_ego
 from cca_core.sim import Log
-from cca_core.sim.outcome import MOVING_SPEED, final_lead, first_collision, overtaken, row_at
+from cca_core.sim.outcome import MOVING_SPEED, ahead_at_ends, final_lead, first_collision, overtaken, row_at
 
 
 def headline(groups: Sequence[Sequence[Log]]) -> str:
@@ -24,9 +24,15 @@ def headline(groups: Sequence[Sequence[Log]]) -> str:
     text : str
         In how many scenarios the ego collides without V2V and with it, and what else V2V makes possible.
     """
-    pairs = [pair for pair in map(baseline_and_v2v, groups) if len({log.scenario.v2v for log in pair}) == 2]
+    pairs = [pair for pair in map(baseline_and_v2v, groups) if compares_v2v(pair)]
     if not pairs:
-        return f"{len(groups)} scenarios were driven; none of them both with and without V2V."
+        n = len(groups)
+        n_collided = sum(first_collision(group[-1]) is not None for group in groups)
+        runs = "1 scenario was driven" if n == 1 else f"{n} scenarios were driven"
+        end = f"collides in {_count(n_collided, n)}"
+        if n == 1:
+            end = "collides" if n_collided else "does not collide"
+        return f"{runs}; none of them both with and without V2V. The ego {end}."
     collided = [[first_collision(log) is not None for log in pair] for pair in pairs]
     without, with_v2v = (sum(column) for column in zip(*collided, strict=True))
     n = len(pairs)
@@ -115,9 +121,10 @@ def describe_run(log: Log) -> str:
             parts.append(f"{activity} ({begin:.1f} s)")
         elif is_last and i > 0:
             parts.append(f"back in the ego lane ({begin:.1f} s)")
-    if (log.gaps() <= 0.0).any():
+    collision = first_collision(log)
+    if collision is not None:
         parts.append(
-            f"{describe_outcome(log)} at {log.t[-1]:.1f} s, relative speed {log.closing_speed():.1f} m/s"
+            f"{describe_outcome(log)} at {collision.t:.1f} s, relative speed {log.closing_speed():.1f} m/s"
         )
     else:
         parts.append(f"{describe_outcome(log)} at {log.ego[-1, 3]:.0f} m/s")
@@ -144,11 +151,15 @@ def describe_participants(log: Log) -> str:
     Returns
     -------
     text : str
-        Speed, lane and distance of each road user.
+        Speed, lane and distance of each road user, or the time at which it appears.
     """
     lane = log.scenario.road.ego_lane
     parts = [f"The ego's cruise speed is {log.scenario.cruise_speed:.0f} m/s"]
     for i, (user, (s, d)) in enumerate(zip(log.scenario.road_users, log.user_frenet[0], strict=True)):
+        if not log.present[0, i]:
+            appears = log.t[int(log.present[:, i].argmax())]
+            parts.append(f"{user.id} appears at {appears:.1f} s")
+            continue
         motion = f"drives at {user.v_x:.0f} m/s" if user.v_x > 0.0 else "is stationary"
         if user.route is not None:
             distance = np.hypot(*(log.road_users[0, i, :2] - log.ego[0, :2]))
@@ -182,7 +193,7 @@ def describe_outcome(log: Log) -> str:
     collided = [user.id for user, gap in zip(users, gaps.min(axis=0), strict=True) if gap <= 0.0]
     if collided:
         return f"collides with {join_names(collided)}"
-    ahead = log.user_frenet[..., 0] > log.ego_frenet[:, None, 0]
+    ahead = ahead_at_ends(log)
     slower = [i for i, user in enumerate(users) if user.direction > 0 and ahead[0, i]]
     passed = [users[i].id for i in slower if not ahead[-1, i]]
     missed = [users[i].id for i in slower if ahead[-1, i]]
@@ -209,5 +220,5 @@ def vehicles_waited_for(log: Log, begin: float, end: float) -> list[str]:
     lane = log.scenario.road.ego_lane
     ahead = log.user_frenet[rows, :, 0] > log.ego_frenet[rows, None, 0]
     d = log.user_frenet[rows[1], :, 1]
-    passed = (ahead[0] != ahead[1]) & ((d > lane.left) | (d < lane.right))
+    passed = log.present[rows].all(axis=0) & (ahead[0] != ahead[1]) & ((d > lane.left) | (d < lane.right))
     return [user.id for user, has_passed in zip(log.scenario.road_users, passed, strict=True) if has_passed]

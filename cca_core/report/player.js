@@ -43,7 +43,9 @@
     var ego = null, y0 = 0;
     this.cars.forEach(function (car, i) {
       var pose = at(data.bodies[i], where), x = pose[0] / 100, y = pose[1] / 100, v = pose[3] / 100;
-      var known = i === 0 || data.known[i - 1].charAt(where[0]) === "1";
+      var mark = i === 0 ? "1" : data.known[i - 1].charAt(where[0]), absent = mark === "-";
+      var known = mark === "1";
+      car.style.display = absent ? "none" : "";
       if (i === 0) { ego = [x, y]; y0 = s * (x - cx) - c * (y - cy); }
       car.setAttribute("transform", "translate(" + x.toFixed(3) + " " + y.toFixed(3) + ") rotate(" +
         (pose[2] / 1e4 * 180 / Math.PI).toFixed(2) + ")");
@@ -53,7 +55,7 @@
         var old = sent === undefined ? 9 : t - sent / 1000, pulse = run.pulses[i - 1];
         pulse.setAttribute("cx", x.toFixed(2)); pulse.setAttribute("cy", y.toFixed(2));
         pulse.setAttribute("r", (2 + 10 * Math.min(old, 0.5)).toFixed(2));
-        pulse.style.opacity = 0.5 > old ? (0.9 - 1.8 * old).toFixed(2) : 0;
+        pulse.style.opacity = absent ? 0 : 0.5 > old ? (0.9 - 1.8 * old).toFixed(2) : 0;
       }
       var px = c * (x - cx) + s * (y - cy), py = s * (x - cx) - c * (y - cy), label = run.labels[i];
       var far = Math.round(Math.hypot(x - ego[0], y - ego[1])), text;
@@ -62,8 +64,11 @@
       var above = box.y - 2 > py, below = py > box.y + box.height + 2;
       var away = before || after || (i === 0 ? above || below : false);
       text = i > 0 || away ? text : "";
+      label.style.display = car.style.display;
       label.style.fontSize = size + "px";
-      if (before || after) {
+      if (absent) {
+        text = "";
+      } else if (before || after) {
         px = before ? box.x + 0.5 * size : box.x + box.width - 0.5 * size;
         text += i === 0 ? "" : ", " + far + " m";
         text = before ? "\u25c2 " + text : text + " \u25b8";
@@ -88,7 +93,7 @@
     var speed = at(data.bodies[0], where)[3] / 100, over = time >= end;
     var collision = over ? data.collision : null;
     this.svg.classList.toggle("over", Boolean(collision));
-    this.state.textContent = t.toFixed(1) + " s, " + speed.toFixed(1) + " m/s, " + action[1];
+    this.state.textContent = (t + data.start).toFixed(1) + " s, " + speed.toFixed(1) + " m/s, " + action[1];
     this.why.textContent = collision || action[2];
     this.why.classList.toggle("cca-collision", Boolean(collision));
   };

@@ -1,5 +1,6 @@
 """Runs grouped by scenario and case, and the runs of a group that are shown."""
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from cca_core.sim import Log
@@ -20,13 +21,17 @@ def group_by_case(logs: Iterable[Log]) -> list[list[Log]]:
     groups : list of list of Log
         Scenarios in the order in which they first occur. In each group the runs without V2V come first, and
         the plants of an ego type in the order in which they first occur. The cases of ``eebl`` differ in
-        the connected vehicles and are one group.
+        the connected vehicles and are one group. Runs that differ in none of these, such as recorded runs
+        of one name, are groups of their own.
     """
-    groups: dict[tuple[str, str | None], list[Log]] = {}
+    groups: dict[tuple[str, str | None, int], list[Log]] = {}
+    repeats: Counter[tuple[str, str | None, str, str | None]] = Counter()
     for log in logs:
         scenario = log.scenario
         case = None if scenario.name == "eebl" else scenario.case
-        groups.setdefault((scenario.name, case), []).append(log)
+        kind = scenario.name, scenario.case, scenario.ego_type, log.plant
+        groups.setdefault((scenario.name, case, repeats[kind]), []).append(log)
+        repeats[kind] += 1
     return [
         sorted(group, key=lambda log: _EGO_ORDER.index(log.scenario.ego_type)) for group in groups.values()
     ]
@@ -74,3 +79,8 @@ def baseline_and_v2v(group: Sequence[Log]) -> list[Log]:
     """
     runs = one_run_per_ego(group)
     return runs if len(runs) < 2 else [runs[0], runs[-1]]
+
+
+def compares_v2v(pair: Sequence[Log]) -> bool:
+    """Whether some runs of a scenario have V2V and others have not."""
+    return len({log.scenario.v2v for log in pair}) == 2

@@ -13,7 +13,7 @@ from cca_core.real_time import DurationHistogram
 from cca_core.rig.messages import N_CYCLES
 from cca_core.rig.records import PlantRow, VehicleRow
 from cca_core.sim.log import Log
-from cca_core.sim.recorder import LogBuilder
+from cca_core.sim.log_builder import LogBuilder
 from cca_core.sim.scenarios.road_user import RoadUser
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.traffic import CYCLE_TIME

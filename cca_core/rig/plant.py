@@ -13,7 +13,7 @@ from cca_core.rig.messages import Codec
 from cca_core.rig.receivers import CommandReceiver
 from cca_core.rig.records import PlantRow
 from cca_core.rig.wrap import wrap_message
-from cca_core.sim.loop import find_collision
+from cca_core.sim.log_builder import bodies_of, find_collision
 from cca_core.sim.plants.build import make_plant
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.radio import Radio
@@ -193,7 +193,9 @@ class PlantNode:
             shifting=tuple(agent.is_shifting for agent in self._traffic.agents),
             visible=tuple(self._visible), actuation=self._actuation, kit=self.kit.state, sent=utc,
             sent_radio=self.messages["delivered"], answered=self.receiver.cycle,
-            collided_with=find_collision(self._scenario, state, users),
+            collided_with=find_collision(
+                self._scenario.vehicle, state, bodies_of(self._scenario, users)
+            ),
         ))  # fmt: skip
 
         if not self._records:

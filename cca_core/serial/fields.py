@@ -22,6 +22,7 @@ _MADE_OF: dict[type, dict[str, Any]] = {
         "stop_lines": tuple[float, ...],
         "elevation": Array | None,
         "sigma_elevation": float,
+        "speed_limits": Array | None,
     },
     LocalFrame: {"lat0": float, "lon0": float},
 }

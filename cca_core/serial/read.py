@@ -46,7 +46,7 @@ def from_dict(kind: type[T], data: Mapping[str, Any]) -> T:
     --------
     >>> from cca_core import Lane
     >>> from_dict(Lane, {"d": 3.5, "direction": -1})
-    Lane(d=3.5, width=3.5, direction=-1)
+    Lane(d=3.5, width=3.5, direction=-1, boundaries=())
     """
     if field_types(kind) is None:
         raise InputError(f"kind must be a class of settings or results, was {kind!r}")

@@ -40,7 +40,7 @@ def to_dict(value: object) -> dict[str, Any]:
     --------
     >>> from cca_core import Lane
     >>> to_dict(Lane(d=3.5, direction=-1))
-    {'type': 'Lane', 'version': 2, 'd': 3.5, 'width': 3.5, 'direction': -1}
+    {'type': 'Lane', 'version': 2, 'd': 3.5, 'width': 3.5, 'direction': -1, 'boundaries': []}
     """
     if field_types(type(value)) is None:
         raise InputError(f"value must be settings or a result, was {type(value).__name__}")

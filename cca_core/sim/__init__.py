@@ -16,6 +16,7 @@ from cca_core.sim.outcome import Collision, first_collision, first_lane_change, 
 from cca_core.sim.plants.build import PLANTS, make_plant
 from cca_core.sim.plants.multi_body import MultiBodyPlant
 from cca_core.sim.plants.single_track import SingleTrackPlant
+from cca_core.sim.recorder import Recorder
 from cca_core.sim.replay import replay
 from cca_core.sim.scenarios.curbside import CURBSIDE_CASES, curbside
 from cca_core.sim.scenarios.demo_road import demo_route, longest_stretch
@@ -54,6 +55,7 @@ __all__ = [
     "ParameterRanges",
     "Rate",
     "ReactToLeadAction",
+    "Recorder",
     "RoadUser",
     "Scenario",
     "Sensor",

@@ -101,7 +101,9 @@ class Driver:
         self._crossing = CrossingSettings(a_max=0.0, b_max=0.0, min_pet=self.settings.min_pet)
         self._controller = PreviewController(vehicle)
         limit = min(check_real("cruise_speed", cruise_speed, ge=0.0), road.speed_limit)
-        self._speed_profile = squared_speed_limit(road.path, limit, CURVE_ACCELERATION, self.speed)
+        self._speed_profile = squared_speed_limit(
+            road.path, limit, CURVE_ACCELERATION, self.speed, road.speed_limits
+        )
         self._s: float | None = None
         self._last_s: dict[str, float] = {}
         self._t_alarmed = math.inf

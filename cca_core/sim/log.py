@@ -9,6 +9,7 @@ from cca_core._checks import Array, Mask
 from cca_core.decide import Action
 from cca_core.geometry import Boxes, box_gap
 from cca_core.sim.scenarios.scenario import Scenario
+from cca_core.vehicle import RemoteVehicle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -19,10 +20,10 @@ class Log:
     ----------
     scenario : Scenario
         Road, ego and road users of the run.
-    plant : str
-        Name of the ego's plant.
-    seed : int
-        Seed of the senders' phases and of the channel.
+    plant : str or None
+        Name of the ego's plant; None in a recorded run.
+    seed : int or None
+        Seed of the senders' phases and of the channel; None in a recorded run.
     t : ndarray, shape (n,)
         Time [s].
     ego : ndarray, shape (n, 8)
@@ -36,7 +37,8 @@ class Log:
     tracking : ndarray, shape (n,)
         Lateral error to the reference path [m], left positive.
     road_users : ndarray, shape (n, n_users, 4)
-        x [m], y [m], psi [rad], v_x [m/s] of the road users' body centers.
+        x [m], y [m], psi [rad], v_x [m/s] of the road users' body centers; NaN in cycles in which one is not
+        `present`.
     user_motion : ndarray, shape (n, n_users, 2)
         Their acceleration [m/s^2] and yaw rate [rad/s].
     user_frenet : ndarray, shape (n, n_users, 2)
@@ -59,19 +61,24 @@ class Log:
         ego's own ``"ego_sent"`` and ``"ego_delivered"``.
     degraded : ndarray of bool, shape (n,)
         Whether the command's status was not `OK`.
-    cycle_us : ndarray, shape (n,)
-        Wall-clock time of each planner cycle [us]; the only field that differs between equal runs.
-    wall_s : float
-        Wall-clock time of the whole run [s].
+    cycle_us : ndarray or None, shape (n,)
+        Wall-clock time of each planner cycle [us]; differs between equal runs. None in a recorded run.
+    wall_s : float or None
+        Wall-clock time of the whole run [s]; None in a recorded run.
     missed_deadlines : int
         Number of cycles of a real-time run that ended after their deadline.
     reasons : tuple of (str, str)
         Activity and cause of each of `decisions`, as in `Decision`; none in a log of a file without them.
+    remotes : tuple of tuple of RemoteVehicle, optional
+        Vehicles that the controller was given in each cycle of a recorded run (`Recorder`). In a simulated
+        run they follow from `received` and `visible`.
+    awareness_range : ndarray, shape (n,), optional
+        Awareness range that it was given then [m].
     """
 
     scenario: Scenario
-    plant: str
-    seed: int
+    plant: str | None
+    seed: int | None
     t: Array
     ego: Array
     a_y: Array
@@ -89,18 +96,31 @@ class Log:
     received: tuple[tuple[int, bytes], ...]
     messages: dict[str, int]
     degraded: Mask
-    cycle_us: Array
-    wall_s: float
+    cycle_us: Array | None
+    wall_s: float | None
     missed_deadlines: int = 0
     reasons: tuple[tuple[str, str], ...] = ()
+    remotes: tuple[tuple[RemoteVehicle, ...], ...] | None = None
+    awareness_range: Array | None = None
 
     def __repr__(self) -> str:
         scenario = self.scenario
         collision = f", collision with {self.collided_with}" if self.collided_with else ""
+        source = "recorded" if self.plant is None else f"{self.plant}, seed {self.seed}"
         return (
             f"Log({' '.join(filter(None, (scenario.name, scenario.case)))}, {scenario.ego_type}, "
-            f"{self.plant}, seed {self.seed}, {self.t[-1]:.2f} s{collision})"
+            f"{source}, {self.duration:.2f} s{collision})"
         )
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last cycle [s]."""
+        return float(self.t[-1] - self.t[0])
+
+    @property
+    def present(self) -> Mask:
+        """Whether each road user takes part in each cycle, shape (n, n_users); in a simulation all do."""
+        return np.isfinite(self.road_users[..., 0])
 
     @property
     def collided_with(self) -> str:
@@ -113,9 +133,10 @@ class Log:
         Returns
         -------
         gaps : ndarray, shape (n, n_users)
-            Distance [m], negative if the boxes overlap.
+            Distance [m], negative if the boxes overlap; infinite while a road user is not `present`.
         """
-        return box_gap(*self.bodies())
+        gaps: Array = np.where(self.present, box_gap(*self.bodies()), np.inf)
+        return gaps
 
     def bodies(self) -> tuple[Boxes, Boxes]:
         """Boxes of the ego and of the road users.
@@ -123,7 +144,7 @@ class Log:
         Returns
         -------
         ego, road_users : Boxes
-            Fields of shape (n, 1) and (n, n_users).
+            Fields of shape (n, 1) and (n, n_users); NaN while a road user is not `present`.
         """
         vehicle, users = self.scenario.vehicle, self.scenario.road_users
         x, y, psi = self.ego[:, 0:1], self.ego[:, 1:2], self.ego[:, 2:3]
@@ -157,7 +178,7 @@ class Log:
         return first
 
     def closing_speed(self) -> float:
-        """Relative speed of the ego and the nearest road user in the last cycle.
+        """Relative speed of the ego and the nearest road user at the collision, or else in the last cycle.
 
         Returns
         -------
@@ -165,10 +186,13 @@ class Log:
             Magnitude of the difference of both velocities [m/s], the severity of a collision; 0 without road
             users.
         """
-        if not self.scenario.road_users:
+        gaps = self.gaps()
+        collided = np.flatnonzero((gaps <= 0.0).any(axis=1))
+        row = int(collided[0]) if len(collided) else len(gaps) - 1
+        if not np.isfinite(gaps[row]).any():
             return 0.0
-        _, _, psi, v = self.road_users[-1, int(np.argmin(self.gaps()[-1]))].tolist()
-        ego = self.ego[-1]
+        _, _, psi, v = self.road_users[row, int(np.argmin(gaps[row]))].tolist()
+        ego = self.ego[row]
         velocity = (ego[3] + 1j * ego[4]) * np.exp(1j * ego[2])
         return float(abs(velocity - v * np.exp(1j * psi)))
 
@@ -201,7 +225,7 @@ class Log:
         -------
         summary : dict
             One entry of ``summary.json``: outcome, gaps [m], time to collision [s], accelerations [m/s^2],
-            tracking error [m], actions with their times [s], cycle times [us].
+            tracking error [m], actions with their times [s], cycle times [us]; None where unknown.
         """
         gaps = self.gaps()
         collided = bool((gaps <= 0.0).any())
@@ -230,9 +254,11 @@ class Log:
             "events": [[round(t, 2), kind, vehicle_id] for t, kind, vehicle_id in self.events],
             "messages": dict(self.messages),
             "missed_deadlines": self.missed_deadlines,
-            "duration_s": _rounded(self.t[-1]),
-            "realtime_factor": _rounded(self.t[-1] / self.wall_s, 1),
-            "cycle_us": {
+            "duration_s": _rounded(self.duration),
+            "realtime_factor": None if self.wall_s is None else _rounded(self.duration / self.wall_s, 1),
+            "cycle_us": None
+            if self.cycle_us is None
+            else {
                 "median": _rounded(np.median(self.cycle_us), 0),
                 "p99": _rounded(np.percentile(self.cycle_us, 99.0), 0),
                 "max": _rounded(self.cycle_us.max(), 0),

@@ -20,12 +20,13 @@ from cca_core.errors import InputError
 from cca_core.serial import from_dict, to_dict
 from cca_core.sim.log import Log
 from cca_core.sim.scenarios.scenario import Scenario
+from cca_core.vehicle import RemoteVehicle
 
 __all__ = ["load_log", "save_log"]
 
 _VERSION = 2
 _MAX_BYTES = 1_000_000_000  # of the arrays: some 50 hours of driving
-_ARRAYS = tuple(field.name for field in fields(Log) if field.type in (Array, Mask))
+_ARRAYS = tuple(field.name for field in fields(Log) if field.type in (Array, Mask, Array | None))
 _VERSION_1 = {
     "place": "ego_frenet", "users": "road_users", "user_places": "user_frenet", "seen": "visible",
     "heard": "tracked", "held": "gap_held", "fallback": "degraded", "missed": "missed_deadlines",
@@ -51,7 +52,9 @@ def save_log(log: Log, path: str | FilePath) -> None:
     Every number is kept exactly. The scenario is JSON as by `to_dict`, and so are decisions and events.
     """
     rest = {f.name: getattr(log, f.name) for f in fields(log) if f.name not in (*_ARRAYS, "received")}
-    text = json.dumps({"version": _VERSION, **rest, "scenario": to_dict(log.scenario)}, allow_nan=False)
+    remotes = None if log.remotes is None else [list(map(to_dict, each)) for each in log.remotes]
+    rest |= {"version": _VERSION, "scenario": to_dict(log.scenario), "remotes": remotes}
+    text = json.dumps(rest, allow_nan=False)
     rows = [row for row, _ in log.received]
     data = [message for _, message in log.received]
     with FilePath(path).open("wb") as file:
@@ -60,7 +63,7 @@ def save_log(log: Log, path: str | FilePath) -> None:
             received_rows=np.array(rows, dtype=np.int64),
             received_sizes=np.array([len(message) for message in data], dtype=np.int64),
             received_bytes=np.frombuffer(b"".join(data), dtype=np.uint8),
-            **{name: getattr(log, name) for name in _ARRAYS},
+            **{name: array for name in _ARRAYS if (array := getattr(log, name)) is not None},
         )  # fmt: skip
 
 
@@ -98,8 +101,12 @@ def load_log(path: str | FilePath) -> Log:
         )
         meta["reasons"] = tuple(map(tuple, meta.get("reasons", ())))
         meta["scenario"] = from_dict(Scenario, meta["scenario"])
+        if meta.get("remotes") is not None:
+            meta["remotes"] = tuple(
+                tuple(from_dict(RemoteVehicle, remote) for remote in cycle) for cycle in meta["remotes"]
+            )
         meta |= {name: tuple(map(tuple, meta[name])) for name in ("decisions", "events")}
-        log = Log(**content, **meta)
+        log = Log(**({"cycle_us": None} | content), **meta)
         _check_shapes(log)
         return log
     except InputError:
@@ -153,9 +160,13 @@ def _check_shapes(log: Log) -> None:
     per_cycle = {"ego": (8,), "command": (2,), "ego_frenet": (2,)}
     for name in _ARRAYS:
         array = getattr(log, name)
+        if array is None:
+            continue
         inner = (users, *per_user[name]) if name in per_user else per_cycle.get(name, ())
         if array.shape != (n, *inner) or array.dtype.kind not in "bf" or not n:
             raise ValueError(f"{name} has shape {array.shape} and type {array.dtype}, t has {n} times")
+    if log.remotes is not None and len(log.remotes) != n:
+        raise ValueError(f"remotes has {len(log.remotes)} cycles, t has {n} times")
 
 
 def _renamed(content: dict[str, Any]) -> dict[str, Any]:

@@ -1,9 +1,8 @@
 """Closed loop of controller, plant, road users, messages and sensor."""
 
-import math
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Protocol
 
@@ -11,16 +10,14 @@ import numpy as np
 
 from cca_core._checks import check_bool
 from cca_core.follow import steady_turn
-from cca_core.kernel import bind
-from cca_core.kernel.box_gaps import box_gap
 from cca_core.planner.command import Command
 from cca_core.planner.planner import Planner
 from cca_core.real_time import RealTimeLoop, RealTimeSettings, real_time_process
 from cca_core.sim.human_driver import Driver
 from cca_core.sim.log import Log
+from cca_core.sim.log_builder import LogBuilder, bodies_of, find_collision
 from cca_core.sim.plants.build import PlantMaker, plant_name, start_plant
 from cca_core.sim.plants.plant import Plant
-from cca_core.sim.recorder import LogBuilder
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.perception import Perception
 from cca_core.sim.world.radio import Radio
@@ -29,8 +26,6 @@ from cca_core.sim.world.traffic import CYCLE_TIME, Traffic
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
 __all__ = ["CYCLE_TIME", "EgoController", "make_controller", "make_driver", "make_planner", "simulate"]
-
-_box_gap = bind(box_gap)
 
 
 class EgoController(Protocol):
@@ -122,7 +117,7 @@ def simulate(
                 lead = LeadMotion(agent.s - 0.5 * agent.user.length, agent.v, agent.a)
                 a_x = tailgating.acceleration(remotes, command, s, state.v_x, lead)
                 gap_held = not tailgating.released
-            collided_with = find_collision(scenario, state, rows)
+            collided_with = find_collision(scenario.vehicle, state, bodies_of(scenario, rows))
             log.write(
                 t, state, car.a_y, (s, d), command, traffic, remotes, visible,
                 messages if scenario.v2v else (),
@@ -182,15 +177,3 @@ def make_driver(scenario: Scenario) -> Driver:
         scenario.vehicle, scenario.road, cruise_speed=scenario.cruise_speed, speed=scenario.speed,
         reaction_time=scenario.reaction_time,
     )  # fmt: skip
-
-
-def find_collision(scenario: Scenario, state: VehicleState, rows: Sequence[Sequence[float]]) -> str:
-    """Return the id of a road user whose box overlaps the ego's; empty if none does."""
-    vehicle = scenario.vehicle
-    x, y = vehicle.center_at(state.x, state.y, state.psi)
-    for user, (x_user, y_user, psi_user, *_) in zip(scenario.road_users, rows, strict=True):
-        if math.hypot(x_user - x, y_user - y) < vehicle.length + user.length:  # else certainly apart
-            ego = x, y, state.psi, vehicle.length, vehicle.width
-            if not _box_gap(*ego, x_user, y_user, psi_user, user.length, user.width) > 0.0:
-                return user.id
-    return ""

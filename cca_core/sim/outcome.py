@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core._checks import Array, Mask
 from cca_core.errors import InputError
 from cca_core.sim.log import Log
 
@@ -14,7 +14,7 @@ MOVING_SPEED = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Collision:
-    """The collision in which a run ended.
+    """The first collision of a run; a simulated run ends in it.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Collision:
 
 
 def first_collision(log: Log) -> Collision | None:
-    """Find the collision in which a run ended.
+    """Find the first collision of a run; a simulated run ends in it.
 
     Parameters
     ----------
@@ -140,9 +140,23 @@ def final_lead(log: Log) -> int | None:
 
 def overtaken(log: Log) -> list[int]:
     """Index of each road user in the ego's direction that it overtook."""
-    ahead = log.user_frenet[[0, -1], :, 0] > log.ego_frenet[[0, -1], None, 0]
+    ahead = ahead_at_ends(log)
     along = [user.direction > 0 and user.route is None for user in log.scenario.road_users]
     return np.flatnonzero(ahead[0] & ~ahead[1] & np.array(along, dtype=bool)).tolist()
+
+
+def ahead_at_ends(log: Log) -> Mask:
+    """Whether each road user is ahead of the ego in its first and in its last cycle, shape (2, n_users)."""
+    users = np.arange(len(log.scenario.road_users))
+    rows = np.stack((log.present.argmax(axis=0), len(log.t) - 1 - log.present[::-1].argmax(axis=0)))
+    ahead: Mask = log.user_frenet[rows, users, 0] > log.ego_frenet[rows, 0]
+    return ahead
+
+
+def final_station(log: Log, i: int) -> float:
+    """Station of the i-th road user in its last cycle [m]."""
+    s = log.user_frenet[:, i, 0]
+    return float(s[np.isfinite(s)][-1])
 
 
 def row_at(log: Log, t: float) -> int:

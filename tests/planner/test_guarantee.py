@@ -75,6 +75,30 @@ def test_certificate_ends_when_lead_leaves_its_assumptions() -> None:
     assert gap > 0.0 or not certificate.keeps_worst_case
 
 
+def test_long_vehicle_that_leaves_its_lane_in_a_bend_is_seen() -> None:
+    """Its center has passed the middle of its lane, the center of what it covers in the bend has not."""
+    leads = (
+        Sender(
+            s=568.0263977429606, d=0.013048135880686054, v=15.244100529918104, v_d=-0.013821977645332887,
+            a=-7.543050256317441, age=0.4359811340812752, length=12.0, width=2.55,
+        ),
+        Sender(
+            s=530.9741043654776, d=-0.40030116612035144, v=18.372668898078057, v_d=-0.04650338630370769,
+            a=0.16092536283387354, age=0.7521023808588064, length=18.7, width=2.55,
+        ),
+    )  # fmt: skip
+    truck = Sender(
+        s=503.36672528404335, d=-3.614764780375379, v=11.925843567010864, v_d=0.3710517942168286,
+        a=1.461231435919287, age=0.04734133074135016, length=18.7, width=2.55, along=-0.6150599542087152,
+        across=0.39681207000189256, first=1.0, second=-1.0, switch=5.276796081479668,
+    )  # fmt: skip
+    case = Case(road=34, v=16.796787264699294, cruise=32.73598245779199, senders=(*leads, truck))
+    decided = decide(case, DEFAULT)
+    certificate = decided.command.certificate
+    assert certificate is not None
+    assert min_gap(decided, np.random.default_rng(1)) > 0.0 or not certificate.keeps_worst_case
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(1, 101))
 def test_certified_safe_stop_is_not_touched_in_many(block: int) -> None:

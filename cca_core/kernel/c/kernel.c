@@ -3771,6 +3771,24 @@ bool cca_has_duty(const Scene *w, int j, int back)
     return w->s_o[j * w->steps + back] + 0.5 * w->half_l[j] < w->rear;
 }
 
+/* First step at which a vehicle from the side is behind the ego in its way, and keeps its distance. */
+int cca_merges_behind(const Scene *w, int row, int j)
+{
+    if (w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
+        return w->steps;
+    }
+    double across = w->half_w[j] + w->half_width;
+    for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
+        if (fabs(w->d_o[j * w->steps + k] - w->offset_at[row * w->steps + k]) < across) {
+            bool moves_in = fabs(w->d_o[j * w->steps + 0] - w->offset_at[row * w->steps + k]) >= across;
+            bool behind = w->s_o[j * w->steps + k] + w->half_l[j] < w->s[row * w->steps + k] + w->offset
+                - w->half_length;
+            return moves_in && behind ? k : w->steps;
+        }
+    }
+    return w->steps;
+}
+
 /* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
 bool cca_is_behind(const Scene *w, int row, int p, int j, int back)
 {
@@ -3989,6 +4007,7 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
         double asked = w->overtakes[p * w->max_m + j] != 0.0 ? clearance : touch;
         bool keeps_off = cca_reacts(w, row, j, begin);
         int until = cca_has_duty(w, j, back) ? w->duty_from : steps;
+        until = int_min(until, cca_merges_behind(w, row, j));
         for (int k = 0, k_end_ = int_min(until, steps); k < k_end_; k += 1) {
             if (keeps_off && begin <= k && k <= back) {
                 continue;

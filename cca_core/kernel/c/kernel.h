@@ -456,6 +456,9 @@ int cca_find_duty(Scene *w, int row, double wait);
 /* Whether a vehicle is behind the ego in its lane from `duty_from` on, for good. */
 bool cca_has_duty(const Scene *w, int j, int back);
 
+/* First step at which a vehicle from the side is behind the ego in its way, and keeps its distance. */
+int cca_merges_behind(const Scene *w, int row, int j);
+
 /* Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane. */
 bool cca_is_behind(const Scene *w, int row, int p, int j, int back);
 

@@ -1199,6 +1199,35 @@ static PyObject *call_has_duty(PyObject *self_, PyObject *const *given_, Py_ssiz
     return PyBool_FromLong(result_);
 }
 
+static PyObject *call_merges_behind(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
+{
+    (void)self_;
+    (void)given_;
+    if (!lend_count("merges_behind", 3, count_)) {
+        return NULL;
+    }
+    const Scene *w;
+    int row;
+    int j;
+    if (!lend_whole(given_[1], &row)) {
+        return NULL;
+    }
+    if (!lend_whole(given_[2], &j)) {
+        return NULL;
+    }
+    Lent lent_[1];
+    int held_ = 0;
+    w = lend_workspace("w", given_[0], &lent_[held_], &held_, sizeof(Scene), 4, 0);
+    if (w == NULL) {
+        lend_end(lent_, held_);
+        return NULL;
+    }
+    int result_;
+    result_ = cca_merges_behind(w, row, j);
+    lend_end(lent_, held_);
+    return PyLong_FromLong(result_);
+}
+
 static PyObject *call_is_behind(PyObject *self_, PyObject *const *given_, Py_ssize_t count_)
 {
     (void)self_;
@@ -2335,6 +2364,7 @@ static PyMethodDef methods[] = {
     {"locate_vehicles", (PyCFunction)(void (*)(void))call_locate_vehicles, METH_FASTCALL, NULL},
     {"find_duty", (PyCFunction)(void (*)(void))call_find_duty, METH_FASTCALL, NULL},
     {"has_duty", (PyCFunction)(void (*)(void))call_has_duty, METH_FASTCALL, NULL},
+    {"merges_behind", (PyCFunction)(void (*)(void))call_merges_behind, METH_FASTCALL, NULL},
     {"is_behind", (PyCFunction)(void (*)(void))call_is_behind, METH_FASTCALL, NULL},
     {"is_established", (PyCFunction)(void (*)(void))call_is_established, METH_FASTCALL, NULL},
     {"zone_begin", (PyCFunction)(void (*)(void))call_zone_begin, METH_FASTCALL, NULL},
@@ -2369,7 +2399,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "526ebf8588f8fb16d9a8b942c3b18b3e566d3224e7e4a87c9fddf2f7936d56d5") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "a75970b1c95658b6317f45f603854d4d29f60f9e5c38cd53a917e35a0cc2a9fb") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;

@@ -14,6 +14,7 @@ from cca_core.path import Path, interpolate_path
 from cca_core.planner.command import Command
 from cca_core.sim.log import Log
 from cca_core.sim.loop import simulate
+from cca_core.sim.plants.build import PlantMaker
 from cca_core.sim.scenarios.eebl import JERK
 from cca_core.sim.world.radio import sender_id
 from cca_core.sim.world.traffic import CYCLE_TIME
@@ -34,7 +35,9 @@ def first_hazard_cycle(log: Log) -> int | None:
     return None
 
 
-def avoiding_action(log: Log, *, deceleration: float = 7.0, clearance: float = 0.2) -> str:
+def avoiding_action(
+    log: Log, plant: str | PlantMaker = "single_track", *, deceleration: float = 7.0, clearance: float = 0.2
+) -> str:
     """Return "brake" or "evade", the first that avoids any collision, or "" if none does."""
     # The ego repeats the log's commands until the first hazard message. Then it brakes fully along its route,
     # or evades at constant speed along a quintic that passes the hazard with the clearance [m]. Both drive in
@@ -45,10 +48,10 @@ def avoiding_action(log: Log, *, deceleration: float = 7.0, clearance: float = 0
     cycle = first_hazard_cycle(log)
     if cycle is None:
         return ""
-    if _avoids(log, _ReplayThenAct(log, cycle, log.scenario.road.path, a_x=-deceleration)):
+    if _avoids(log, plant, _ReplayThenAct(log, cycle, log.scenario.road.path, a_x=-deceleration)):
         return "brake"
     for path in _evasive_paths(log, cycle, clearance):
-        if _avoids(log, _ReplayThenAct(log, cycle, path, a_x=0.0)):
+        if _avoids(log, plant, _ReplayThenAct(log, cycle, path, a_x=0.0)):
             return "evade"
     return ""
 
@@ -85,9 +88,9 @@ class _ReplayThenAct:
         )  # fmt: skip
 
 
-def _avoids(log: Log, controller: _ReplayThenAct) -> bool:
+def _avoids(log: Log, plant: str | PlantMaker, controller: _ReplayThenAct) -> bool:
     """Return whether the ego neither collides nor leaves the road."""
-    again = simulate(log.scenario, plant=log.plant, seed=log.seed, planner=controller)
+    again = simulate(log.scenario, plant=plant, seed=log.seed, planner=controller)
     road, half = log.scenario.road, 0.5 * log.scenario.vehicle.width
     d = again.ego_frenet[:, 1]
     on_road = bool((d >= road.right_edge + half).all() and (d <= road.left_edge - half).all())

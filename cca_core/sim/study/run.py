@@ -19,7 +19,7 @@ def simulate_run(
     row: dict[str, Any] = {
         **samples,
         "t_hazard": None if hazard is None else float(log.t[hazard]),  # arrival of the warning [s]
-        "avoiding_action": avoiding_action(log),
+        "avoiding_action": avoiding_action(log, plant),
     }
     for ego_type in EGO_TYPES:
         if ego_type != "v2v":

@@ -3,15 +3,17 @@
 import math
 import random
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import libsumo
 import numpy as np
 
-from cca_core import Planner, VehicleState
+from cca_core import Planner, RemoteVehicle
+from cca_core.adapters import SumoWorld
 from cca_core.sim import SingleTrackPlant
-from tests.trials.sumo.glue import CAR, Radio, SumoVehicle, move_ego, road_of, vehicle, vehicles_near
+from tests.trials.sumo.glue import CAR, make_radio
 from tests.trials.sumo.metrics import min_gap, needed_deceleration, summarize
 from tests.trials.sumo.nets import SCENARIOS, write_net, write_traffic
 
@@ -77,30 +79,31 @@ class EgoDrive:
     """The planner's ego on its plant in a running SUMO."""
 
     def __init__(self, name: str, seed: int, by_radio: bool) -> None:
-        scenario, self.radio = SCENARIOS[name], Radio(seed) if by_radio else None
-        lanes = [(f"e_{i}", 1) for i in range(scenario.lanes) if i != scenario.ego_lane]
-        lanes += [("r_0", -1)] * bool(scenario.oncoming)
-        road, ego = road_of(f"e_{scenario.ego_lane}", lanes, scenario.limit), vehicle("ego")
-        self.plant = SingleTrackPlant(CAR, VehicleState(x=ego.x, y=ego.y, psi=ego.psi, v_x=ego.v))
+        scenario, self.radio = SCENARIOS[name], make_radio(seed) if by_radio else None
+        self.world = SumoWorld("ego", CAR, turn_distance=0.0 if by_radio else None)
+        road, state = self.world.read_road(), self.world.ego_state()
+        self.plant = SingleTrackPlant(CAR, state)
         self.planner, self.path = Planner(CAR, road, cruise_speed=scenario.cruise_speed), road.path
-        self.s, self.d, self.gap, self.needed = float(self.path.project((ego.x, ego.y))[0]), 0.0, 99.0, 0.0
+        self.s, self.d, self.gap, self.needed = (
+            float(self.path.project((state.x, state.y))[0]),
+            0.0,
+            99.0,
+            0.0,
+        )
         self.rows: list[dict[str, Any]] = []
         self.cpu: list[float] = []
-        libsumo.vehicle.setSpeedMode("ego", 0)
-        libsumo.vehicle.setLaneChangeMode("ego", 0)
 
-    def step(self, t: float, others: list[SumoVehicle]) -> None:
+    def step(self, t: float) -> None:
         """Drive one step of SUMO."""
         for j in range(5):
-            tau = CYCLE * j
-            self._cycle(t + tau, tau, [other.later(tau) for other in others], measure=j in (0, 3))
+            self._cycle(t + CYCLE * j, self.world.remotes(CYCLE * j), measure=j in (0, 3))
             if self.gap < 0.0:
                 break
 
-    def _cycle(self, t: float, tau: float, near: list[SumoVehicle], measure: bool) -> None:
+    def _cycle(self, t: float, near: Sequence[RemoteVehicle], measure: bool) -> None:
         """Drive one cycle and record it; `measure` whether the needed deceleration is measured."""
         state = self.plant.state
-        known = self.radio.known(t, near, state) if self.radio else [other.remote(age=tau) for other in near]
+        known = self.radio.exchange(t, near, state) if self.radio else near
         awareness_range = 0.0 if self.radio and self.radio.tracker.is_saturated(t) else math.inf
         begun = time.thread_time()
         command = self.planner.step(t, state, known, awareness_range=awareness_range)
@@ -118,10 +121,10 @@ class EgoDrive:
         if self.gap >= 0.0:
             self.plant.step(command.delta, command.a_x, CYCLE)
 
-    def lead(self, others: list[SumoVehicle]) -> str | None:
+    def lead(self) -> str | None:
         """Id of the next vehicle ahead on the ego's lane, up to 120 m."""
         ahead, x = [], self.plant.state.x
-        for other in others:
+        for other in self.world.remotes():
             s, d, heading, _ = self.path.foot_point(other.x, other.y, self.s + max(other.x - x, 1.0))
             if 0.0 < s - self.s < 120.0 and abs(d - self.d) < 1.5 and math.cos(other.psi - heading) > 0.0:
                 ahead.append((s, other.id))
@@ -133,13 +136,12 @@ def episode(name: str, seed: int, folder: Path, duration: float, by_radio: bool)
     begin(name, seed, folder)
     braker, ego = LeadBraker(seed), EgoDrive(name, seed, by_radio)
     for k in range(int(duration / STEP)):
-        others = vehicles_near(ego.plant.state.x, ego.plant.state.y)
-        ego.step(STEP * k, others)
+        ego.step(STEP * k)
         if ego.gap < 0.0 or ego.s > ego.path.length - 150.0:
             break
         if k % 5 == 0:
-            braker.step(STEP * k, ego.lead(others))
-        move_ego(ego.plant.state)
-        libsumo.simulationStep()
+            braker.step(STEP * k, ego.lead())
+        ego.world.move_ego(ego.plant.state)
+        ego.world.step()
     libsumo.close()
     return summarize(ego.rows, ego.cpu)

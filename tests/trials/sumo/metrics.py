@@ -1,13 +1,14 @@
 """Measures of an episode: gaps, deceleration needed, comfort, and the row of the table."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from cca_core import Path, VehicleState
+from cca_core import Path, RemoteVehicle, VehicleState
 from cca_core.geometry import box_gap, boxes
-from tests.trials.sumo.glue import CAR, SumoVehicle
+from tests.trials.sumo.glue import CAR
 
 HARD = -4.0  # command from which braking is hard [m/s^2]
 UNNEEDED = 2.0  # hard braking is unneeded if less deceleration suffices [m/s^2]
@@ -26,7 +27,7 @@ COLUMNS = (
 )
 
 
-def min_gap(x: float, y: float, psi: float, near: list[SumoVehicle]) -> float:
+def min_gap(x: float, y: float, psi: float, near: Sequence[RemoteVehicle]) -> float:
     """Least distance between the ego's box and those near it [m]."""
     near = [o for o in near if abs(o.x - x) + abs(o.y - y) < 60.0]
     if not near:
@@ -35,7 +36,9 @@ def min_gap(x: float, y: float, psi: float, near: list[SumoVehicle]) -> float:
     return float(np.min(box_gap(boxes(x, y, psi, CAR.length, CAR.width), boxes(*table))))
 
 
-def needed_deceleration(path: Path, s: float, d: float, ego: VehicleState, near: list[SumoVehicle]) -> float:
+def needed_deceleration(
+    path: Path, s: float, d: float, ego: VehicleState, near: Sequence[RemoteVehicle]
+) -> float:
     """Deceleration that keeps 0.5 m to all vehicles ahead in the ego's corridor, if they brake on [m/s^2]."""
     needed = 0.0
     for other in near:
@@ -46,8 +49,11 @@ def needed_deceleration(path: Path, s: float, d: float, ego: VehicleState, near:
         s_o, d_o, heading, _ = path.foot_point(other.x, other.y, s + math.copysign(distance, ahead))
         if s_o < s or abs(d_o - d) > 0.5 * (CAR.width + other.width) + 0.2:
             continue
-        gap, v_o = s_o - s - 0.5 * (CAR.length + other.length) - 0.5, other.v * math.cos(other.psi - heading)
-        needed = max(needed, _needed_for(gap, ego.v_x, v_o, other.a))
+        gap, v_o = (
+            s_o - s - 0.5 * (CAR.length + other.length) - 0.5,
+            other.v_x * math.cos(other.psi - heading),
+        )
+        needed = max(needed, _needed_for(gap, ego.v_x, v_o, other.a_x))
     return needed
 
 
