@@ -98,10 +98,10 @@ def keeps_zone(w: Scene, j: Int) -> Flag:
     """Whether a vehicle is for certain in the adjacent lane that the maneuver enters, not in the ego's."""
     half = 0.5 * (w.seen[j, HALF_W] + w.seen[j, SURE_W])  # of the body, where it is reported
     if w.zone_side == 1:
-        beside = w.seen[j, D] - half > w.lane_left - w.entry_tolerance
-        return beside and is_surely_in(w, j, w.lane_left, w.edge_left)
-    beside = w.seen[j, D] + half < w.lane_right + w.entry_tolerance
-    return beside and is_surely_in(w, j, w.edge_right, w.lane_right)
+        outside = w.seen[j, D] - half > w.lane_left - w.entry_tolerance
+        return outside and is_surely_in(w, j, w.lane_left, w.edge_left)
+    outside = w.seen[j, D] + half < w.lane_right + w.entry_tolerance
+    return outside and is_surely_in(w, j, w.edge_right, w.lane_right)
 
 
 def rear_gap(w: Scene, row: Int, begin: Int, front: Real, speed: Real) -> Real:

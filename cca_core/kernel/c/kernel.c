@@ -3845,11 +3845,11 @@ bool cca_keeps_zone(const Scene *w, int j)
 {
     double half = 0.5 * (w->seen[j * 25 + TRAFFIC_HALF_W] + w->seen[j * 25 + TRAFFIC_SURE_W]);
     if (w->zone_side == 1) {
-        bool beside = w->seen[j * 25 + TRAFFIC_D] - half > w->lane_left - w->entry_tolerance;
-        return beside && duties_is_surely_in(w, j, w->lane_left, w->edge_left);
+        bool outside = w->seen[j * 25 + TRAFFIC_D] - half > w->lane_left - w->entry_tolerance;
+        return outside && duties_is_surely_in(w, j, w->lane_left, w->edge_left);
     }
-    bool beside = w->seen[j * 25 + TRAFFIC_D] + half < w->lane_right + w->entry_tolerance;
-    return beside && duties_is_surely_in(w, j, w->edge_right, w->lane_right);
+    bool outside = w->seen[j * 25 + TRAFFIC_D] + half < w->lane_right + w->entry_tolerance;
+    return outside && duties_is_surely_in(w, j, w->edge_right, w->lane_right);
 }
 
 /* Least gap behind the ego to a driver who reacts to it from a time on, given their front and speed. */

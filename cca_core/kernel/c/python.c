@@ -2399,7 +2399,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "a75970b1c95658b6317f45f603854d4d29f60f9e5c38cd53a917e35a0cc2a9fb") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "68e9b94186623e45bd97f372c1103592f1262a86e5eb48766fcbe5a91ceabf21") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
