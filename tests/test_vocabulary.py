@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.prose import prose
+
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = sorted(p for d in ("cca_core", "tests", "examples", "docs") for p in (ROOT / d).rglob("*.py"))
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -26,7 +28,6 @@ PROSE = re.compile(
     r"\b(he|him|his|nobody|somebody|everybody|reckon\w*|held capable|bent anew|lane beside|rungs?)\b",
     re.IGNORECASE,
 )
-LONGEST = 40  # words in a sentence
 LONGEST_NAME = 60  # characters of a test's name
 
 
@@ -43,20 +44,6 @@ def words(name: str) -> set[str]:
     return {part.lower() for part in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)}
 
 
-def prose(path: Path) -> str:
-    """Running text of a page, without code, tables, math and directives."""
-    text = path.read_text(encoding="utf-8")
-    text = re.sub(r"(?ms)^(```|:::|\$\$).*?^(```|:::|\$\$)", "\n", text)
-    text = re.sub(r"`[^`]*`|\$[^$]*\$|\]\([^)]*\)|<[^>]*>", " x ", text)
-    return "\n".join(line for line in text.split("\n") if not re.match(r"\s*(\||#|\(|:)", line))
-
-
-def sentences(text: str) -> Iterator[str]:
-    """Sentences: paragraphs and list items."""
-    for paragraph in re.split(r"\n\s*\n|\n\s*(?:[-*]|\d+\.)\s", text):
-        yield from re.split(r"(?<=[.!?])\s", " ".join(paragraph.split()))
-
-
 def refused_identifiers(path: Path) -> list[str]:
     """Identifiers of a file that hold a refused word."""
     found = {name: line for line, name in identifiers(path) if words(name) & REFUSED}
@@ -64,10 +51,8 @@ def refused_identifiers(path: Path) -> list[str]:
 
 
 def refused_prose(path: Path) -> list[str]:
-    """Words and sentences of a page that are refused."""
-    text = prose(path)
-    found = [match.group(0) for match in PROSE.finditer(text)]
-    return found + [s for s in sentences(text) if len(s.split()) > LONGEST]
+    """Words of a page that are refused."""
+    return [match.group(0) for match in PROSE.finditer(prose(path.read_text(encoding="utf-8")))]
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda p: p.relative_to(ROOT).as_posix())

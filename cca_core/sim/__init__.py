@@ -27,6 +27,7 @@ from cca_core.sim.scenarios.paper import paper_scenarios
 from cca_core.sim.scenarios.road_user import BrakeAction, LateralShiftAction, ReactToLeadAction, RoadUser
 from cca_core.sim.scenarios.scenario import EGO_TYPES, FixedTimeGap, Scenario
 from cca_core.sim.study.parameters import ParameterRanges
+from cca_core.sim.study.sampling import Sample
 from cca_core.sim.study.statistics import Rate, StudyTable
 from cca_core.sim.study.study import Study, run_study
 from cca_core.sim.world.sensor import Sensor, visible_fraction
@@ -57,6 +58,7 @@ __all__ = [
     "ReactToLeadAction",
     "Recorder",
     "RoadUser",
+    "Sample",
     "Scenario",
     "Sensor",
     "SingleTrackPlant",

@@ -1,6 +1,7 @@
 """All of the paper's scenarios: collisions without messages, none with them, regressions."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from cca_core.sim import (
     paper_scenarios,
     simulate,
 )
-from cca_core.sim.study.parameters import nominal_scenario, sample_scenario
+from cca_core.sim.study.parameters import sample_scenario
 from tests.support.paper_runs import simulated
 
 SEEDS = (1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, 4, 5)))
@@ -75,14 +76,14 @@ def test_no_collision_with_v2v_multi_body(name: str, case: str) -> None:
 @pytest.mark.parametrize("index", [328, pytest.param(553, marks=pytest.mark.slow)])
 def test_lead_braking_harder_than_downstream_vehicle(index: int) -> None:
     """Red brakes with 4 to 5 m/s^2, and yellow, late, with 7."""
-    scenario, _ = sample_scenario(ParameterRanges(scenario="eebl"), 2, index)
+    scenario, _, _ = sample_scenario(ParameterRanges(scenario="eebl"), 2, index)
     assert simulate(scenario).gaps().min() > 0.0
 
 
 @pytest.mark.parametrize("index", [347, pytest.param(1594, marks=pytest.mark.slow)])
 def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
     """The first message leaves just the distance for full braking."""
-    scenario, _ = sample_scenario(ParameterRanges(scenario="ima"), 2, index)
+    scenario, _, _ = sample_scenario(ParameterRanges(scenario="ima"), 2, index)
     log = simulate(scenario)
     assert log.gaps().min() > 0.0
     assert "BRAKE" in log.actions
@@ -129,8 +130,8 @@ def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
     ],
 )
 def test_collision_regressions(name: str, seed: int, index: int) -> None:
-    scenario, _ = sample_scenario(ParameterRanges(scenario=name), seed, index)
-    log = simulate(scenario, planner=make_planner(nominal_scenario(scenario)))
+    scenario, nominal, _ = sample_scenario(ParameterRanges(scenario=name), seed, index)
+    log = simulate(scenario, planner=make_planner(replace(scenario, vehicle=nominal)))
     assert log.gaps().min() > 0.0
     assert np.abs(log.ego_frenet[:, 1]).max() < 5.25
 

@@ -9,12 +9,13 @@ import pytest
 
 from cca_core.errors import InputError
 from cca_core.sim import BrakeAction, ParameterRanges, ReactToLeadAction, Scenario, simulate
-from cca_core.sim.study.parameters import nominal_scenario, sample_scenario, without_v2v
+from cca_core.sim.study.parameters import sample_scenario, without_v2v
 from cca_core.sim.study.sampling import STUDY_SCENARIOS
 
 
 def sample(name: str, index: int = 0, seed: int = 1) -> tuple[Scenario, dict[str, Any]]:
-    return sample_scenario(ParameterRanges(scenario=name), seed, index)
+    scenario, _, samples = sample_scenario(ParameterRanges(scenario=name), seed, index)
+    return scenario, samples
 
 
 @pytest.mark.parametrize("name", STUDY_SCENARIOS)
@@ -64,12 +65,11 @@ def test_default_radio_range_depends_on_scenario() -> None:
 @pytest.mark.parametrize("name", STUDY_SCENARIOS)
 def test_equal_bounds_fix_value(name: str) -> None:
     held = ParameterRanges(scenario=name, latency=(0.2, 0.2), loss=(0.0, 0.0))
-    assert {sample_scenario(held, 1, i)[1]["latency"] for i in range(5)} == {0.2}
+    assert {sample_scenario(held, 1, i)[2]["latency"] for i in range(5)} == {0.2}
 
 
-def test_nominal_scenario_has_true_friction_and_nominal_mass() -> None:
-    scenario, _ = sample("curbside")
-    car = nominal_scenario(scenario).vehicle
+def test_nominal_vehicle_has_true_friction_and_nominal_mass() -> None:
+    scenario, car, _ = sample_scenario(ParameterRanges(scenario="curbside"), 1, 0)
     assert car.m == 1093.3
     assert car.mu == scenario.vehicle.mu
     assert replace(car, m=scenario.vehicle.m, I_z=scenario.vehicle.I_z) == scenario.vehicle

@@ -24,8 +24,8 @@ from cca_core.baselines.table1.scaling import ScalingResult, measure_scaling
 from cca_core.baselines.table1.statistics import Statistics
 from cca_core.plot.comparison import plot_scaling, plot_time_quality
 from cca_core.sim import paper_scenarios
+from cca_core.sim.study.source import source_digest
 from cca_core.sim.study.store import Store
-from cca_core.sim.study.study import source_digest
 
 FILES: dict[str, type[Any]] = {
     "plans.csv": ComparisonRow, "scaling.csv": ScalingResult, "drives.csv": ClosedLoop

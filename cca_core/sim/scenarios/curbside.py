@@ -98,7 +98,8 @@ def curbside(
         # the time gap counts on top of an uncertainty of the messages of 0.3 s
         speed=SpeedSettings(standstill_gap=3.0, time_gap=0.5),
         duration=t_red + 13.0, ego_type=ego_type, reaction_time=reaction_time, channel=channel,
-        shared_modem=True, visibility=visibility, paper_figures=(10, 11, 12),
+        shared_modem=True, visibility=visibility, hazard_id="red",
+        paper_figures=(10, 11, 12),
     )  # fmt: skip
 
 

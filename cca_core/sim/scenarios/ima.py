@@ -109,7 +109,7 @@ def ima(
         speed=speed, duration=float(math.ceil(arrival + 14.0)), ego_type=ego_type,
         reaction_time=reaction_time, channel=channel, shared_modem=True, sensor_range=sensor_range,
         visibility=visibility, stop_line=stop_line, occluders=() if turns else (building,),
-        paper_figures=(8, 9), other_roads=_other_roads(),
+        hazard_id="red", paper_figures=(8, 9), other_roads=_other_roads(),
     )  # fmt: skip
 
 

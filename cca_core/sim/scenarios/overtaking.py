@@ -88,7 +88,8 @@ def overtaking(case: str, path: Path, *, start: float = 20.0, v2v: bool = True) 
         name="maneuver", case=case,
         road=Road(path, (Lane(d=0.0, width=LANE_WIDTH), adjacent), speed_limit=36.0), vehicle=CAR,
         start=start, v_x=made.cruise_speed, cruise_speed=made.cruise_speed, road_users=users,
-        duration=made.duration, ego_type="v2v" if v2v else "sensor", paper_figures=made.paper_figures,
+        duration=made.duration, hazard_id="R1",
+        ego_type="v2v" if v2v else "sensor", paper_figures=made.paper_figures,
         evasion=EvasionSettings(
             lateral_acceleration=made.lateral_acceleration, awareness_range=math.inf,
             assumed_braking=0.0, assumed_acceleration=0.0,  # the paper's assumption

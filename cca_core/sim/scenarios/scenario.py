@@ -108,6 +108,9 @@ class Scenario:
         Numbers of the paper's figures of this scenario.
     seed : int
         Seed of the senders' phases and of the channel.
+    hazard_id : str, optional
+        Id of the road user whose first message warns of the hazard, in studies; by default it is the first
+        message of hard braking of any.
     origin : tuple of float
         Latitude and longitude of x = y = 0 [deg].
 
@@ -144,6 +147,7 @@ class Scenario:
     other_roads: tuple[Road, ...] = ()
     paper_figures: tuple[int, ...] = ()
     seed: int = 1
+    hazard_id: str | None = None
     origin: tuple[float, float] = (41.3, -105.6)
 
     def __post_init__(self) -> None:

@@ -21,13 +21,11 @@ from cca_core.sim.world.traffic import CYCLE_TIME
 from cca_core.v2x import decode_bsm
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
-_HAZARD_IDS = {"ima": "red", "curbside": "red", "maneuver": "R1"}  # in eebl: any vehicle that brakes hard
-
 
 def first_hazard_cycle(log: Log) -> int | None:
     """Return the cycle in which the first message of the hazard arrived at the ego; None if none did."""
     names = {sender_id(i): user.id for i, user in enumerate(log.scenario.road_users)}
-    hazard_id = _HAZARD_IDS.get(log.scenario.name)
+    hazard_id = log.scenario.hazard_id
     for cycle, data in log.received:
         message = decode_bsm(data)
         if names.get(message.id) == hazard_id if hazard_id else "hard_braking" in message.events:

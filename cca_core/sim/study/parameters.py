@@ -5,11 +5,12 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from cca_core._checks import check_array
+from cca_core._checks import check_array, check_real, shown
 from cca_core.errors import InputError
 from cca_core.sim.scenarios.road_user import LateralShiftAction, ReactToLeadAction, RoadUser, RoadUserAction
 from cca_core.sim.scenarios.scenario import Scenario
-from cca_core.sim.study.sampling import SAMPLERS, STUDY_SCENARIOS
+from cca_core.sim.study.sampling import SAMPLERS, STUDY_SCENARIOS, Sample, ScenarioMaker
+from cca_core.sim.study.source import check_definition
 from cca_core.v2x import ChannelSettings, SenderSettings
 from cca_core.vehicle import GRAVITY, VehicleParams
 
@@ -20,8 +21,10 @@ class ParameterRanges:
 
     Parameters
     ----------
-    scenario : {"eebl", "ima", "curbside", "maneuver"}
-        Scenario, with further parameters of its own (Notes).
+    scenario : str or callable
+        ``"eebl"``, ``"ima"``, ``"curbside"`` or ``"maneuver"``, with further parameters of its own (Notes);
+        or a function at the top level of a module that makes a `Scenario` with messages from a `Sample`. Its
+        channel, friction, mass, seed and the reaction time of the ego's driver are then set as sampled.
     friction : tuple of float
         Friction of the road under all vehicles [-], known to the planner; 0.3 to 1.2.
     mass : tuple of float
@@ -56,7 +59,7 @@ class ParameterRanges:
       1000 m.
     """
 
-    scenario: str
+    scenario: str | ScenarioMaker
     friction: tuple[float, float] = (0.6, 1.0)
     mass: tuple[float, float] = (0.95, 1.35)
     latency: tuple[float, float] = (0.0, 0.5)
@@ -67,7 +70,9 @@ class ParameterRanges:
     reaction_time: tuple[float, float] = (0.7, 1.5)
 
     def __post_init__(self) -> None:
-        if self.scenario not in STUDY_SCENARIOS:
+        if not isinstance(self.scenario, str):
+            check_definition("scenario", self.scenario)
+        elif self.scenario not in STUDY_SCENARIOS:
             raise InputError(f"scenario must be one of {', '.join(STUDY_SCENARIOS)}, was {self.scenario!r}")
         for field in fields(self)[1:]:
             lower, upper = _LIMITS[field.name]
@@ -78,6 +83,11 @@ class ParameterRanges:
                     f"{field.name} must be two numbers from {lower:g} to {upper:g} in increasing order, "
                     f"was ({low:g}, {high:g})"
                 )
+
+    @property
+    def name(self) -> str:
+        """Name of the scenario, or of the function that makes it."""
+        return self.scenario if isinstance(self.scenario, str) else self.scenario.__name__
 
     @property
     def radio_range_bounds(self) -> tuple[float, float]:
@@ -94,8 +104,8 @@ _LIMITS = {
 
 def sample_scenario(
     parameters: ParameterRanges, seed: int, index: int
-) -> tuple[Scenario, dict[str, float | int | str]]:
-    """Sample run `index` of a study: its scenario with messages, and every sampled value by name."""
+) -> tuple[Scenario, VehicleParams, dict[str, float | int | str]]:
+    """Sample run `index` of a study: its scenario, the ego that the planner assumes, all samples by name."""
     if seed < 0 or index < 0:
         raise InputError(f"seed and index must be at least 0, were {seed} and {index}")
     # a run depends on the seed and its number alone
@@ -103,6 +113,9 @@ def sample_scenario(
     samples: dict[str, float | int | str] = {"index": index}
 
     def uniform(name: str, low: float, high: float) -> float:
+        low, high = check_real("low", low), check_real("high", high)
+        if name in samples:
+            raise InputError(f"name must be new, was {name!r}")
         samples[name] = value = float(low + (high - low) * rng.random())
         return value
 
@@ -120,21 +133,19 @@ def sample_scenario(
     reaction_time = uniform("reaction_time", *parameters.reaction_time)
     ego_reaction_time = uniform("ego_reaction_time", *parameters.reaction_time)
     noise = uniform("position_noise", *parameters.position_noise)
-    scenario = SAMPLERS[parameters.scenario](int(rng.integers(4)), uniform, channel, reaction_time)
+    sample = Sample(uniform=uniform, case=int(rng.integers(4)), channel=channel, reaction_time=reaction_time)
+    given = parameters.scenario
+    scenario: object = (SAMPLERS[given] if isinstance(given, str) else given)(sample)
+    if not isinstance(scenario, Scenario) or not scenario.v2v:
+        raise InputError(f"scenario must return a Scenario of ego type v2v, returned {shown(scenario)}")
     samples["case"] = str(scenario.case)
-    car = scenario.vehicle
+    nominal = replace(scenario.vehicle, mu=friction)
     return replace(
-        scenario, vehicle=replace(car, m=mass * car.m, I_z=mass * car.I_z, mu=friction),
+        scenario, vehicle=replace(nominal, m=mass * nominal.m, I_z=mass * nominal.I_z),
         reaction_time=ego_reaction_time, seed=int(samples["seed"]), channel=channel,
         sender=SenderSettings(position_noise=noise, noise_time_constant=30.0),
         road_users=tuple(_limit_to_friction(user, friction) for user in scenario.road_users),
-    ), samples  # fmt: skip
-
-
-def nominal_scenario(scenario: Scenario) -> Scenario:
-    """Return a scenario as the planner assumes it: with the nominal mass, the true friction."""
-    car = VehicleParams.bmw_320i()
-    return replace(scenario, vehicle=replace(scenario.vehicle, m=car.m, I_z=car.I_z))
+    ), nominal, samples  # fmt: skip
 
 
 def without_v2v(scenario: Scenario, ego_type: str) -> Scenario:

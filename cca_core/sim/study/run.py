@@ -1,20 +1,23 @@
 """One run of a study: sampled, and simulated with each of the three ego types."""
 
+from dataclasses import replace
 from typing import Any
 
 from cca_core.sim.log import Log
 from cca_core.sim.loop import make_controller, simulate
+from cca_core.sim.plants.build import PlantMaker
 from cca_core.sim.scenarios.scenario import EGO_TYPES, Scenario
 from cca_core.sim.study.counterfactual import avoiding_action, first_hazard_cycle
-from cca_core.sim.study.parameters import ParameterRanges, nominal_scenario, sample_scenario, without_v2v
+from cca_core.sim.study.parameters import ParameterRanges, sample_scenario, without_v2v
+from cca_core.vehicle import VehicleParams
 
 
 def simulate_run(
-    parameters: ParameterRanges, seed: int, index: int, plant: str = "single_track"
+    parameters: ParameterRanges, seed: int, index: int, plant: str | PlantMaker = "single_track"
 ) -> dict[str, Any]:
     """Simulate run `index` of a study with each ego type; return its samples and results as one row."""
-    scenario, samples = sample_scenario(parameters, seed, index)
-    log = _simulate(scenario, plant)
+    scenario, nominal, samples = sample_scenario(parameters, seed, index)
+    log = _simulate(scenario, nominal, plant)
     hazard = first_hazard_cycle(log)
     row: dict[str, Any] = {
         **samples,
@@ -23,16 +26,17 @@ def simulate_run(
     }
     for ego_type in EGO_TYPES:
         if ego_type != "v2v":
-            log = _simulate(without_v2v(scenario, ego_type), plant)
+            log = _simulate(without_v2v(scenario, ego_type), nominal, plant)
         row |= {
             f"{ego_type}_collided_with": log.collided_with,  # empty if there was no collision
             f"{ego_type}_speed": log.closing_speed() if log.collided_with else 0.0,  # [m/s]
-            f"{ego_type}_gap": float(log.gaps().min()),  # [m]
+            f"{ego_type}_gap": float(log.gaps().min()) if scenario.road_users else None,  # [m]
             f"{ego_type}_deceleration": max(0.0, -float(log.ego[:, 7].min())),  # [m/s^2]
             f"{ego_type}_last_decision": ": ".join(log.decisions[-1][1:]),
         }
     return row
 
 
-def _simulate(scenario: Scenario, plant: str) -> Log:
-    return simulate(scenario, plant=plant, planner=make_controller(nominal_scenario(scenario)))
+def _simulate(scenario: Scenario, nominal: VehicleParams, plant: str | PlantMaker) -> Log:
+    controller = make_controller(replace(scenario, vehicle=nominal))
+    return simulate(scenario, plant=plant, planner=controller)

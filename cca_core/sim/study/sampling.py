@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,17 +20,48 @@ Uniform = Callable[[str, float, float], float]
 """Samples the parameter of a name uniformly between two bounds."""
 
 
-def _eebl(case: int, uniform: Uniform, channel: ChannelSettings, reaction_time: float) -> Scenario:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """What the scenario of one run of a study is made from.
+
+    Parameters
+    ----------
+    uniform : callable
+        ``uniform(name, low, high)`` samples a further parameter uniformly between two bounds. Each has a
+        column of its name in the table.
+    case : int
+        A number from 0 to 3, each with the same probability, to choose a case by.
+    channel : ChannelSettings
+        The sampled radio channel.
+    reaction_time : float
+        The sampled reaction time of the other drivers [s].
+    """
+
+    uniform: Uniform
+    case: int
+    channel: ChannelSettings
+    reaction_time: float
+
+
+ScenarioMaker = Callable[[Sample], Scenario]
+"""Makes the scenario of one run from what is sampled."""
+
+
+def _eebl(sample: Sample) -> Scenario:
+    uniform, channel, reaction_time = sample.uniform, sample.channel, sample.reaction_time
     v_x, gap, second = uniform("v_x", 15.0, 33.0), uniform("gap", 0.4, 1.2), uniform("second_gap", 1.7, 2.5)
-    made = eebl("BC"[case % 2], v_x=v_x, time_gap=gap, reaction_time=reaction_time, channel=channel)
+    made = eebl(
+        "BC"[sample.case % 2], v_x=v_x, time_gap=gap, reaction_time=reaction_time, channel=channel
+    )  # fmt: skip
     yellow, red = made.road_users
     braking = BrakeAction(t=2.0, deceleration=uniform("braking", 4.0, 7.0))
     red = replace(red, s=red.s + (second - 1.8) * v_x, actions=(braking,))
     return replace(made, road_users=(yellow, red), speed=replace(made.speed, b_max=7.0))
 
 
-def _ima(case: int, uniform: Uniform, channel: ChannelSettings, reaction_time: float) -> Scenario:
-    name = IMA_CASES[case % 2]
+def _ima(sample: Sample) -> Scenario:
+    uniform, channel, reaction_time = sample.uniform, sample.channel, sample.reaction_time
+    name = IMA_CASES[sample.case % 2]
     speeds = (4.5, 7.0) if name == "left-turn" else (8.0, 14.0)
     return ima(
         name, v_x=uniform("v_x", *speeds), v_red=uniform("v_red", 10.0, 22.0), reaction_time=reaction_time,
@@ -38,18 +69,20 @@ def _ima(case: int, uniform: Uniform, channel: ChannelSettings, reaction_time: f
     )  # fmt: skip
 
 
-def _curbside(case: int, uniform: Uniform, channel: ChannelSettings, reaction_time: float) -> Scenario:
+def _curbside(sample: Sample) -> Scenario:
+    uniform, channel, reaction_time = sample.uniform, sample.channel, sample.reaction_time
     return curbside(
         v_x=uniform("v_x", 10.0, 34.0), lane_intrusion=uniform("lane_intrusion", 1.2, 2.2), channel=channel,
         radius=uniform("radius", 1000.0, 5000.0), reaction_time=reaction_time,
     )  # fmt: skip
 
 
-def _overtaking(case: int, uniform: Uniform, channel: ChannelSettings, reaction_time: float) -> Scenario:
+def _overtaking(sample: Sample) -> Scenario:
+    uniform, channel, reaction_time = sample.uniform, sample.channel, sample.reaction_time
     v_x, curvature = uniform("v_x", 18.0, 26.0), uniform("curvature", -1e-3, 1e-3)
     v_slow = v_x * uniform("slow_fraction", 0.5, 0.75)
     path = _circular_path(curvature, 40.0 * max(v_x, 25.0) + 200.0)
-    made = overtaking(OVERTAKING_CASES[case], path, start=20.0)
+    made = overtaking(OVERTAKING_CASES[sample.case], path, start=20.0)
     users: list[RoadUser] = []
     for i, user in enumerate(made.road_users, 1):
         is_fast = user.id == "A"
@@ -68,11 +101,10 @@ def _circular_path(curvature: float, length: float) -> Path:
     return interpolate_path(np.column_stack((z.real, z.imag)), start_tangent=(1.0, 0.0))
 
 
-SAMPLERS: dict[str, Callable[[int, Uniform, ChannelSettings, float], Scenario]] = {
+SAMPLERS: dict[str, ScenarioMaker] = {
     "eebl": _eebl, "ima": _ima, "curbside": _curbside, "maneuver": _overtaking,
 }  # fmt: skip
-"""Sampler by scenario: from a number (0 to 3) that chooses the case, a source of uniform samples, the
-channel, and the reaction time of the other drivers [s] to a scenario."""
+"""Sampler by scenario."""
 
 STUDY_SCENARIOS = tuple(SAMPLERS)
 """Scenarios of studies."""

@@ -1,9 +1,8 @@
 """Studies: thousands of sampled runs on any executor, resumed where they were stopped."""
 
-import hashlib
 import json
 import os
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import asdict, dataclass
 from itertools import count, islice
@@ -11,17 +10,18 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from cca_core.errors import InputError
-from cca_core.sim.plants.build import PLANTS
+from cca_core.sim.plants.build import PLANTS, PlantMaker
 from cca_core.sim.study.parameters import ParameterRanges
 from cca_core.sim.study.pool import local_processes
 from cca_core.sim.study.run import simulate_run
+from cca_core.sim.study.source import check_definition, definition, source_digest
 from cca_core.sim.study.statistics import StudyTable
 from cca_core.sim.study.store import Store
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Study:
-    """Runs of one scenario with sampled parameters.
+    """Runs of one scenario, of the library or of one's own, with sampled parameters.
 
     Parameters
     ----------
@@ -33,8 +33,9 @@ class Study:
         Number of runs.
     avoidable : int, optional
         Number of avoidable runs; sampling goes on until there are so many. Give this or `runs`.
-    plant : {"single_track", "multi_body"}
-        The ego's plant.
+    plant : str or callable
+        The ego's plant: ``"single_track"``, ``"multi_body"``, or a class or function at the top level of a
+        module that makes one, as in `simulate`.
 
     Raises
     ------
@@ -46,7 +47,7 @@ class Study:
     seed: int = 1
     runs: int | None = None
     avoidable: int | None = None
-    plant: str = "single_track"
+    plant: str | PlantMaker = "single_track"
 
     def __post_init__(self) -> None:
         if (self.runs is None) == (self.avoidable is None):
@@ -55,7 +56,9 @@ class Study:
             raise InputError(f"runs or avoidable must be at least 1, was {self.target_runs}")
         if self.seed < 0:
             raise InputError(f"seed must be at least 0, was {self.seed}")
-        if self.plant not in PLANTS:
+        if not isinstance(self.plant, str):
+            check_definition("plant", self.plant)
+        elif self.plant not in PLANTS:
             raise InputError(f"plant must be one of {', '.join(PLANTS)}, was {self.plant!r}")
 
     @property
@@ -65,12 +68,15 @@ class Study:
 
     @property
     def fingerprint(self) -> str:
-        """Text of everything that a row depends on: parameters, seed, plant and the library's source."""
+        """Text of everything that a row depends on: parameters, seed, plant, and source.
+
+        The source is that of the library, and of own functions and classes, with what they use of their
+        module.
+        """
         content = asdict(self)
         del content["runs"], content["avoidable"]
-        return json.dumps(
-            {**content, "source": source_digest(without=("plot", "report", "baselines"))}, sort_keys=True
-        )
+        content["source"] = source_digest(without=("plot", "report", "baselines"))
+        return json.dumps(content, sort_keys=True, default=definition)
 
     def table(self, rows: Mapping[int | str, dict[str, Any]]) -> tuple[int, StudyTable | None]:
         """Return the progress, and the table once the study is complete.
@@ -93,7 +99,7 @@ class Study:
             i += 1
         if done < self.target_runs:
             return done, None
-        return done, StudyTable(scenario=self.parameters.scenario, rows=tuple(rows[k] for k in range(i)))
+        return done, StudyTable(scenario=self.parameters.name, rows=tuple(rows[k] for k in range(i)))
 
 
 def run_study(
@@ -182,14 +188,3 @@ def _report_progress(
     if progress is not None:
         progress(done, study.target_runs)
     return table
-
-
-def source_digest(without: Collection[str] = ()) -> str:
-    """Digest of the library's source files, without those of the packages that no run depends on."""
-    package = FilePath(__file__).resolve().parents[2]
-    digest = hashlib.sha256()
-    for file in sorted(package.rglob("*.py")):
-        name = file.relative_to(package)
-        if name.parts[0] not in without:
-            digest.update(name.as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
-    return digest.hexdigest()
