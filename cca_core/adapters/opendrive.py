@@ -19,6 +19,11 @@ __all__ = ["OpenDriveMap", "read_opendrive"]
 class OpenDriveMap:
     """Roads of a file of OpenDRIVE; `read_opendrive` makes it.
 
+    Parameters
+    ----------
+    roads, junctions : dict
+        What the file holds, by id.
+
     Attributes
     ----------
     road_ids : tuple of str
@@ -161,9 +166,9 @@ class OpenDriveMap:
             found = [self._entered(link, id_) for id_ in targets]
         else:
             found = [
-                self._entered(Link("road", way.road, way.at_start), way.lanes[piece.lane])
-                for way in self._junctions.get(link.id, ())
-                if way.incoming == road.id and piece.lane in way.lanes
+                self._entered(Link("road", turn.road, turn.at_start), turn.lanes[piece.lane])
+                for turn in self._junctions.get(link.id, ())
+                if turn.incoming == road.id and piece.lane in turn.lanes
             ]
         return [after for after in found if after is not None]
 

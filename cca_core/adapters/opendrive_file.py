@@ -33,7 +33,7 @@ class Link(NamedTuple):
 
 
 class Connection(NamedTuple):
-    """A way through a junction: into which road, at its start or end, and lanes from and to."""
+    """A connection in a junction: into which road, at its start or end, and lanes from and to."""
 
     incoming: str
     road: str

@@ -10,7 +10,7 @@ from scipy.special import fresnel
 
 from cca_core import InputError, Road
 from cca_core.adapters import read_opendrive
-from tests.support.opendrive_files import geometry, lane, road, section, width, write_map
+from tests.support.opendrive_files import crossing, geometry, lane, road, section, width, write_map
 
 
 def one_road(tmp_path: Path, shape: str, length: float, **kwargs: object) -> Road:
@@ -172,29 +172,6 @@ def test_heights_are_kept(tmp_path: Path) -> None:
     heights = '<elevation s="0" a="2" b="0.01" c="0" d="0"/>'
     here = one_road(tmp_path, "<line/>", 100.0, heights=heights)
     assert here.height_range(0.0, here.path.end) == pytest.approx((2.0, 3.0))
-
-
-def crossing(tmp_path: Path) -> Path:
-    """East in road 1, left in road 5 over a quarter circle of 20 m, north in road 2; straight on in 3."""
-    quarter = 10.0 * math.pi
-    ahead = '<successor elementType="junction" elementId="9"/>'
-    one = road("1", 100.0, [geometry(0.0, 0.0, 0.0, 0.0, 100.0)], link=ahead)
-    link = '<predecessor elementType="road" elementId="1" contactPoint="end"/>'
-    turn = '<successor elementType="road" elementId="2" contactPoint="end"/>'
-    on = '<successor elementType="road" elementId="3" contactPoint="start"/>'
-    arc = geometry(0.0, 100.0, 0.0, 0.0, quarter, '<arc curvature="0.05"/>')
-    inner = [section(0.0, [lane(-1, before=-1, after=1)])]
-    five = road("5", quarter, [arc], inner, link=link + turn, junction="9")
-    # road 2 points to the junction, so that its lane 1 leads away from it
-    two = road("2", 80.0, [geometry(0.0, 120.0, 100.0, -0.5 * math.pi, 80.0)], link=ahead)
-    straight = [section(0.0, [lane(-1, before=-1, after=-1)])]
-    six = road("6", 40.0, [geometry(0.0, 100.0, 0.0, 0.0, 40.0)], straight, link=link + on, junction="9")
-    three = road("3", 60.0, [geometry(0.0, 140.0, 0.0, 0.0, 60.0)])
-    junction = '<junction id="9"><connection id="0" incomingRoad="1" connectingRoad="5" contactPoint="start">'
-    junction += '<laneLink from="-1" to="-1"/></connection>'
-    junction += '<connection id="1" incomingRoad="1" connectingRoad="6" contactPoint="start">'
-    junction += '<laneLink from="-1" to="-1"/></connection></junction>'
-    return write_map(tmp_path, one, two, three, five, six, junction)
 
 
 def test_route_turns_within_a_junction(tmp_path: Path) -> None:
