@@ -3,6 +3,7 @@
 import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping
+from difflib import get_close_matches
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
@@ -87,6 +88,14 @@ def shown(value: object) -> str:
     except Exception:  # such as ten thousand digits, lists in lists without end, foreign code
         return f"a {type(value).__name__}"
     return text if len(text) <= 80 else f"{text[:80]}..."
+
+
+def unknown(name: str, known: Iterable[str]) -> str:
+    """Return the end of a message about an unknown name: the nearest known one, then all."""
+    names = list(known)
+    longer = [each for each in names if name and each.startswith(name)]
+    nearest = longer[:1] or get_close_matches(name, names, n=1, cutoff=0.5)
+    return "".join(f"did you mean {each}? " for each in nearest) + f"it has {', '.join(names)}"
 
 
 def explained(error: Exception, values: Mapping[str, object]) -> Exception:

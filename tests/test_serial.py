@@ -149,7 +149,10 @@ def test_omitted_fields_take_defaults() -> None:
 
 
 WRONG = [
-    (Lane, {"d": 0.0, "wide": 3.5}, r"^wide is not a field of Lane; it has d, width, direction, boundaries$"),
+    (
+        Lane, {"d": 0.0, "wide": 3.5},
+        r"^wide is not a field of Lane; did you mean width\? it has d, width, direction, boundaries$",
+    ),
     (Lane, {"width": 3.5}, r"^d is missing, a field of Lane$"),
     (Lane, {"d": "left"}, r"^d must be a number, was 'left'$"),
     (Lane, {"d": True}, r"^d must be a number, was 'True'$"),

@@ -48,6 +48,16 @@ def _decode(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quiet", action="store_true", help="counts alone")
 
 
+def _drive(parser: argparse.ArgumentParser) -> None:
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("scenario", type=FilePath, nargs="?", metavar="SCENARIO.toml", help="road, ego, others")
+    what.add_argument("--template", action="store_true", help="print a scenario to begin with")
+    parser.add_argument("--ego", choices=(*_EGO_TYPES, "all"), help="instead of that in the file")
+    parser.add_argument("--plant", choices=_PLANTS, help="instead of that in the file")
+    parser.add_argument("--seed", type=int, help="instead of that in the file")
+    parser.add_argument("--out", type=FilePath, metavar="FOLDER", help="default: out/SCENARIO")
+
+
 def _report(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("logs", type=FilePath, nargs="+", help="logs (.npz), or folders of them")
     parser.add_argument(
@@ -60,5 +70,6 @@ _COMMANDS = {
     "demo": ("Drive the paper's scenarios with and without V2V, and report", _demo),
     "fit": ("Fit a smooth road to a route, and state its facts", _fit),
     "decode": ("List recorded Basic Safety Messages, and what was dropped", _decode),
+    "drive": ("Drive a scenario that a file describes, and report", _drive),
     "report": ("Write the report of stored logs", _report),
 }

@@ -13,7 +13,7 @@ from cca_core.path.lane import Lane
 from cca_core.path.path import Path
 from cca_core.path.road import Road
 
-__all__ = ["join_roads"]
+__all__ = ["Strip", "join_roads", "join_strips"]
 
 _SAME_LANE = 0.5  # largest distance between the boundaries of one lane on two roads [m]
 _STEP = 1e-3  # length within which boundaries and heights step from one road to the next [m]
@@ -22,8 +22,8 @@ _ROUNDING = 1e-6  # [m]
 _Row = tuple[float, float, float]  # station, right and left boundary
 
 
-class _Chain(NamedTuple):
-    """A lane over the roads so far."""
+class Strip(NamedTuple):
+    """A lane over a part of a route; its rows are on the stations of the route."""
 
     direction: int
     is_ego: bool
@@ -75,7 +75,7 @@ def join_roads(roads: Sequence[Road], *, max_gap: float = 0.02, max_kink: float 
     if any(road.elevation is not None for road in parts):
         heights = _join_heights([_heights(road) + np.array((shift, 0.0)) for road, shift in shifted])
     road = Road(
-        path, _join_lanes(shifted), float(limits[0, 1]),
+        path, join_strips([_strips(part, shift) for part, shift in shifted]), float(limits[0, 1]),
         [s + shift for part, shift in shifted for s in part.stop_lines], heights,
         max(road.sigma_elevation for road in parts), limits if len(limits) > 1 else None,
     )  # fmt: skip
@@ -135,30 +135,40 @@ def _join_heights(tables: Sequence[Array]) -> Array:
     return np.array(rows)
 
 
-def _join_lanes(roads: Sequence[tuple[Road, float]]) -> list[Lane]:
-    """Return the lanes of a route from its roads and by how much their stations are moved."""
-    chains: list[_Chain] = []
-    ongoing: list[_Chain] = []
-    for road, shift in roads:
-        start, end = road.path.start + shift, road.path.end + shift
+def join_strips(
+    parts: Sequence[tuple[Sequence[Strip], float, float]], tolerance: float = _ROUNDING
+) -> list[Lane]:
+    """Return the lanes of a route from the strips, the start and the end of each of its parts.
+
+    A lane whose boundaries vary by less than the tolerance [m] does not vary.
+    """
+    chains: list[Strip] = []
+    ongoing: list[Strip] = []
+    for strips, start, end in parts:
         goes_on = []
-        for lane in sorted(road.lanes, key=lambda lane: lane is not road.ego_lane):
-            rows = _rows(lane, road.path, shift)
-            if not rows:
-                continue
-            here = _Chain(lane.direction, lane is road.ego_lane, rows)
-            before = next((chain for chain in ongoing if _continues(chain, here, start)), None)
+        for strip in sorted(strips, key=lambda strip: not strip.is_ego):
+            here = strip
+            before = next((chain for chain in ongoing if _continues(chain, strip, start)), None)
             if before is None:
                 chains.append(here)
             else:
                 ongoing.remove(before)
-                before.rows.extend(_onward(before.rows[-1], rows))
+                before.rows.extend(_onward(before.rows[-1], strip.rows))
                 here = before
-            if rows[-1][0] >= end - _STEP:
+            if strip.rows[-1][0] >= end - _STEP:
                 goes_on.append(here)
         ongoing = goes_on
-    ends = roads[0][0].path.start, roads[-1][0].path.end + roads[-1][1]
-    return [_lane(chain, *ends) for chain in chains]
+    return [_lane(chain, parts[0][1], parts[-1][2], tolerance) for chain in chains]
+
+
+def _strips(road: Road, shift: float) -> tuple[list[Strip], float, float]:
+    """Return the lanes of a road, and its start and end, on the stations of the route."""
+    found = []
+    for lane in road.lanes:
+        rows = _rows(lane, road.path, shift)
+        if rows:
+            found.append(Strip(lane.direction, lane is road.ego_lane, rows))
+    return found, road.path.start + shift, road.path.end + shift
 
 
 def _rows(lane: Lane, path: Path, shift: float) -> list[_Row]:
@@ -171,7 +181,7 @@ def _rows(lane: Lane, path: Path, shift: float) -> list[_Row]:
     return [(start + shift, *first), *inner, (end + shift, *last)]
 
 
-def _continues(before: _Chain, after: _Chain, start: float) -> bool:
+def _continues(before: Strip, after: Strip, start: float) -> bool:
     """Whether a lane of the road that begins at a station is the rest of one of the road before."""
     if before[:2] != after[:2] or after.rows[0][0] > start + _STEP:
         return False
@@ -189,11 +199,11 @@ def _onward(last: _Row, rows: list[_Row]) -> list[_Row]:
     return [(last[0] + _STEP, *rows[0][1:]), *rows[1:]]
 
 
-def _lane(chain: _Chain, start: float, end: float) -> Lane:
+def _lane(chain: Strip, start: float, end: float, tolerance: float) -> Lane:
     """Return a lane; one that is as long as the route and does not vary has no boundaries."""
     rows = chain.rows
-    varies = max(_distance(rows[0], row) for row in rows) > _ROUNDING
-    if varies or rows[0][0] > start + _ROUNDING or rows[-1][0] < end - _ROUNDING:
+    varies = max(_distance(rows[0], row) for row in rows) > tolerance
+    if varies or rows[0][0] > start + tolerance or rows[-1][0] < end - tolerance:
         return Lane.from_boundaries(rows, chain.direction)
     _, right, left = rows[0]
     return Lane(d=0.5 * (right + left), width=left - right, direction=chain.direction)

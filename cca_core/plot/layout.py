@@ -11,7 +11,14 @@ from cca_core.path import Path
 from cca_core.plot.labels import escape_figure_text, sanitize_text, scenario_name
 from cca_core.plot.road_surface import draw_roads
 from cca_core.plot.style import COLORS, TEXT, assign_colors, draw_lanes, new_figure
-from cca_core.sim import BrakeAction, LateralShiftAction, ReactToLeadAction, RoadUser, Scenario
+from cca_core.sim import (
+    BrakeAction,
+    LateralShiftAction,
+    ReactToLeadAction,
+    RoadUser,
+    Scenario,
+    SpeedAction,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -73,6 +80,8 @@ def _describe_actions(user: RoadUser) -> str:
             parts.append(f"brakes after {action.lead_id}")
         elif isinstance(action, LateralShiftAction):
             parts.append(f"moves {abs(action.offset):.0f} m {'left' if action.offset > 0.0 else 'right'}")
+        elif isinstance(action, SpeedAction):
+            parts.append(f"changes to {action.v_x:.0f} m/s at {action.t:.0f} s")
     return ", ".join(parts)
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 
+from cca_core._checks import unknown
 from cca_core.errors import InputError
 from cca_core.serial.band_problem import stated_problem
 from cca_core.serial.fields import VERSION, field_types, required_fields
@@ -77,7 +78,7 @@ def _object(kind: type, data: Any, where: str, old: bool) -> Any:
     hints = field_types(kind) or {}
     for name in data:
         if name not in hints and name != "type" and (name != "version" or where):
-            raise InputError(f"{prefix}{name} is not a field of {kind.__name__}; it has {', '.join(hints)}")
+            raise InputError(f"{prefix}{name} is not a field of {kind.__name__}; {unknown(str(name), hints)}")
     for name in hints:
         if name not in data and name in required_fields(kind):
             raise InputError(f"{prefix}{name} is missing, a field of {kind.__name__}")

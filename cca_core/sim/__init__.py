@@ -24,7 +24,13 @@ from cca_core.sim.scenarios.eebl import EEBL_CASES, LOSSY_CHANNEL, eebl
 from cca_core.sim.scenarios.ima import IMA_CASES, ima
 from cca_core.sim.scenarios.overtaking import OVERTAKING_CASES, overtaking
 from cca_core.sim.scenarios.paper import paper_scenarios
-from cca_core.sim.scenarios.road_user import BrakeAction, LateralShiftAction, ReactToLeadAction, RoadUser
+from cca_core.sim.scenarios.road_user import (
+    BrakeAction,
+    LateralShiftAction,
+    ReactToLeadAction,
+    RoadUser,
+    SpeedAction,
+)
 from cca_core.sim.scenarios.scenario import EGO_TYPES, FixedTimeGap, Scenario
 from cca_core.sim.study.parameters import ParameterRanges
 from cca_core.sim.study.sampling import Sample
@@ -62,6 +68,7 @@ __all__ = [
     "Scenario",
     "Sensor",
     "SingleTrackPlant",
+    "SpeedAction",
     "Study",
     "StudyTable",
     "TrackingRun",

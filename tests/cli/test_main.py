@@ -9,7 +9,7 @@ import pytest
 
 from cca_core.cli import main
 
-COMMANDS = ("demo", "fit", "decode", "report")
+COMMANDS = ("demo", "fit", "decode", "drive", "report")
 BLOCK_MATPLOTLIB = """
 import sys
 
@@ -87,7 +87,13 @@ def test_words_that_cannot_be_parsed_have_code_2(arguments: list[str]) -> None:
 
 @pytest.mark.parametrize(
     "arguments",
-    [["fit", "no.gpx"], ["decode", "no.pcap"], ["report", "no.npz"], ["demo", "--route", "no.gpx"]],
+    [
+        ["fit", "no.gpx"],
+        ["decode", "no.pcap"],
+        ["report", "no.npz"],
+        ["drive", "no.toml"],
+        ["demo", "--route", "no.gpx"],
+    ],
     ids=" ".join,
 )
 def test_missing_file_is_one_line_and_code_2(

@@ -40,7 +40,11 @@ def test_page_runs_from_top_to_bottom(
             (tmp_path / name[1]).write_text(text, encoding="utf-8")
             continue
         for line in re.findall(r"^\$ cca (.*?)(?: +#.*)?$", text, re.MULTILINE):
-            assert main(shlex.split(line)) == 0, f"{line}: {capsys.readouterr().err}"
+            words, _, target = line.partition(" > ")
+            code, output = main(shlex.split(words)), capsys.readouterr()
+            assert code == 0, f"{line}: {output.err}"
+            if target:
+                (tmp_path / target).write_text(output.out, encoding="utf-8")
             ran.append(line.split()[0])
-    assert set(ran) >= {"demo", "fit", "decode", "report"}
+    assert set(ran) >= {"demo", "fit", "decode", "drive", "report"}
     assert (tmp_path / "report.html").is_file()

@@ -19,6 +19,7 @@ from cca_core.sim import (
     ReactToLeadAction,
     RoadUser,
     Scenario,
+    SpeedAction,
     simulate,
 )
 from cca_core.sim.scenarios.eebl import CAR
@@ -54,6 +55,34 @@ def test_brake_action_stops_vehicle() -> None:
     assert route == pytest.approx(400.0 / 14.0 + 20.0 * 0.5 * 7.0 / 12.65, abs=0.6)
     assert v[-1] == 0.0
     assert (np.diff(log.user_frenet[:, 0, 0]) >= 0.0).all()
+
+
+@pytest.mark.parametrize("jerk", [math.inf, 12.65, 2.0])
+def test_speed_actions_make_a_profile(jerk: float) -> None:
+    profile = (SpeedAction(t=1.0, v_x=26.0, acceleration=3.0), SpeedAction(t=6.0, v_x=20.0, acceleration=4.0))
+    log = run(car(actions=profile, jerk=jerk), duration=12.0)
+    v, a = log.road_users[:, 0, 3], log.user_motion[:, 0, 0]
+    assert (v[log.t <= 1.0] == 20.0).all()
+    assert a.max() == pytest.approx(3.0)
+    assert a.min() == pytest.approx(-4.0, abs=0.6 if jerk == 2.0 else 1e-9)
+    assert v[log.t <= 5.9][-1] == pytest.approx(26.0, abs=0.05)
+    assert v[-1] == pytest.approx(20.0, abs=0.05)
+    assert v.max() <= 26.05
+    assert v.min() >= 19.95
+
+
+def test_speed_action_to_zero_and_on() -> None:
+    profile = (SpeedAction(t=0.0, v_x=0.0, acceleration=5.0), SpeedAction(t=6.0, v_x=4.0))
+    log = run(car(actions=profile, jerk=math.inf), duration=9.0)
+    v = log.road_users[:, 0, 3]
+    assert v[(log.t > 4.1) & (log.t < 5.9)] == pytest.approx(0.0)
+    assert v[-1] == pytest.approx(4.0)
+
+
+def test_braking_takes_precedence_over_speed() -> None:
+    actions = (SpeedAction(t=0.0, v_x=30.0), BrakeAction(t=1.0, deceleration=6.0))
+    log = run(car(actions=actions, jerk=math.inf), duration=8.0)
+    assert log.road_users[-1, 0, 3] == 0.0
 
 
 def test_lateral_shift_is_quintic() -> None:

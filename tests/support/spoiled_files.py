@@ -11,11 +11,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from cca_core.adapters import read_opendrive
 from cca_core.path import read_waypoints
 from cca_core.sim import eebl, load_log, read_bsm_log, read_commonroad, save_log, simulate
 from cca_core.sim.study.store import Store
 from cca_core.v2x import encode_bsm
 from tests.support.commonroad_files import REGION, ROAD, document, goal, moving, problem, state
+from tests.support.opendrive_files import crossing
 from tests.support.v2x_messages import bsm
 
 
@@ -23,6 +25,11 @@ def open_store(path: Path) -> None:
     """Open a store of rows, and close it."""
     with Store(path, "x"):
         pass
+
+
+def drive_opendrive(path: Path) -> None:
+    """Read a map, and make a road of it."""
+    read_opendrive(path).find_road(("1", 20.0, -1), ("2", 30.0, 1))
 
 
 def _gpx() -> bytes:
@@ -101,6 +108,7 @@ def readers(folder: Path) -> dict[str, tuple[str, Callable[[Path], Any], bytes]]
         "csv": (".csv", read_waypoints, _csv()),
         "nmea": (".nmea", read_waypoints, _nmea()),
         "commonroad": (".xml", read_commonroad, _commonroad()),
+        "opendrive": (".xodr", drive_opendrive, crossing(folder).read_bytes()),
         "messages": (".txt", read_bsm_log, _messages("lines")),
         "messages-json": (".json", read_bsm_log, _messages("json")),
         "messages-jsonl": (".json", read_bsm_log, _messages("jsonl")),

@@ -104,7 +104,41 @@ class LateralShiftAction:
         check_real("duration", self.duration, gt=0.0)
 
 
-RoadUserAction = BrakeAction | ReactToLeadAction | LateralShiftAction
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedAction:
+    """Change to another speed; several make a speed profile, of which the last one begun counts.
+
+    Parameters
+    ----------
+    t : float
+        Begin [s], not negative.
+    v_x : float
+        Speed at the end [m/s], not negative.
+    acceleration : float
+        Magnitude of the acceleration [m/s^2], positive.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or out of range.
+
+    Notes
+    -----
+    Braking by another action takes precedence. A vehicle with a finite jerk approaches the speed with an
+    acceleration of at most sqrt(2 jerk abs(v_x - v)).
+    """
+
+    t: float
+    v_x: float
+    acceleration: float = 2.0
+
+    def __post_init__(self) -> None:
+        check_real("t", self.t, ge=0.0)
+        check_real("v_x", self.v_x, ge=0.0)
+        check_real("acceleration", self.acceleration, gt=0.0)
+
+
+RoadUserAction = BrakeAction | ReactToLeadAction | LateralShiftAction | SpeedAction
 """What a road user can do."""
 
 
@@ -132,7 +166,7 @@ class RoadUser:
         Build-up rate of its braking [m/s^3]; infinite for a step.
     route : Path, optional
         Its route, to which `s` and `d` refer; the default is the route of the ego.
-    actions : tuple of BrakeAction, ReactToLeadAction or LateralShiftAction
+    actions : tuple of BrakeAction, ReactToLeadAction, LateralShiftAction or SpeedAction
         Its actions.
     connected : bool
         Whether it sends messages.
@@ -177,5 +211,6 @@ class RoadUser:
             raise InputError(f"route must be a Path, was {type(self.route).__name__}")
         if not all(isinstance(action, RoadUserAction) for action in self.actions):
             raise InputError(
-                f"actions must be BrakeAction, ReactToLeadAction or LateralShiftAction, were {self.actions!r}"
+                "actions must be BrakeAction, ReactToLeadAction, LateralShiftAction or SpeedAction, "
+                f"were {self.actions!r}"
             )

@@ -7,7 +7,13 @@ import numpy as np
 
 from cca_core._checks import check_array, check_real, shown
 from cca_core.errors import InputError
-from cca_core.sim.scenarios.road_user import LateralShiftAction, ReactToLeadAction, RoadUser, RoadUserAction
+from cca_core.sim.scenarios.road_user import (
+    LateralShiftAction,
+    ReactToLeadAction,
+    RoadUser,
+    RoadUserAction,
+    SpeedAction,
+)
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.study.sampling import SAMPLERS, STUDY_SCENARIOS, Sample, ScenarioMaker
 from cca_core.sim.study.source import check_definition
@@ -161,10 +167,13 @@ def without_v2v(scenario: Scenario, ego_type: str) -> Scenario:
 def _limit_to_friction(user: RoadUser, friction: float) -> RoadUser:
     """Limit all decelerations of a road user to what the friction allows."""
     limit = friction * GRAVITY
-    actions = tuple(
-        action
-        if isinstance(action, LateralShiftAction)
-        else replace(action, deceleration=min(action.deceleration, limit))
-        for action in user.actions
-    )
+
+    def limited(action: RoadUserAction) -> RoadUserAction:
+        if isinstance(action, LateralShiftAction):
+            return action
+        if isinstance(action, SpeedAction):
+            return replace(action, acceleration=min(action.acceleration, limit))
+        return replace(action, deceleration=min(action.deceleration, limit))
+
+    actions = tuple(map(limited, user.actions))
     return replace(user, actions=actions, deceleration=min(user.deceleration, limit))

@@ -6,7 +6,13 @@ from typing import Protocol
 
 from cca_core.geometry import quintic_step
 from cca_core.path import Path
-from cca_core.sim.scenarios.road_user import BrakeAction, LateralShiftAction, ReactToLeadAction, RoadUser
+from cca_core.sim.scenarios.road_user import (
+    BrakeAction,
+    LateralShiftAction,
+    ReactToLeadAction,
+    RoadUser,
+    SpeedAction,
+)
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.vehicle import VehicleParams, VehicleState
 
@@ -62,6 +68,8 @@ class TrafficAgent:
         self._t_warning = math.inf
         self._t_shifts: dict[int, float] = {}
         self._v_lateral = 0.0
+        speeds = [act for act in user.actions if isinstance(act, SpeedAction)]
+        self._speeds = sorted(speeds, key=lambda act: act.t)
         self.pose = self._pose()
 
     @property
@@ -80,14 +88,14 @@ class TrafficAgent:
 
     def step(self, t: float, ego: VehicleState, vehicle: VehicleParams, traffic: "Traffic") -> None:
         """Advance by one cycle."""
-        a_x = 0.0
+        a_x = self._approaching(t) if self._speeds else 0.0
         for i, act in enumerate(self.user.actions):
             if isinstance(act, LateralShiftAction):
                 if i not in self._t_shifts and self.user.direction * (self.s - act.s_start) >= 0.0:
                     self._t_shifts[i] = t
             elif isinstance(act, BrakeAction):
                 a_x = min(a_x, -act.deceleration if t >= act.t - 1e-9 else 0.0)
-            else:
+            elif isinstance(act, ReactToLeadAction):
                 a_x = min(a_x, self._following(t, act, traffic.by_id[act.lead_id]))
         if math.isfinite(self.user.reaction_time):
             a_x = min(a_x, self._reacting(ego, vehicle))
@@ -125,6 +133,18 @@ class TrafficAgent:
             psi += along * math.atan2(self._v_lateral, max(self.v, 1.0))
         r = along * kappa * self.v / (1.0 - self.d * kappa)
         return x - self.d * ty / norm, y + self.d * tx / norm, psi, r
+
+    def _approaching(self, t: float) -> float:
+        """Return the acceleration toward the speed of the last action begun [m/s^2]."""
+        begun = [act for act in self._speeds if t >= act.t - 1e-9]
+        if not begun:
+            return 0.0
+        missing = begun[-1].v_x - self.v
+        if missing == 0.0:
+            return 0.0
+        # with a finite jerk it must be let go before the speed is reached
+        limit = min(begun[-1].acceleration, math.sqrt(2.0 * self.user.jerk * abs(missing)))
+        return math.copysign(min(limit, abs(missing) / CYCLE_TIME), missing)
 
     def _following(self, t: float, act: ReactToLeadAction, lead: "TrafficAgent") -> float:
         """Return the acceleration of a driver that reacts to its lead [m/s^2]."""

@@ -1,0 +1,119 @@
+"""Roads and routes described in TOML: a file, or straight lines and arcs."""
+
+import math
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+
+from cca_core._checks import shown
+from cca_core.cli.tables import Table, named
+from cca_core.errors import InputError
+from cca_core.path import Lane, Path, Road, interpolate_path
+
+__all__ = ["read_path", "read_road"]
+
+_SPACING = 5.0  # of the nodes of a straight line [m]
+_ARC = 0.02  # turn between two nodes of an arc [rad]
+_MIN_RADIUS = 3.0  # [m]
+_MAX_LENGTH = 200_000.0  # [m]
+_LINE = "pieces", "start", "heading"
+_FILE = "file", "part", "max_gap", "tolerance"
+_ROAD = "lanes", "speed_limit", "speed_limits", "stop_lines"
+
+
+def read_road(table: Table, folder: FilePath) -> Road:
+    """Return the road of a table."""
+    table.check_keys([*_LINE, *_FILE, *_ROAD])
+    lanes = [_lane(each) for each in table.tables("lanes")] or None
+    speed_limit = table.number("speed_limit", 36.0, gt=0.0)
+    path = _path(table, folder)
+    with named(table.where):
+        return Road(
+            path, lanes, speed_limit, stop_lines=table.content.get("stop_lines", ()),
+            speed_limits=table.content.get("speed_limits"),
+        )  # fmt: skip
+
+
+def _lane(table: Table) -> Lane:
+    """Return a lane, whose nominal offset and width follow from its boundaries."""
+    if "boundaries" not in table.content:
+        return table.record(Lane)
+    table.check_keys(("boundaries", "direction"))
+    with named(table.where):
+        return Lane.from_boundaries(table.content["boundaries"], table.content.get("direction", 1))
+
+
+def read_path(table: Table, folder: FilePath) -> Path:
+    """Return the route of a table."""
+    table.check_keys([*_LINE, *_FILE])
+    return _path(table, folder)
+
+
+def _path(table: Table, folder: FilePath) -> Path:
+    given = [key for key in ("file", "pieces") if key in table.content]
+    if len(given) != 1:
+        raise InputError(f"{table.where} must have file or pieces, had {' and '.join(given) or 'neither'}")
+    others = [key for key in table.content if key in (_LINE if given == ["file"] else _FILE)]
+    if others:
+        raise InputError(f"{table.position(others[0])} must not be given with {given[0]}")
+    return _from_file(table, folder) if given == ["file"] else _from_pieces(table)
+
+
+def _from_file(table: Table, folder: FilePath) -> Path:
+    """Return the fitted route in a file."""
+    options: dict[str, Any] = {}
+    if "part" in table.content:
+        options["part"] = table.whole("part", 0)
+    if "tolerance" in table.content:
+        options["tolerance"] = table.number("tolerance", ge=0.0)
+    max_gap = table.number("max_gap", 100.0, gt=0.0)
+    try:
+        return Road.from_file(folder / table.text("file"), max_gap=max_gap, **options).path
+    except InputError as error:
+        raise InputError(f"{table.position('file')}: {error}") from None
+
+
+def _from_pieces(table: Table) -> Path:
+    """Return straight lines and arcs in a row."""
+    start = table.content.get("start", [0.0, 0.0])
+    if not isinstance(start, list) or len(start) != 2:
+        raise InputError(f"{table.position('start')} must be x and y, was {shown(start)}")
+    begin = Table({"x": start[0], "y": start[1]}, table.position("start"))
+    heading = table.number("heading", 0.0, ge=-math.tau, le=math.tau)
+    z, direction = complex(begin.number("x"), begin.number("y")), np.exp(1j * heading)
+    points, first, total = [z], direction, 0.0
+    pieces = table.tables("pieces")
+    if not pieces:
+        raise InputError(f"{table.position('pieces')} must have at least one piece, had none")
+    for piece in pieces:
+        length, curvature = _piece(piece)
+        total += length
+        if total > _MAX_LENGTH:
+            raise InputError(f"{piece.position('length')} must end within {_MAX_LENGTH / 1e3:g} km")
+        n = max(math.ceil(length / _SPACING), math.ceil(abs(curvature) * length / _ARC))
+        s = np.linspace(0.0, length, n + 1)[1:]
+        # the integral of exp(i curvature s)
+        chord = s * np.exp(0.5j * curvature * s) * np.sinc(0.5 * curvature * s / np.pi)
+        points.extend(points[-1] + direction * chord)
+        direction = direction * np.exp(1j * curvature * length)
+    nodes = np.array(points)
+    return interpolate_path(
+        np.column_stack((nodes.real, nodes.imag)), start_tangent=(first.real, first.imag),
+        end_tangent=(direction.real, direction.imag),
+    )  # fmt: skip
+
+
+def _piece(piece: Table) -> tuple[float, float]:
+    """Return the length [m] and the curvature [1/m] of a piece; a left turn is positive."""
+    piece.check_keys(("length", "radius"))
+    length = piece.number("length", gt=0.0)
+    if "radius" not in piece.content:
+        return length, 0.0
+    radius = piece.number("radius")
+    if abs(radius) < _MIN_RADIUS:
+        raise InputError(
+            f"{piece.position('radius')} must be at least {_MIN_RADIUS:g} m to the left, or at most "
+            f"{-_MIN_RADIUS:g} m to the right, was {radius:g}"
+        )
+    return length, 1.0 / radius
