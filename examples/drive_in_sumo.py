@@ -33,8 +33,7 @@ for k in range(400):
         command = planner.step(0.1 * k + 0.02 * j, plant.state, world.remotes(age=0.02 * j))
         plant.step(command.delta, command.a_x, 0.02)
     world.move_ego(plant.state)
-    if not world.step():
-        break
+    world.step()
     if k % 40 == 0:
         print(f"{plant.state.x:6.0f} m {plant.state.v_x:5.1f} m/s: {command.decision.reason}")
 libsumo.close()

@@ -1,5 +1,14 @@
 """The planner in other simulators: conversions, messages, SUMO, highway-env, CARLA."""
 
+from cca_core.adapters.carla import (
+    CarlaControl,
+    CarlaPedals,
+    carla_remote,
+    carla_state,
+    from_carla_transform,
+    to_carla_control,
+    to_carla_pose,
+)
 from cca_core.adapters.conversions import (
     Motion,
     MotionDifferences,
@@ -9,20 +18,37 @@ from cca_core.adapters.conversions import (
     heading_to_compass,
     shift_point,
 )
+from cca_core.adapters.highway_env import (
+    HighwayAgent,
+    configure_highway,
+    highway_vehicle,
+)
+from cca_core.adapters.highway_net import read_highway_road
 from cca_core.adapters.opendrive import OpenDriveMap, read_opendrive
 from cca_core.adapters.radio import RadioLink
 from cca_core.adapters.sumo import SumoWorld
 
 __all__ = [
+    "CarlaControl",
+    "CarlaPedals",
+    "HighwayAgent",
     "Motion",
     "MotionDifferences",
     "OpenDriveMap",
     "RadioLink",
     "SumoWorld",
+    "carla_remote",
+    "carla_state",
     "compass_to_heading",
+    "configure_highway",
     "convert_reference",
     "flip_axes",
+    "from_carla_transform",
     "heading_to_compass",
+    "highway_vehicle",
+    "read_highway_road",
     "read_opendrive",
     "shift_point",
+    "to_carla_control",
+    "to_carla_pose",
 ]
