@@ -7,9 +7,10 @@ from types import ModuleType
 from cca_core.errors import MissingExtraError
 
 
-def require_extra(module: str, extra: str) -> ModuleType:
-    """Import `module`, or raise an error with the pip command of the extra that contains it."""
+def require_extra(module: str, extra: str | None) -> ModuleType:
+    """Import `module`, or raise an error with the pip command of its extra; of itself if that is None."""
     # only absence is translated: an error inside the package passes unchanged
     if find_spec(module.partition(".")[0]) is None:
-        raise MissingExtraError(f"{module} is not installed; run: pip install 'cca-planner[{extra}]'")
+        wanted = module if extra is None else f"'cca-planner[{extra}]'"
+        raise MissingExtraError(f"{module} is not installed; run: pip install {wanted}")
     return import_module(module)

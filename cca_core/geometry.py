@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, as_array, explained
+from cca_core._repr import short_repr
 from cca_core.kernel import bind
 from cca_core.kernel.box_gaps import box_gaps
 
@@ -92,6 +93,8 @@ class Boxes:
     psi: Array
     length: Array
     width: Array
+
+    __repr__ = short_repr
 
     def corners(self) -> Array:
         """Corners, counter-clockwise from the front left.

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 
 __all__ = ["DurationHistogram", "RealTimeLoop", "RealTimeSettings", "real_time_process"]
@@ -213,6 +214,8 @@ class RealTimeSettings:
     lock_memory: bool = False
     cpus: tuple[int, ...] = ()
     freeze_gc: bool = True
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_real("priority", self.priority, ge=0, le=99)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array, Index, Mask
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.kernel import bind
 from cca_core.kernel.band_workspace import Equilibrium
@@ -29,6 +30,8 @@ class CurvatureBounds:
     contact: Array
     lower: Array
     upper: Array
+
+    __repr__ = short_repr
 
 
 def equilibrium(

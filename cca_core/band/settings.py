@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 
 _MAX_FREE_SIDES = 16  # more would take minutes
@@ -58,6 +59,8 @@ class BandSettings:
     max_free_sides: int = 6
     max_certified_sides: int = 8
     side_change_fraction: float = 0.7
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.decide.rejection import Rejection
 
 _BRAKE_RELEASE_FRACTION = 0.7  # of the brake threshold: below it braking ends, so that it does not chatter
@@ -57,6 +58,8 @@ class LeadVehicle:
     kind: str = "direct"
     comfort_stop_deceleration: float = math.inf
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Candidate:
@@ -88,6 +91,8 @@ class Candidate:
     danger_zone: tuple[float, float] | None = None
     cost: float = 0.0
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Decision:
@@ -114,6 +119,8 @@ class Decision:
     cause: str = ""
     lead_id: str | None = None
     danger_zone: tuple[float, float] | None = None
+
+    __repr__ = short_repr
 
 
 def choose_action(

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_array, check_real
+from cca_core._repr import short_repr
 from cca_core.decide.sweep import Sweep, always_parallel, heading_range
 from cca_core.errors import InputError
 from cca_core.path import Path
@@ -44,6 +45,8 @@ class CrossingSettings:
     clearance: float = 0.3
     min_angle: float = math.pi / 6.0
     standstill_speed: float = STANDSTILL_SPEED
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in ("a_max", "b_max", "min_pet", "clearance"):
@@ -84,6 +87,8 @@ class Conflict:
     t_other: tuple[float, float]
     t_other_nominal: tuple[float, float]
     min_pet: float
+
+    __repr__ = short_repr
 
     @property
     def ego_first(self) -> bool:

@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
+from cca_core._repr import short_repr
+
 
 class RejectionKind(Enum):
     """Cause of a rejection, with the template of its text."""
@@ -52,6 +54,8 @@ class Rejection:
     distance: float = math.nan
     value: float = math.nan
     limit: float = math.nan
+
+    __repr__ = short_repr
     _text = ""  # made once, as reasons repeat it in every cycle
 
     @property

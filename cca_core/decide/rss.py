@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_any, check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.kernel import bind, rss
 from cca_core.kernel.memory import lend, put
@@ -59,6 +60,8 @@ class RssSettings:
     fluctuation: float = 0.1
     standstill_gap: float = 0.0
     v_max: float = 100.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in ("response_time", "b_min", "b_correct", "b_lateral"):

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, as_array, check_real
+from cca_core._repr import short_repr
 from cca_core.path import Path
 from cca_core.vehicle import VehicleParams, VehicleState
 
@@ -27,6 +28,8 @@ class SingleTrack:
     A: Array
     B: Array
     E: Array
+
+    __repr__ = short_repr
 
 
 def single_track(vehicle: VehicleParams, v_x: float, l_s: float) -> SingleTrack:

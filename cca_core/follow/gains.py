@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cca_core._checks import Array, Mask, check_array, check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InfeasibleError, InputError
 from cca_core.follow.margins import steering_loop
 from cca_core.follow.schedule import SPEEDS, PreviewGains
@@ -107,6 +108,8 @@ class GainRegion:
     requested: tuple[float, float]
     admissible: Mask
     selected: tuple[float, float] | None
+
+    __repr__ = short_repr
 
 
 def design_gains(

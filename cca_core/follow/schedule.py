@@ -4,6 +4,7 @@ from bisect import bisect_right
 from dataclasses import dataclass
 
 from cca_core._checks import check_array, check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.vehicle import VehicleParams
 
@@ -36,6 +37,8 @@ class PreviewGains:
     k_p: tuple[float, ...]
     k_d: tuple[float, ...]
     l_s: tuple[float, ...]
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in ("speeds", "k_p", "k_d", "l_s"):

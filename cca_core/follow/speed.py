@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array, check_real, formula
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.kernel import bind
 from cca_core.kernel import speed as kernel
@@ -55,6 +56,8 @@ class SpeedSettings:
     approach_rate: float = 0.5
     jerk: float = 3.0
     jerk_emergency: float = 12.65
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in self.__slots__:

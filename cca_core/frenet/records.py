@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._repr import short_repr
 from cca_core.follow import SpeedSettings, arrival_times
 from cca_core.frenet.extent import Extent
 from cca_core.geometry import Boxes
@@ -49,6 +50,8 @@ class FrenetVehicle:
     angle: float
     added_length: float = 0.0
     added_width: float = 0.0
+
+    __repr__ = short_repr
 
     @classmethod
     def from_remote(
@@ -229,6 +232,8 @@ class FrenetEgo:
     v_target: float
     d: float = 0.0
     speed: SpeedSettings = field(default_factory=SpeedSettings)
+
+    __repr__ = short_repr
 
     @property
     def s_cg(self) -> float:

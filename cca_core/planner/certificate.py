@@ -7,6 +7,7 @@ from enum import IntEnum
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._repr import short_repr
 from cca_core.path import Path, interpolate_path
 
 __all__ = ["Certificate", "Grade", "SafeStop"]
@@ -76,6 +77,8 @@ class SafeStop:
     v: Array
     poses: Array
 
+    __repr__ = short_repr
+
     def path(self) -> Path | None:
         """Path through the poses.
 
@@ -125,6 +128,8 @@ class Certificate:
     gap: float = math.inf
     vehicle_id: str = ""
     passed: frozenset[str] = frozenset()
+
+    __repr__ = short_repr
 
     @property
     def keeps_worst_case(self) -> bool:

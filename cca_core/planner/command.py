@@ -57,3 +57,9 @@ class Command:
     mode: Mode | None = None
     safe_stop: SafeStop | None = None
     certificate: Certificate | None = None
+
+    def __repr__(self) -> str:
+        return (
+            f"Command({self.decision.action.name}, delta={self.delta:.4f} rad, a_x={self.a_x:.2f} m/s^2, "
+            f"{self.status.name}, {self.decision.reason!r})"
+        )

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from cca_core._repr import short_repr
 from cca_core.planner.tuning import check_fields
 
 
@@ -31,6 +32,8 @@ class LastResortSettings:
     min_ttc: float = 0.1
     lateral_acceleration: float = 3.5
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         check_fields(self, positive=("grip_fraction", "lateral_acceleration"))
 
@@ -55,6 +58,8 @@ class ReplanSettings:
     committed_time: float = 0.5
     min_clearance: float = 0.3
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         check_fields(self)
 
@@ -75,6 +80,8 @@ class AbortSettings:
     """
 
     max_hold_time: float = 5.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -135,6 +142,8 @@ class CertificateSettings:
     side_angle: float = 0.1
     acceleration_time: float = 1.0
     braking_time: float = 4.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_fields(self, positive=("lag", "foresight", "silence_time"))
@@ -217,6 +226,8 @@ class CostSettings:
     risk: float = 0.5
     risk_braking: float = 5.0
     horizon: float = 10.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_fields(self, positive=("horizon", "risk_braking"))

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Self
 
 from cca_core._checks import check_bool, shown
+from cca_core._repr import short_repr
 from cca_core.band import Side
 from cca_core.errors import InputError
 from cca_core.planner.maneuver_tuning import (
@@ -120,6 +121,8 @@ class EvasionSettings:
     actuation: ActuationSettings = field(default_factory=ActuationSettings)
     certificate: CertificateSettings = field(default_factory=CertificateSettings)
     cost: CostSettings = field(default_factory=CostSettings)
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         positive = ("lateral_acceleration", "lateral_acceleration_limit", "rear_braking")

@@ -4,6 +4,7 @@ from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 
 __all__ = ["ActuationSettings", "DecisionSettings", "LeadSettings", "YieldSettings", "check_fields"]
@@ -63,6 +64,8 @@ class DecisionSettings:
     max_coast_time: float = 1.0
     memory_time: float = 30.0
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         check_fields(self)
 
@@ -89,6 +92,8 @@ class ActuationSettings:
     emergency_grip_fraction: float = 0.98
     curve_acceleration: float = 2.5
     safe_stop_deceleration: float = 4.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_fields(self, positive=("emergency_grip_fraction", "curve_acceleration"))
@@ -117,6 +122,8 @@ class LeadSettings:
     blocking_gap: float = 0.3
     passing_distance: float = 7.0
     queue_gap: float = 15.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -152,6 +159,8 @@ class YieldSettings:
     assumed_braking: float = 2.0
     assumed_acceleration: float = 2.0
     acceleration_time: float = 0.5
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_fields(self)

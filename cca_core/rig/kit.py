@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.rig.safe_stop import StopProfile, StoredStop
 from cca_core.vehicle import VehicleState
 
@@ -84,6 +85,8 @@ class KitSettings:
     a_x_min: float = -9.0
     a_x_max: float = 3.0
     blind_deceleration: float = 4.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in ("timeout", "delta_max", "delta_rate_max", "a_x_max", "blind_deceleration"):

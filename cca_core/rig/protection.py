@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from enum import Enum
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 
 N_COUNTS = 15
@@ -87,6 +88,8 @@ class ProtectionSettings:
     max_error_init: int = 0
     max_error_valid: int = 3
     max_error_invalid: int = 1
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.rig.frames import Frame, KitStatus
 from cca_core.rig.kit import DriveByWireKit, KitState, SteeringCommand
@@ -45,6 +46,8 @@ class StateSettings:
     frozen_cycles: int = 3
     frozen_fraction: float = 0.3
     frozen_distance: float = 0.3
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in self.__slots__:

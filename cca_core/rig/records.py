@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any
 
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.planner.command import Command
 from cca_core.rig.kit import KitState
@@ -55,6 +56,8 @@ class PlantRow:
     answered: int
     collided_with: str
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class VehicleRow:
@@ -90,6 +93,8 @@ class VehicleRow:
     received: float
     sent: float
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ProcessRecord:
@@ -114,6 +119,8 @@ class ProcessRecord:
     refused: dict[str, str]
     messages: dict[str, int] = field(default_factory=dict)
     counts: dict[str, dict[str, int]] = field(default_factory=dict)
+
+    __repr__ = short_repr
 
 
 def write_record(record: ProcessRecord, file: str | FilePath) -> None:

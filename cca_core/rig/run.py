@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
+from cca_core._repr import short_repr
 from cca_core.errors import CcaError
 from cca_core.rig.bus_log import BusRecorder
 from cca_core.rig.merge import measure_links, merge_log
@@ -90,6 +91,8 @@ class RigRun:
     links: dict[str, dict[str, Any]]
     plant: ProcessRecord
     vehicle: ProcessRecord
+
+    __repr__ = short_repr
 
     def summary(self) -> dict[str, Any]:
         """Key figures of the run.

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from cca_core._checks import check_array, check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 
 SAFE_STOP_POINTS = 40
@@ -40,6 +41,8 @@ class StopProfile:
     heading: tuple[float, ...]
     delta: tuple[float, ...]
     a_x: tuple[float, ...]
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_real("spacing", self.spacing, gt=0.0)

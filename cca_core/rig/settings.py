@@ -10,6 +10,7 @@ import numpy as np
 
 from cca_core._checks import check_array, check_real, shown
 from cca_core._files import read_bytes
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.rig.wrap import WRAPPERS
 
@@ -130,6 +131,8 @@ class RigSettings:
     vehicle_control: str = ""
     monitor_port: int = 8765
 
+    __repr__ = short_repr
+
     def __post_init__(self) -> None:
         bus: object = self.bus
         if not isinstance(bus, dict) or not all(isinstance(key, str) for key in bus):
@@ -206,6 +209,8 @@ class VehicleSettings:
     detection_timeout: float = 0.1
     ego_id: str = "ffffffff"
     clears: bool = True
+
+    __repr__ = short_repr
 
 
 def read_rig_settings(file: str | FilePath) -> RigSettings:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.follow import PreviewController, friction_limited
 from cca_core.path import Path
 from cca_core.planner import SafeStop
@@ -54,6 +55,8 @@ class SafeStopSettings:
     lag: float = 0.1
     step: float = 0.05
     max_time: float = 25.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_real("deceleration", self.deceleration, gt=0.0)

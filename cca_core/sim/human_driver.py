@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.decide import Action, CrossingSettings, Decision, find_conflict
 from cca_core.decide.action import explained
 from cca_core.errors import Status
@@ -51,6 +52,8 @@ class DriverSettings:
     alarm_time: float = 6.0
     crossing_horizon: float = 6.0
     min_pet: float = 0.5
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in self.__slots__:

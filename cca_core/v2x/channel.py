@@ -7,6 +7,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from cca_core._checks import check_array, check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 
 __all__ = ["Channel", "ChannelSettings", "ReceivedMessage"]
@@ -53,6 +54,8 @@ class ChannelSettings:
     reorder_probability: float = 0.0
     reorder_delay: float = 0.15
     duplicate_probability: float = 0.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for field in fields(self):

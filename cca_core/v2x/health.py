@@ -4,6 +4,7 @@ import math
 from collections import Counter, deque
 from dataclasses import dataclass
 
+from cca_core._repr import short_repr
 from cca_core.v2x.update_result import ACCEPTED_KINDS, UNCOUNTED_KINDS
 
 __all__ = ["MessageRates", "TrackerHealth"]
@@ -51,6 +52,8 @@ class TrackerHealth:
     clock_correction: float = 0.0
     clock_senders: int = 0
     reason: str = ""
+
+    __repr__ = short_repr
 
     @property
     def trusted(self) -> bool:

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from cca_core._repr import short_repr
+
 __all__ = ["BrakeStatus", "Bsm", "PositionalAccuracy"]
 
 
@@ -20,6 +22,8 @@ class PositionalAccuracy:
     semi_major: float | None = None
     semi_minor: float | None = None
     orientation: float | None = None
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,6 +46,8 @@ class BrakeStatus:
     scs: str | None = None
     boost: str | None = None
     aux: str | None = None
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,3 +116,5 @@ class Bsm:
     length: float | None = None
     events: frozenset[str] = frozenset()
     signed: str | None = None
+
+    __repr__ = short_repr

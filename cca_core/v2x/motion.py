@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 from cca_core._checks import check_real, formula
+from cca_core._repr import short_repr
 from cca_core.geometry import wrap_angle
 from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED
 
@@ -76,6 +77,8 @@ class PositionErrorModel:
     across_rate: float = 0.32
     assumed_acceleration: float = 8.0
     assumed_lateral_acceleration: float = 1.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for field in fields(self):

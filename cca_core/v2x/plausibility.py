@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, fields
 
 from cca_core._checks import check_bool, check_real
+from cca_core._repr import short_repr
 from cca_core.geometry import wrap_angle
 from cca_core.v2x.motion import Fix
 
@@ -104,6 +105,8 @@ class PlausibilitySettings:
     min_turning_speed: float = 3.0
     max_acceleration: float = 12.0
     teleport_factor: float = 3.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.path.local_frame import LocalFrame
 from cca_core.v2x._projection import unprojector
 from cca_core.v2x.bsm import Bsm, PositionalAccuracy, encode_bsm
@@ -46,6 +47,8 @@ class SenderSettings:
     noise_time_constant: float = 0.0
     freeze_probability: float = 0.0
     mean_freeze_length: float = 1.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for field in fields(self):

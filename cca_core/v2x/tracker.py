@@ -80,6 +80,9 @@ class Tracker:
     def __len__(self) -> int:
         return len(self._intake.tracks.by_id)
 
+    def __repr__(self) -> str:
+        return f"Tracker({len(self)} tracks, {self.counts.total()} messages)"
+
     @property
     def dropped(self) -> tuple[UpdateResult, ...]:
         """Results of the last 100 rejected messages, oldest first."""

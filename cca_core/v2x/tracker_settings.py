@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field, fields
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.v2x.motion import PositionErrorModel
 from cca_core.v2x.plausibility import PlausibilitySettings
@@ -80,6 +81,8 @@ class TrackerSettings:
     sigma_height: float = 1.0
     length: float = 5.0
     width: float = 2.0
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name, kind in (("plausibility", PlausibilitySettings), ("position_errors", PositionErrorModel)):

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from cca_core._repr import short_repr
+
 __all__ = ["ACCEPTED_KINDS", "UNCOUNTED_KINDS", "UpdateResult"]
 
 ACCEPTED_KINDS = frozenset({"new", "updated", "readmitted", "reassociated", "separated"})
@@ -42,3 +44,5 @@ class UpdateResult:
     t: float
     message: str = "BSM"
     signed: str | None = None
+
+    __repr__ = short_repr

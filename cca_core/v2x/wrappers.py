@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.v2x.uper import frame_extent
 
@@ -45,6 +46,8 @@ class MessageFrame:
     name: str
     wrappers: tuple[str, ...] = ()
     signed: str | None = None
+
+    __repr__ = short_repr
 
 
 class _Cursor:

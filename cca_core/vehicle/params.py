@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import as_array, check_real, formula
+from cca_core._repr import short_repr
 from cca_core.geometry import Boxes, boxes
 
 __all__ = ["VehicleParams"]
@@ -59,6 +60,8 @@ class VehicleParams:
     delta_max: float = 0.6
     delta_rate_max: float = 0.6
     steering_lag: float = 0.1
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for field in fields(self):

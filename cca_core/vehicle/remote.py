@@ -7,6 +7,7 @@ from operator import attrgetter
 
 import numpy as np
 
+from cca_core._repr import short_repr
 from cca_core.vehicle.constants import MAX_COORDINATE, MAX_SPEED
 
 __all__ = ["RemoteVehicle", "is_finite_number"]
@@ -61,6 +62,8 @@ class RemoteVehicle:
     source: str = "v2v"
     z: float | None = None
     sigma_z: float = 0.0
+
+    __repr__ = short_repr
 
     @property
     def invalid_reason(self) -> str | None:

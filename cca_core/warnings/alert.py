@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.decide import CrossingSettings
 from cca_core.vehicle import GRAVITY, STANDSTILL_SPEED
 
@@ -54,6 +55,8 @@ class Alert:
     vehicle_id: str
     time_to_conflict: float
     reason: str
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,6 +139,8 @@ class AlertSettings:
     crossing: CrossingSettings = field(
         default_factory=lambda: CrossingSettings(a_max=0.0, b_max=0.0, clearance=0.0)
     )
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name in self.__slots__:

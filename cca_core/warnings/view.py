@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 from cca_core.decide.crossing import Conflict, find_conflict_for_sweep
 from cca_core.decide.sweep import Sweep
 from cca_core.errors import InputError
@@ -52,6 +53,8 @@ class VehicleInView:
     crosses_ego_turn: bool = False
     occluded_by: str = ""
 
+    __repr__ = short_repr
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WarningView:
@@ -76,6 +79,8 @@ class WarningView:
     lane_width: float = 3.5
     intent: Literal["left", "right"] | None = None
     vehicles: tuple[VehicleInView, ...] = ()
+
+    __repr__ = short_repr
 
 
 def warning_view(

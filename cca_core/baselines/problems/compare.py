@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
+from cca_core._repr import short_repr
 from cca_core.baselines.problems.drive import drive_plan
 from cca_core.baselines.problems.kept_row import kept_row
 from cca_core.baselines.problems.problem import Plan, PlanningMethod, Problem
@@ -78,6 +79,8 @@ class ComparisonRow:
     driven_jerk: float = math.nan
     tracking: float = math.nan
     finished: bool = False
+
+    __repr__ = short_repr
 
 
 def compare(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._repr import short_repr
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.baselines.problems.verify import edge_distance, max_jerk
 from cca_core.follow import PreviewController, steady_turn
@@ -47,6 +48,8 @@ class DriveResult:
     a_y: float
     jerk: float
     xy: Array
+
+    __repr__ = short_repr
 
 
 class _RecordingPlant(SingleTrackPlant):

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cca_core._checks import Array, check_bool, check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError, Status
 from cca_core.geometry import Boxes
 from cca_core.path import Road
@@ -56,6 +57,8 @@ class Problem:
     clearance: float = 0.3
     a_y_max: float = 4.0
     solvable: bool = True
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         path = self.road.path
@@ -124,6 +127,8 @@ class Plan:
     t: Array = field(default_factory=lambda: np.empty(0))
     xy: Array = field(default_factory=lambda: np.empty((0, 2)))
     v_x: Array = field(default_factory=lambda: np.empty(0))
+
+    __repr__ = short_repr
 
 
 class PlanningMethod(Protocol):

@@ -7,6 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._repr import short_repr
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.errors import InputError, Status
 from cca_core.geometry import QUINTIC_PEAK, quintic_step
@@ -43,6 +44,8 @@ class SampledProblem:
     seed: int
     problem: Problem
     proof: Plan | None
+
+    __repr__ = short_repr
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +84,8 @@ class SamplingSettings:
     turned_length: float = 0.3
     a_y_fraction: tuple[float, float] = (0.5, 0.85)
     run_out: float = 150.0
+
+    __repr__ = short_repr
 
     @property
     def center_distance(self) -> float:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._repr import short_repr
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.geometry import Boxes, arc_length, box_gap
 
@@ -64,6 +65,8 @@ class Verification:
     jerk: float
     a_y_reversals: int
     length: float
+
+    __repr__ = short_repr
 
     @property
     def passed(self) -> bool:

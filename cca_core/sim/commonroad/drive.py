@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings, steady_steering
 from cca_core.geometry import box_gap, boxes, wrap_angle
@@ -74,6 +75,8 @@ class CommonRoadRun:
     decisions: tuple[tuple[float, str, str], ...]
     dropped: tuple[str, ...]
     t_goal: float | None
+
+    __repr__ = short_repr
 
     def summary(self) -> dict[str, Any]:
         """Key figures of the run.

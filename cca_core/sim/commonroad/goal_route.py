@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from cca_core._checks import Array, check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings, jerk_limited, profile_acceleration, squared_speed_limit
 from cca_core.geometry import wrap_angle
@@ -53,6 +54,8 @@ class GoalSettings:
     lateral_acceleration: float = 2.5
     time_margin: float = 0.1
     speed_margin: float = 0.2
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for field in fields(self):

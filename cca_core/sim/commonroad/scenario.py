@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._repr import short_repr
 from cca_core.sim.commonroad.lanelets import Lanelet, inside
 from cca_core.vehicle import RemoteVehicle, VehicleState
 
@@ -103,3 +104,5 @@ class CommonRoadScenario:
     problems: tuple[PlanningProblem, ...]
     left_out: tuple[str, ...] = ()
     changed: tuple[str, ...] = ()
+
+    __repr__ = short_repr

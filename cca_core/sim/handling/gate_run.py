@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cca_core._checks import Array, check_real
+from cca_core._repr import short_repr
 from cca_core.band import Band
 from cca_core.follow import PreviewController
 from cca_core.geometry import box_gap
@@ -40,6 +41,8 @@ class GateRun:
     exit_speed: float
     poses: Array
     run: TrackingRun
+
+    __repr__ = short_repr
 
     @property
     def gap(self) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cca_core._checks import Array, check_real
+from cca_core._repr import short_repr
 from cca_core.follow import PoseEstimator, SpeedSettings, profile_acceleration
 from cca_core.geometry import quintic_step
 from cca_core.path import Path, interpolate_path
@@ -39,6 +40,8 @@ class TrackingRun:
     delta: Array
     a_y: Array
     finished: bool
+
+    __repr__ = short_repr
 
     @property
     def peak(self) -> float:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from types import NoneType
 
 from cca_core._checks import check_bool, check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.path import Path
 
@@ -194,6 +195,8 @@ class RoadUser:
     actions: tuple[RoadUserAction, ...] = ()
     connected: bool = True
     events: frozenset[str] = frozenset()
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_real("s", self.s)

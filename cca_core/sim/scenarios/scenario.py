@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cca_core._checks import check_array, check_bool, check_real
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings
 from cca_core.path import Road
@@ -149,6 +150,8 @@ class Scenario:
     seed: int = 1
     hazard_id: str | None = None
     origin: tuple[float, float] = (41.3, -105.6)
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         check_real("start", self.start, ge=self.road.path.start, le=self.road.path.end)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from cca_core._checks import check_array, check_real, shown
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.sim.scenarios.road_user import (
     LateralShiftAction,
@@ -74,6 +75,8 @@ class ParameterRanges:
     radio_range: tuple[float, float] | None = None
     position_noise: tuple[float, float] = (0.0, 0.5)
     reaction_time: tuple[float, float] = (0.7, 1.5)
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         if not isinstance(self.scenario, str):

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from cca_core._checks import Mask, check_real
+from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.sim.scenarios.scenario import EGO_TYPES
 
@@ -40,6 +41,19 @@ class Rate:
     def value(self) -> float:
         """The fraction itself [-]; 0 without runs."""
         return self.n_events / self.n if self.n else 0.0
+
+    def __str__(self) -> str:
+        return f"{self.n_events} of {self.n}, {_percent(self.ci_low)} to {_percent(self.ci_high)} %"
+
+    def __repr__(self) -> str:
+        return f"Rate({self} at {_percent(self.confidence)} % confidence)"
+
+
+def _percent(probability: float) -> str:
+    percent = 100.0 * probability
+    if 99.5 <= percent < 100.0:  # never rounded to 100
+        return f"{percent:.4g}"
+    return f"{percent:.2g}" if percent < 9.95 else f"{percent:.0f}"
 
 
 def estimate_rate(n_events: int, n: int, *, confidence: float = 0.95) -> Rate:
@@ -75,6 +89,16 @@ class StudyTable:
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    def __repr__(self) -> str:
+        first = f"StudyTable({self.scenario}, {len(self)} runs"
+        egos = [ego_type for ego_type in EGO_TYPES if f"{ego_type}_collided_with" in self.names]
+        if not egos or "avoiding_action" not in self.names:
+            return f"{first})"
+        rates = "".join(f"\n  {ego_type:<7} {self.rate(ego_type)}" for ego_type in egos)
+        return (
+            f"{first}, {np.sum(self.avoidable)} avoidable; collisions among these at 95 % confidence:{rates})"
+        )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -162,6 +186,21 @@ class StudyTable:
         counted = self.avoidable if among is None else among
         collided = int(np.sum(self.collided(ego_type) & counted))
         return estimate_rate(collided, int(np.sum(counted)), confidence=confidence)
+
+    def to_dataframe(self) -> Any:
+        """Return all columns as a data frame of pandas.
+
+        Returns
+        -------
+        frame : pandas.DataFrame
+            One row for each run, one column for each of `names`, in SI units.
+
+        Raises
+        ------
+        MissingExtraError
+            If pandas is not installed.
+        """
+        return require_extra("pandas", None).DataFrame({name: self.column(name) for name in self.names})
 
     def write_csv(self, path: str | FilePath) -> None:
         """Write all columns to a CSV file; numbers read back exactly.

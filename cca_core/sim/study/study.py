@@ -9,6 +9,7 @@ from itertools import count, islice
 from pathlib import Path as FilePath
 from typing import Any
 
+from cca_core._repr import short_repr
 from cca_core.errors import InputError
 from cca_core.sim.plants.build import PLANTS, PlantMaker
 from cca_core.sim.study.parameters import ParameterRanges
@@ -48,6 +49,8 @@ class Study:
     runs: int | None = None
     avoidable: int | None = None
     plant: str | PlantMaker = "single_track"
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         if (self.runs is None) == (self.avoidable is None):

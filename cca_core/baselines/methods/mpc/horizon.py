@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from cca_core._checks import Array, check_real, check_reals
+from cca_core._repr import short_repr
 from cca_core.baselines.problems.problem import Problem
 from cca_core.errors import InputError
 from cca_core.frenet import FrenetVehicle, to_frenet
@@ -101,6 +102,8 @@ class MpcSettings:
     iterations: int = 80
     cpu_time: float = 0.5
     solver: Literal["ipopt", "fatrop"] = "ipopt"
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for name, lowest in (("intervals", 5), ("max_side_choices", 1), ("iterations", 1)):

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 from cca_core._checks import check_real
+from cca_core._repr import short_repr
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,6 +56,8 @@ class MpcPlannerSettings:
     drive_lag: float = 0.1
     yaw_lag: float = 0.1
     prepared_vehicles: int = 4
+
+    __repr__ = short_repr
 
     def __post_init__(self) -> None:
         for field in fields(self):
