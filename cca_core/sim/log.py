@@ -1,13 +1,15 @@
 """Log of a run, cycle by cycle, and its metrics."""
 
 from dataclasses import dataclass
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
 
-from cca_core._checks import Array, Mask
+from cca_core._checks import Array, Mask, check_real
 from cca_core.decide import Action
 from cca_core.geometry import Boxes, box_gap
+from cca_core.sim.export import decision_index, run_columns, write_mcap, write_table
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.vehicle import RemoteVehicle
 
@@ -123,6 +125,12 @@ class Log:
         return np.isfinite(self.road_users[..., 0])
 
     @property
+    def collision_row(self) -> int | None:
+        """Cycle of the first collision, the last one of a simulated run; None if there was none."""
+        rows = np.flatnonzero((self.gaps() <= 0.0).any(axis=1))
+        return int(rows[0]) if len(rows) else None
+
+    @property
     def collided_with(self) -> str:
         """Id of the road user that the ego collided with; empty if there was no collision."""
         return next((name for _, kind, name in self.events if kind == "collision"), "")
@@ -186,9 +194,8 @@ class Log:
             Magnitude of the difference of both velocities [m/s], the severity of a collision; 0 without road
             users.
         """
-        gaps = self.gaps()
-        collided = np.flatnonzero((gaps <= 0.0).any(axis=1))
-        row = int(collided[0]) if len(collided) else len(gaps) - 1
+        gaps, row = self.gaps(), self.collision_row
+        row = len(gaps) - 1 if row is None else row
         if not np.isfinite(gaps[row]).any():
             return 0.0
         _, _, psi, v = self.road_users[row, int(np.argmin(gaps[row]))].tolist()
@@ -218,6 +225,60 @@ class Log:
         """Names of the actions in order, one for each change."""
         return [name for _, name, _ in self.decisions]
 
+    def columns(self) -> dict[str, np.ndarray[Any, Any]]:
+        """Everything that changes from cycle to cycle, for example for ``pandas.DataFrame``.
+
+        Returns
+        -------
+        columns : dict of ndarray, shape (n,)
+            In SI units, by name. Columns of a road user begin with its id and a dot; their numbers are NaN
+            while it is not `present`.
+        """
+        return run_columns(self)
+
+    def to_table(self, path: str | FilePath) -> None:
+        """Write `columns` to a file, a row for each cycle.
+
+        Parameters
+        ----------
+        path : str or pathlib.Path
+            File to write. Its ending is ``.csv``, in which unknown numbers are empty and numbers read back
+            exactly, or ``.parquet``.
+
+        Raises
+        ------
+        InputError
+            If the ending is another one.
+        MissingExtraError
+            If pyarrow is needed and not installed (extra ``parquet``).
+        """
+        write_table(run_columns(self), path)
+
+    def to_mcap(self, path: str | FilePath, *, start_time: float = 0.0) -> None:
+        """Write the run to an MCAP file, which Foxglove and other viewers show.
+
+        Parameters
+        ----------
+        path : str or pathlib.Path
+            File to write, as a rule ``.mcap``.
+        start_time : float
+            Time at t = 0 on the clock of the file [s], such as UTC since 1970.
+
+        Raises
+        ------
+        InputError
+            If a time would be negative in the file.
+        MissingExtraError
+            If mcap is not installed (extra ``mcap``).
+
+        Notes
+        -----
+        Messages are JSON with a schema: ``/ego/pose`` (center of gravity), ``/vehicles`` (boxes of the ego
+        and of all road users), ``/command``, ``/diagnostics``, ``/decisions`` (each change of action with its
+        reason) and ``/events``.
+        """
+        write_mcap(self, path, check_real("start_time", start_time))
+
     def summary(self) -> dict[str, Any]:
         """Key figures of the run.
 
@@ -228,10 +289,11 @@ class Log:
             tracking error [m], actions with their times [s], cycle times [us]; None where unknown.
         """
         gaps = self.gaps()
-        collided = bool((gaps <= 0.0).any())
-        nearest = self.scenario.road_users[int(np.argmin(gaps.min(axis=0)))].id if collided else None
+        row = self.collision_row
+        collided = row is not None
+        nearest = self.scenario.road_users[int(np.argmin(gaps[row]))].id if collided else None
         jerk = np.abs(np.diff(self.ego[:, 7])) / np.diff(self.t)
-        evading = _evading(self)
+        evading = np.array([Action(name).is_evading for name in self.actions])[decision_index(self)]
         return {
             "scenario": self.scenario.name,
             "case": self.scenario.case,
@@ -264,12 +326,6 @@ class Log:
                 "max": _rounded(self.cycle_us.max(), 0),
             },
         }
-
-
-def _evading(log: Log) -> Mask:
-    begins = [t for t, _, _ in log.decisions]
-    index = np.searchsorted(begins, log.t, side="right") - 1
-    return np.array([Action(log.decisions[i][1]).is_evading for i in index])
 
 
 def _rounded(value: Any, digits: int = 3) -> float | None:

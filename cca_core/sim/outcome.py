@@ -50,12 +50,10 @@ def first_collision(log: Log) -> Collision | None:
     collision : Collision or None
         None if the ego did not collide.
     """
-    gaps = log.gaps()
-    rows = np.flatnonzero((gaps <= 0.0).any(axis=1))
-    if not len(rows):
+    row = log.collision_row
+    if row is None:
         return None
-    row = int(rows[0])
-    i = int(np.argmin(gaps[row]))
+    i = int(np.argmin(log.gaps()[row]))
     ego, other = (
         np.vstack((corners, 0.5 * (corners + np.roll(corners, 1, axis=0))))
         for corners in (body.corners()[row, k] for body, k in zip(log.bodies(), (0, i), strict=True))
