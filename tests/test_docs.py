@@ -5,6 +5,8 @@ import importlib
 import inspect
 import pkgutil
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -203,6 +205,18 @@ def test_quickstart_runs(
     gains = done["gains"]
     assert len(gains.speeds) == 3
     assert min(gains.k_p) > 0.0
+
+
+@pytest.mark.requires("matplotlib", "mcap")
+@pytest.mark.parametrize("name", ["own_scenario", "own_plant"])
+def test_page_is_a_program(name: str, tmp_path: Path) -> None:
+    script = tmp_path / f"{name}.py"  # studies need the source in a file
+    script.write_text(blocks(DOCS / f"{name}.md"), encoding="utf-8")
+    result = subprocess.run(
+        [sys.executable, script.name], cwd=tmp_path, capture_output=True, text=True, timeout=900
+    )
+    assert result.returncode == 0, result.stderr[-4000:]
+    assert result.stdout
 
 
 def test_readme_picture_matches_its_code(tmp_path: Path) -> None:
