@@ -14,8 +14,8 @@ from cca_core.errors import InputError
 from tests.support.spoiled_files import readers, spoil, spoil_archive, spoil_elements
 
 NAMES = [
-    "gpx", "kml", "geojson", "csv", "nmea", "commonroad", "opendrive", "messages", "messages-json",
-    "messages-jsonl", "messages-csv", "log", "store",
+    "gpx", "kml", "geojson", "csv", "nmea", "commonroad", "opendrive", "sumo", "messages",
+    "messages-json", "messages-jsonl", "messages-csv", "log", "store",
 ]  # fmt: skip
 
 
@@ -38,7 +38,7 @@ def refused(file: Path, read: Callable[[Path], Any], data: bytes) -> bool:
 
 def spoiled(name: str, data: bytes, seed: int) -> bytes:
     rng = random.Random(f"{name} {seed}")
-    if name in ("gpx", "kml", "commonroad", "opendrive") and rng.random() < 0.5:
+    if name in ("gpx", "kml", "commonroad", "opendrive", "sumo") and rng.random() < 0.5:
         return spoil_elements(data, rng)
     return spoil_archive(data, rng) if name == "log" and rng.random() < 0.7 else spoil(data, rng)
 

@@ -27,6 +27,7 @@ from cca_core.adapters.highway_net import read_highway_road
 from cca_core.adapters.opendrive import OpenDriveMap, read_opendrive
 from cca_core.adapters.radio import RadioLink
 from cca_core.adapters.sumo import SumoWorld
+from cca_core.adapters.sumo_file import SumoNet, read_sumo_net
 
 __all__ = [
     "CarlaControl",
@@ -36,6 +37,7 @@ __all__ = [
     "MotionDifferences",
     "OpenDriveMap",
     "RadioLink",
+    "SumoNet",
     "SumoWorld",
     "carla_remote",
     "carla_state",
@@ -48,6 +50,7 @@ __all__ = [
     "highway_vehicle",
     "read_highway_road",
     "read_opendrive",
+    "read_sumo_net",
     "shift_point",
     "to_carla_control",
     "to_carla_pose",

@@ -35,8 +35,8 @@ def hermite_path(points: Array, tangents: Array, lengths: Array) -> Path:
     return Path(np.append(0.0, np.cumsum(lengths)), cubics)
 
 
-def lanes_along(path: Path, parts: Sequence[Sequence[LaneLine]]) -> list[Lane]:
-    """Return the lanes of a route from those of its parts, in driving order."""
+def lanes_along(path: Path, parts: Sequence[Sequence[LaneLine]], detail: float = _DETAIL) -> list[Lane]:
+    """Return the lanes of a route from those of its parts, in driving order, exact to a detail [m]."""
     lengths = [max(_center_length(line) for line in part if line.is_ego) for part in parts]
     scale = path.length / sum(lengths)
     joined, start = [], path.start
@@ -47,19 +47,19 @@ def lanes_along(path: Path, parts: Sequence[Sequence[LaneLine]]) -> list[Lane]:
             end = float(path.project(0.5 * (ego.right[-1] + ego.left[-1]), end)[0])
         strips = []
         for line in part:
-            rows = _rows(path, line, start, end)
+            rows = _rows(path, line, start, end, detail)
             if len(rows) > 1 and np.any(rows[:, 2] > rows[:, 1] + _DETAIL):
                 strips.append(Strip(line.direction, line.is_ego, [(s, r, d) for s, r, d in rows.tolist()]))
         joined.append((strips, start, end))
         start = end
-    return join_strips(joined, 2.0 * _DETAIL)
+    return join_strips(joined, max(detail, 2.0 * _DETAIL))
 
 
 def _center_length(line: LaneLine) -> float:
     return 0.5 * float(arc_length(line.right)[-1] + arc_length(line.left)[-1])
 
 
-def _rows(path: Path, line: LaneLine, start: float, end: float) -> Array:
+def _rows(path: Path, line: LaneLine, start: float, end: float, detail: float) -> Array:
     """Return stations and lateral offsets of the boundaries of a lane between two stations."""
     sides = []
     for points in (line.right, line.left):
@@ -79,10 +79,10 @@ def _rows(path: Path, line: LaneLine, start: float, end: float) -> Array:
     at = np.concatenate(((first,), np.unique(np.round(inner, 6)), (last,)))
     right, left = (np.interp(at, s, d) for s, d in sides)
     left = np.maximum(left, right)
-    return _simplified(np.column_stack((at, right, left)))
+    return _simplified(np.column_stack((at, right, left)), 0.5 * detail)
 
 
-def _simplified(rows: Array) -> Array:
+def _simplified(rows: Array, tolerance: float) -> Array:
     """Return rows without those that lie between their neighbors (Ramer-Douglas-Peucker)."""
     kept, pending = {0, len(rows) - 1}, [(0, len(rows) - 1)]
     while pending:
@@ -94,7 +94,7 @@ def _simplified(rows: Array) -> Array:
             axis=1
         )
         worst = int(np.argmax(off))
-        if off[worst] > 0.5 * _DETAIL:
+        if off[worst] > tolerance:
             kept.add(i + 1 + worst)
             pending += [(i, i + 1 + worst), (i + 1 + worst, k)]
     return rows[sorted(kept)]

@@ -95,8 +95,8 @@ class SumoWorld:
         -------
         road : Road
             It follows the ego's lane and its connections through the junctions, to where the route or the
-            lane ends. Its lanes are those that go along from its beginning to its end, opposing ones too. Its
-            speed limit is the lowest of these edges.
+            lane ends. Its lanes are those of the edges and of the opposite edges, each as far as it goes
+            along. Its speed limits are those of the edges.
 
         Raises
         ------

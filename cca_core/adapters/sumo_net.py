@@ -1,23 +1,25 @@
-"""A road from a net of SUMO, along the ego's route."""
+"""Roads along lanes of a net of SUMO, which is read from a file or through a connection."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core.adapters.lane_lines import LaneLine, lanes_along
 from cca_core.errors import InputError
 from cca_core.geometry import arc_length
-from cca_core.path import Lane, Path, Road, fit_path
+from cca_core.path import Path, Road, fit_path
+
+__all__ = ["LaneLink", "Net", "Step", "find_chain", "read_road", "road_along"]
 
 _SPACING = 8.0  # of points on lanes [m]
 _TOLERANCE = 0.05  # of the path [m]
-_LANE_DRIFT = 0.5  # of the lateral offset of a lane that goes along [m]
-_ENDS = 3  # points at each end of a lane that may be bent by a junction
+_DETAIL = 0.1  # of lane boundaries [m]
 
 
-class _Link(NamedTuple):
+class LaneLink(NamedTuple):
     """A connection to a lane of the next edge, by a lane within the junction if there is one."""
 
     lane: str
@@ -25,151 +27,214 @@ class _Link(NamedTuple):
     goes_straight: bool
 
 
+class Step(NamedTuple):
+    """A lane of the route, and the lanes within the junction behind it."""
+
+    lane: str
+    inner: tuple[str, ...]
+
+
+class Net(Protocol):
+    """What a road needs of a net."""
+
+    def lanes_of(self, edge: str) -> list[str]:
+        """Return the lanes of an edge, the right one first."""
+
+    def edge_of(self, lane: str) -> str:
+        """Return the edge of a lane."""
+
+    def links(self, lane: str) -> list[LaneLink]:
+        """Return the connections of a lane."""
+
+    def shape(self, lane: str) -> Array:
+        """Return the corners of a lane's center line [m], shape (n, 2)."""
+
+    def width(self, lane: str) -> float:
+        """Return the width of a lane [m]."""
+
+    def speed(self, lane: str) -> float:
+        """Return the speed limit of a lane [m/s]."""
+
+    def may_use(self, lane: str, kind: str) -> bool:
+        """Return whether a class of vehicles may use a lane."""
+
+    def opposite(self, edge: str) -> str | None:
+        """Return the edge between the same junctions in the other direction."""
+
+
+class LiveNet:
+    """The net of a running simulation."""
+
+    def __init__(self, connection: Any) -> None:
+        self._connection = connection
+        self._back: dict[tuple[str, str], str] | None = None
+
+    def lanes_of(self, edge: str) -> list[str]:
+        """Return the lanes of an edge, the right one first."""
+        return [f"{edge}_{i}" for i in range(self._connection.edge.getLaneNumber(edge))]
+
+    def edge_of(self, lane: str) -> str:
+        """Return the edge of a lane."""
+        return str(self._connection.lane.getEdgeID(lane))
+
+    def links(self, lane: str) -> list[LaneLink]:
+        """Return the connections of a lane."""
+        return [LaneLink(link[0], link[4], link[6] == "s") for link in self._connection.lane.getLinks(lane)]
+
+    def shape(self, lane: str) -> Array:
+        """Return the corners of a lane's center line [m]."""
+        return np.array(self._connection.lane.getShape(lane))[:, :2]
+
+    def width(self, lane: str) -> float:
+        """Return the width of a lane [m]."""
+        return float(self._connection.lane.getWidth(lane))
+
+    def speed(self, lane: str) -> float:
+        """Return the speed limit of a lane [m/s]."""
+        return float(self._connection.lane.getMaxSpeed(lane))
+
+    def may_use(self, lane: str, kind: str) -> bool:
+        """Return whether a class of vehicles may use a lane."""
+        allowed = self._connection.lane.getAllowed(lane)
+        return kind in allowed if allowed else kind not in self._connection.lane.getDisallowed(lane)
+
+    def opposite(self, edge: str) -> str | None:
+        """Return the edge between the same junctions in the other direction."""
+        ends = self._connection.edge
+        if self._back is None:
+            edges = [e for e in ends.getIDList() if not e.startswith(":")]
+            self._back = {(ends.getToJunction(e), ends.getFromJunction(e)): e for e in edges}
+        return self._back.get((ends.getFromJunction(edge), ends.getToJunction(edge)))
+
+
 def read_road(connection: Any, ego_id: str, length: float) -> Road:
     """Return the road along the ego's lane and route, of edges that begin within `length`."""
-    cars, lanes = connection.vehicle, connection.lane
-    first, pieces = cars.getLaneID(ego_id), []
+    cars, net = connection.vehicle, LiveNet(connection)
+    first, start = cars.getLaneID(ego_id), ""
     edges = list(cars.getRoute(ego_id)[max(cars.getRouteIndex(ego_id), 0) :])
     if not first:
         raise InputError(f"ego_id must be on a lane, was {ego_id!r}")
     if first.startswith(":"):  # within a junction
-        pieces, first = [first], _links(connection, first)[0].lane
+        start, first = first, net.links(first)[0].lane
         edges = edges[1:]
-    chain = _chain(connection, first, edges)
-    driven = 0.0
-    for i, (lane, inner) in enumerate(chain):
+    steps, driven = [], 0.0
+    for step in find_chain(net, first, edges):
         if driven > length:
-            chain = chain[:i]
             break
-        pieces += [lane, *inner]
-        driven += sum(lanes.getLength(piece) for piece in (lane, *inner))
-    main = [lane for lane, _ in chain]
-    path = fit_path(_joined(connection, pieces), tolerance=_TOLERANCE)
-    road_lanes = [Lane(d=0.0, width=min(map(lanes.getWidth, main)))]
-    for along, direction in _lanes_along(connection, main, cars.getVehicleClass(ego_id)):
-        lane_along = _measured(connection, path, along, direction)
-        if lane_along is not None:
-            road_lanes.append(lane_along)
-    return Road(path, road_lanes, speed_limit=min(map(lanes.getMaxSpeed, main)))
+        steps.append(step)
+        driven += sum(float(arc_length(net.shape(piece))[-1]) for piece in (step.lane, *step.inner))
+    return road_along(net, steps, cars.getVehicleClass(ego_id), start)
 
 
-def _links(connection: Any, lane: str) -> list[_Link]:
-    """Return the connections of a lane."""
-    return [_Link(link[0], link[4], link[6] == "s") for link in connection.lane.getLinks(lane)]
-
-
-def _inner_lanes(connection: Any, link: _Link) -> list[str]:
-    """Return the lanes of a connection within its junction."""
-    found, via = [], link.via
-    while via and via not in found:
-        found.append(via)
-        via = next((more.via for more in _links(connection, via)), "")
-    return found
-
-
-def _chain(connection: Any, lane: str, edges: Sequence[str]) -> list[tuple[str, list[str]]]:
-    """Return the lanes along the edges, each with those within the junction behind it."""
+def find_chain(net: Net, lane: str, edges: Sequence[str]) -> list[Step]:
+    """Return the lanes along edges as far as they lead without a lane change, straight on if they can."""
     # from the last edge on: how many edges the route can be followed, and by which connection
-    reach: dict[str, tuple[int, bool, _Link | None]] = {}
+    reach: dict[str, tuple[int, bool, LaneLink | None]] = {}
     for i in range(len(edges) - 1, -1, -1):
-        for own in _lanes_of(connection, edges[i]):
-            ahead = _links(connection, own) if i + 1 < len(edges) else []
+        for own in net.lanes_of(edges[i]):
             options = [
                 (1 + reach[link.lane][0], link.goes_straight, link)
-                for link in ahead
-                if connection.lane.getEdgeID(link.lane) == edges[i + 1]
+                for link in (net.links(own) if i + 1 < len(edges) else [])
+                if net.edge_of(link.lane) == edges[i + 1]
             ]
             reach[own] = max(options, key=lambda option: option[:2], default=(0, False, None))
-    chain: list[tuple[str, list[str]]] = []
-    link: _Link | None = _Link(lane, "", goes_straight=True)
-    while link is not None:
-        lane = link.lane
+    steps: list[Step] = []
+    for _ in range(max(len(edges), 1)):
         link = reach[lane][2] if lane in reach else None
-        chain.append((lane, [] if link is None else _inner_lanes(connection, link)))
-    return chain
+        steps.append(Step(lane, () if link is None else _inner_lanes(net, link)))
+        if link is None:
+            break
+        lane = link.lane
+    return steps
 
 
-def _lanes_along(connection: Any, main: list[str], kind: str) -> Iterator[tuple[list[str], int]]:
-    """Yield the other lanes of all edges, with their direction: each as long as the road."""
-    edges = [connection.lane.getEdgeID(lane) for lane in main]
-    all_lanes = [_lanes_of(connection, edge) for edge in edges]
-    own = [lanes.index(lane) for lanes, lane in zip(all_lanes, main, strict=True)]
-    for offset in range(-own[0], len(all_lanes[0]) - own[0]):
-        along = [
-            lanes[i + offset] for lanes, i in zip(all_lanes, own, strict=True) if 0 <= i + offset < len(lanes)
-        ]
-        goes_on = all(
-            after in {link.lane for link in _links(connection, before)} for before, after in pairwise(along)
-        )
-        if offset and len(along) == len(main) and goes_on and _may_use(connection, along, kind):
-            yield along, 1
-    opposite = _opposing_lanes(connection, edges)
-    for i in range(min(map(len, opposite))):
-        along = [lanes[i] for lanes in opposite]
-        if _may_use(connection, along, kind):
-            yield along, -1
+def road_along(net: Net, steps: Sequence[Step], kind: str, start: str = "") -> Road:
+    """Return the road along lanes; `start` is a lane within a junction before them."""
+    points = [net.shape(start)] if start else []
+    for step in steps:
+        points += [_resampled(_distinct(net.shape(step.lane))), *map(net.shape, step.inner)]
+    path = fit_path(_distinct(np.concatenate(points)), tolerance=_TOLERANCE)
+    parts = [[_line(net, (start,), is_ego=True)]] if start else []
+    for i, step in enumerate(steps):
+        parts.append(list(_edge_lines(net, step.lane, kind)))
+        if step.inner:
+            after = steps[i + 1].lane if i + 1 < len(steps) else ""
+            parts.append(list(_junction_lines(net, step, after, kind)))
+    limits = _limits(net, path, steps)
+    changes = np.append(True, np.diff(limits[:, 1]) != 0.0)
+    limits = limits[changes]
+    return Road(
+        path, lanes_along(path, parts, _DETAIL), float(limits[0, 1]),
+        speed_limits=limits if len(limits) > 1 else None,
+    )  # fmt: skip
 
 
-def _lanes_of(connection: Any, edge: str) -> list[str]:
-    """Return the lanes of an edge, the right one first."""
-    return [f"{edge}_{i}" for i in range(connection.edge.getLaneNumber(edge))]
+def _limits(net: Net, path: Path, steps: Sequence[Step]) -> Array:
+    """Return stations and speed limits: that of a lane holds until the next edge begins."""
+    rows, s = [(path.start, net.speed(steps[0].lane))], path.start
+    for before, step in pairwise(steps):
+        s += sum(float(arc_length(net.shape(lane))[-1]) for lane in (before.lane, *before.inner))
+        s = float(path.project(net.shape(step.lane)[0], s)[0])
+        rows.append((max(s, rows[-1][0] + 1e-3), net.speed(step.lane)))
+    return np.array(rows)
 
 
-def _opposing_lanes(connection: Any, edges: list[str]) -> list[list[str]]:
-    """Return the lanes of the edges between the same junctions in the other direction, nearest first."""
-    ends, back = connection.edge, {}
-    for edge in ends.getIDList():
-        if not edge.startswith(":"):
-            back[ends.getToJunction(edge), ends.getFromJunction(edge)] = edge
-    found = [back.get((ends.getFromJunction(edge), ends.getToJunction(edge))) for edge in edges]
-    return [[] if edge is None else _lanes_of(connection, edge)[::-1] for edge in found]
+def _inner_lanes(net: Net, link: LaneLink) -> tuple[str, ...]:
+    """Return the lanes of a connection within its junction."""
+    found: list[str] = []
+    via = link.via
+    while via and via not in found:
+        found.append(via)
+        via = next((more.via for more in net.links(via)), "")
+    return tuple(found)
 
 
-def _may_use(connection: Any, lanes: list[str], kind: str) -> bool:
-    """Whether a class of vehicles may use all lanes."""
-    for lane in lanes:
-        allowed = connection.lane.getAllowed(lane)
-        if kind not in allowed if allowed else kind in connection.lane.getDisallowed(lane):
-            return False
-    return True
+def _edge_lines(net: Net, lane: str, kind: str) -> Iterator[LaneLine]:
+    """Yield the lanes of an edge that a class of vehicles may use, and those of the opposite edge."""
+    edge = net.edge_of(lane)
+    for own in net.lanes_of(edge):
+        if own == lane or net.may_use(own, kind):
+            yield _line(net, (own,), is_ego=own == lane)
+    opposite = net.opposite(edge)
+    for other in [] if opposite is None else net.lanes_of(opposite):
+        if net.may_use(other, kind):
+            yield _line(net, (other,), -1)
 
 
-def _measured(connection: Any, path: Path, lanes: list[str], direction: int) -> Lane | None:
-    """Return lanes as one lane along the path; None if they do not keep their distance from it."""
-    offsets = []
-    for lane in lanes:
-        points = _resampled(_shape(connection, lane))
-        inner = points[_ENDS:-_ENDS] if len(points) > 2 * _ENDS else points
-        offsets.append(path.project(inner)[1])
-    all_offsets = np.concatenate(offsets)
-    d = float(np.median(all_offsets))
-    if np.abs(all_offsets - d).max() > _LANE_DRIFT:
-        return None
-    return Lane(d=d, width=min(map(connection.lane.getWidth, lanes)), direction=direction)
+def _junction_lines(net: Net, step: Step, after: str, kind: str) -> Iterator[LaneLine]:
+    """Yield the lanes within a junction between two edges, in both directions."""
+    yield _line(net, step.inner, is_ego=True)
+    edge, onward = net.edge_of(step.lane), net.edge_of(after) if after else ""
+    there, back = (net.opposite(onward) if onward else None), net.opposite(edge)
+    for first, last, direction in ((edge, onward, 1), (there, back, -1)):
+        for lane in net.lanes_of(first) if first and last else []:
+            for link in net.links(lane):
+                inner = _inner_lanes(net, link)
+                leads_there = inner and net.edge_of(link.lane) == last and net.may_use(link.lane, kind)
+                if lane != step.lane and leads_there and net.may_use(lane, kind):
+                    yield _line(net, inner, direction)
 
 
-def _joined(connection: Any, lanes: list[str]) -> Array:
-    """Return points along lanes; within junctions their corners, which lie on the curve, as chords do not."""
-    parts = []
-    for lane in lanes:
-        shape = _shape(connection, lane)
-        parts.append(shape if lane.startswith(":") else _resampled(shape))
-    return _without_repetitions(np.concatenate(parts))
+def _line(net: Net, lanes: Sequence[str], direction: int = 1, *, is_ego: bool = False) -> LaneLine:
+    """Return lanes one behind the other as one, in the direction of the route."""
+    center = _distinct(np.concatenate([net.shape(lane) for lane in lanes]))
+    along = np.gradient(center, axis=0)
+    normal = np.column_stack((-along[:, 1], along[:, 0])) / np.hypot(*along.T)[:, None]
+    half = 0.5 * min(map(net.width, lanes))
+    right, left = center - half * normal, center + half * normal
+    if direction < 0:
+        right, left = left[::-1], right[::-1]
+    spacing = 1.0 if lanes[0].startswith(":") else _SPACING
+    return LaneLine(_resampled(right, spacing), _resampled(left, spacing), direction, is_ego)
 
 
-def _shape(connection: Any, lane: str) -> Array:
-    """Return the corners of a lane's center line."""
-    return _without_repetitions(np.array(connection.lane.getShape(lane))[:, :2])
-
-
-def _without_repetitions(points: Array) -> Array:
+def _distinct(points: Array) -> Array:
     """Return points without those that lie on the one before."""
-    distances = np.hypot(*np.diff(points, axis=0).T)
-    return np.asarray(points[np.r_[True, distances > 1e-3]])
+    return np.asarray(points[np.r_[True, np.hypot(*np.diff(points, axis=0).T) > 1e-3]])
 
 
-def _resampled(points: Array) -> Array:
+def _resampled(points: Array, spacing: float = _SPACING) -> Array:
     """Return points of a polyline at even distances."""
     s = arc_length(points)
-    even = np.linspace(0.0, s[-1], max(2, int(s[-1] / _SPACING)))
+    even = np.linspace(0.0, s[-1], max(2, int(s[-1] / spacing)))
     return np.column_stack((np.interp(even, s, points[:, 0]), np.interp(even, s, points[:, 1])))

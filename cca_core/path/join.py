@@ -202,8 +202,8 @@ def _onward(last: _Row, rows: list[_Row]) -> list[_Row]:
 def _lane(chain: Strip, start: float, end: float, tolerance: float) -> Lane:
     """Return a lane; one that is as long as the route and does not vary has no boundaries."""
     rows = chain.rows
-    varies = max(_distance(rows[0], row) for row in rows) > tolerance
-    if varies or rows[0][0] > start + tolerance or rows[-1][0] < end - tolerance:
+    low, high = np.array(rows)[:, 1:].min(axis=0), np.array(rows)[:, 1:].max(axis=0)
+    if (high - low).max() > tolerance or rows[0][0] > start + tolerance or rows[-1][0] < end - tolerance:
         return Lane.from_boundaries(rows, chain.direction)
-    _, right, left = rows[0]
+    right, left = (0.5 * (low + high)).tolist()
     return Lane(d=0.5 * (right + left), width=left - right, direction=chain.direction)

@@ -23,6 +23,7 @@ def straight_net() -> dict[str, FakeLane]:
         "a_0": FakeLane([(0.0, 0.0), (200.0, 0.0)], [("b_0", ":n_0", "s")]),
         "a_1": FakeLane([(0.0, 3.5), (200.0, 3.5)], [("b_1", ":n_1", "s")]),
         ":n_0": FakeLane([(200.0, 0.0), (210.0, 0.0)], [("b_0", "", "s")]),
+        ":n_1": FakeLane([(200.0, 3.5), (210.0, 3.5)], [("b_1", "", "s")]),
         "b_0": FakeLane([(210.0, 0.0), (400.0, 0.0)], limit=15.0, width=3.2),
         "b_1": FakeLane([(210.0, 3.5), (400.0, 3.5)]),
         "b_2": FakeLane([(210.0, 7.0), (400.0, 7.0)]),
@@ -45,17 +46,29 @@ def test_road_follows_route_through_junction() -> None:
     assert np.abs(road.path.project([(100.0, 0.0), (205.0, 0.0), (390.0, 0.0)])[1]).max() < 0.01
 
 
-def test_road_has_lanes_that_go_along_with_their_width() -> None:
-    lanes = world().read_road().lanes
-    assert [(round(lane.d, 2), lane.width, lane.direction) for lane in lanes] == [
-        (0.0, 3.2, 1),
-        (3.5, 3.5, 1),
-        (10.5, 3.5, -1),
-    ]
+def test_road_has_lanes_as_far_as_they_go_along() -> None:
+    road = world().read_road()
+    assert road.ego_lane.bounds_at(100.0) == pytest.approx((-1.75, 1.75), abs=0.01)
+    assert road.ego_lane.bounds_at(300.0) == pytest.approx((-1.6, 1.6), abs=0.01)
+    for d, s, direction in (
+        (3.5, 100.0, 1),
+        (3.5, 205.0, 1),
+        (3.5, 300.0, 1),
+        (7.0, 300.0, 1),
+        (10.5, 100.0, -1),
+    ):
+        lane = road.lane_at(d, s)
+        assert lane is not None
+        assert lane.direction == direction
+    assert road.lane_at(7.0, 100.0) is None
+    assert road.lane_at(10.5, 205.0) is None  # no connection through the junction
 
 
-def test_road_has_lowest_speed_limit() -> None:
-    assert world().read_road().speed_limit == 15.0
+def test_road_has_speed_limits_of_its_edges() -> None:
+    road = world().read_road()
+    assert road.speed_limits is not None
+    assert [v for _, v in road.speed_limits.tolist()] == [20.0, 15.0]
+    assert road.speed_limits[1, 0] == pytest.approx(210.0, abs=0.01)
 
 
 def test_road_of_given_length_ends_early() -> None:
@@ -65,20 +78,24 @@ def test_road_of_given_length_ends_early() -> None:
 def test_lane_for_other_vehicles_is_left_out() -> None:
     lanes = straight_net()
     lanes["a_1"].allowed = ("bicycle",)
-    assert [round(lane.d, 1) for lane in world(lanes).read_road().lanes] == [0.0, 10.5]
+    road = world(lanes).read_road()
+    assert [road.lane_at(3.5, s) is None for s in (100.0, 205.0, 300.0)] == [True, True, False]
 
 
-def test_lane_that_drifts_is_left_out() -> None:
+def test_lane_that_drifts_is_followed() -> None:
     lanes = straight_net()
     lanes["b_1"].shape = [(210.0, 3.5), (400.0, 8.0)]
-    assert [round(lane.d, 1) for lane in world(lanes).read_road().lanes] == [0.0, 10.5]
+    lane = world(lanes).read_road().lane_at(7.0, 390.0)
+    assert lane is not None
+    assert lane.bounds_at(305.0) == pytest.approx((4.0, 7.5), abs=0.1)
 
 
-def test_lane_that_turns_off_is_left_out() -> None:
+def test_lane_that_turns_off_ends_there() -> None:
     lanes = straight_net()
     lanes["a_1"].links = [("c_0", "", "l")]
     lanes["c_0"] = FakeLane([(200.0, 3.5), (200.0, 90.0)])
-    assert [round(lane.d, 1) for lane in world(lanes).read_road().lanes] == [0.0, 10.5]
+    road = world(lanes).read_road()
+    assert [road.lane_at(3.5, s) is None for s in (100.0, 205.0, 300.0)] == [False, True, False]
 
 
 def test_road_ends_with_lane_that_leaves_route() -> None:
@@ -235,8 +252,11 @@ def test_sumo_road_goes_straight_over_junction(sumo_net) -> None:  # type: ignor
     road = sumo_net("in on", 0).read_road()
     assert road.path.length == pytest.approx(600.0, abs=0.5)
     assert road.path.min_radius > 500.0
-    assert [(round(lane.d, 1), lane.direction) for lane in road.lanes] == [(0.0, 1), (3.5, 1)]
-    assert road.speed_limit == 20.0
+    lanes = [(round(lane.d, 1), lane.direction) for lane in road.lanes]
+    assert lanes == [(0.0, 1), (3.5, 1), (7.0, -1)]
+    assert road.lane_at(7.0, 100.0) is not None
+    assert road.lane_at(7.0, 400.0) is None
+    assert [road.highest_limit(s, s) for s in (10.0, 400.0)] == [20.0, 25.0]
 
 
 @pytest.mark.requires("libsumo")

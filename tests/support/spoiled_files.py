@@ -11,13 +11,14 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from cca_core.adapters import read_opendrive
+from cca_core.adapters import read_opendrive, read_sumo_net
 from cca_core.path import read_waypoints
 from cca_core.sim import eebl, load_log, read_bsm_log, read_commonroad, save_log, simulate
 from cca_core.sim.study.store import Store
 from cca_core.v2x import encode_bsm
 from tests.support.commonroad_files import REGION, ROAD, document, goal, moving, problem, state
 from tests.support.opendrive_files import crossing
+from tests.support.sumo_files import write_net
 from tests.support.v2x_messages import bsm
 
 
@@ -30,6 +31,11 @@ def open_store(path: Path) -> None:
 def drive_opendrive(path: Path) -> None:
     """Read a map, and make a road of it."""
     read_opendrive(path).find_road(("1", 20.0, -1), ("2", 30.0, 1))
+
+
+def drive_sumo_net(path: Path) -> None:
+    """Read a net, and make a road of it."""
+    read_sumo_net(path).road_along(["in", "on", "end"])
 
 
 def _gpx() -> bytes:
@@ -109,6 +115,7 @@ def readers(folder: Path) -> dict[str, tuple[str, Callable[[Path], Any], bytes]]
         "nmea": (".nmea", read_waypoints, _nmea()),
         "commonroad": (".xml", read_commonroad, _commonroad()),
         "opendrive": (".xodr", drive_opendrive, crossing(folder).read_bytes()),
+        "sumo": (".net.xml", drive_sumo_net, write_net(folder).read_bytes()),
         "messages": (".txt", read_bsm_log, _messages("lines")),
         "messages-json": (".json", read_bsm_log, _messages("json")),
         "messages-jsonl": (".json", read_bsm_log, _messages("jsonl")),
