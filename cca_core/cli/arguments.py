@@ -58,6 +58,19 @@ def _drive(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=FilePath, metavar="FOLDER", help="default: out/SCENARIO")
 
 
+def _study(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "scenario", type=FilePath, help="eebl, ima, curbside, maneuver, or a file STUDY.toml with ranges"
+    )
+    n = parser.add_mutually_exclusive_group()
+    n.add_argument("--runs", type=int, metavar="N", help="number of runs (default: 100)")
+    n.add_argument("--avoidable", type=int, metavar="N", help="go on until N collisions were avoidable")
+    parser.add_argument("--seed", type=int, help="seed of all samples")
+    parser.add_argument("--plant", choices=_PLANTS, help="plant of the ego")
+    parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one a processor)")
+    parser.add_argument("--out", type=FilePath, default=FilePath("out"), help="folder (default: out)")
+
+
 def _report(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("logs", type=FilePath, nargs="+", help="logs (.npz), or folders of them")
     parser.add_argument(
@@ -71,5 +84,6 @@ _COMMANDS = {
     "fit": ("Fit a smooth road to a route, and state its facts", _fit),
     "decode": ("List recorded Basic Safety Messages, and what was dropped", _decode),
     "drive": ("Drive a scenario that a file describes, and report", _drive),
+    "study": ("Sample many runs, resumable, and count the collisions", _study),
     "report": ("Write the report of stored logs", _report),
 }

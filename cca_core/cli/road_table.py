@@ -1,6 +1,7 @@
 """Roads and routes described in TOML: a file, or straight lines and arcs."""
 
 import math
+from functools import cache
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -69,9 +70,15 @@ def _from_file(table: Table, folder: FilePath) -> Path:
         options["tolerance"] = table.number("tolerance", ge=0.0)
     max_gap = table.number("max_gap", 100.0, gt=0.0)
     try:
-        return Road.from_file(folder / table.text("file"), max_gap=max_gap, **options).path
+        return _fitted(folder / table.text("file"), max_gap, tuple(options.items()))
     except InputError as error:
         raise InputError(f"{table.position('file')}: {error}") from None
+
+
+@cache
+def _fitted(file: FilePath, max_gap: float, options: tuple[tuple[str, Any], ...]) -> Path:
+    """Return the path of a file, fitted once for all runs of a study."""
+    return Road.from_file(file, max_gap=max_gap, **dict(options)).path
 
 
 def _from_pieces(table: Table) -> Path:

@@ -44,7 +44,7 @@ _CHANNELS = {"perfect": lambda: ChannelSettings(latency=0.1), "wyoming": Channel
 _SENDERS = {"perfect": SenderSettings, "wyoming": SenderSettings.wyoming}
 _TOP = (
     "name", "case", "duration", "seed", "plant", "visibility", "road", "ego", "evasion", "speed", "radio",
-    "sender", "road_users",
+    "sender", "road_users", "hazard_id",
 )  # fmt: skip
 _EGO_REALS = "reaction_time", "sensor_range", "field_of_view", "sensor_delay"
 _EGO = ("type", "start", "v_x", "cruise_speed", "vehicle", "fixed_gap", *_EGO_REALS)
@@ -81,7 +81,7 @@ def scenario_of(top: Table, file: FilePath) -> tuple[Scenario, str]:
         seed=top.whole("seed", 1),
         visibility=_infinite(top, "visibility"),
         channel=Table(radio, "radio").record(ChannelSettings, _CHANNELS),
-        shared_modem=shared_modem,
+        shared_modem=shared_modem, hazard_id=_hazard_id(top, users),
         sender=top.table("sender").record(SenderSettings, _SENDERS),
     )  # fmt: skip
     return scenario, top.choice("plant", PLANTS, next(iter(PLANTS)))
@@ -139,6 +139,11 @@ def _check_ids(users: tuple[RoadUser, ...]) -> None:
                     f"road_users[{i}].actions[{j}].lead_id must be the id of another road user, "
                     f"was {action.lead_id!r}"
                 )
+
+
+def _hazard_id(top: Table, users: tuple[RoadUser, ...]) -> str | None:
+    """Return the id of the road user whose first message warns, in studies."""
+    return top.choice("hazard_id", [user.id for user in users]) if "hazard_id" in top.content else None
 
 
 def _infinite(table: Table, key: str) -> float:

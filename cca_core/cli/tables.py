@@ -13,7 +13,7 @@ from cca_core.errors import InputError
 from cca_core.serial import from_dict, to_dict
 from cca_core.serial.fields import field_types
 
-__all__ = ["Table", "named", "read_toml"]
+__all__ = ["Table", "named", "parse_toml", "read_text", "read_toml"]
 
 T = TypeVar("T")
 _MAX_BYTES = 1_000_000
@@ -21,13 +21,23 @@ _MAX_BYTES = 1_000_000
 
 def read_toml(file: FilePath) -> "Table":
     """Read a TOML file."""
+    return Table(parse_toml(read_text(file), file), "")
+
+
+def read_text(file: FilePath) -> str:
+    """Return the text of a file."""
     try:
-        content = tomllib.loads(read_bytes(file, max_bytes=_MAX_BYTES).decode("utf-8"))
+        return read_bytes(file, max_bytes=_MAX_BYTES).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"file {str(file)!r} must be a text in UTF-8, was not: {error}") from None
+
+
+def parse_toml(text: str, file: FilePath) -> dict[str, Any]:
+    """Return the content of a TOML text."""
+    try:
+        return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        if isinstance(error, InputError):
-            raise
         raise InputError(f"file {str(file)!r} must be TOML, was not: {error}") from None
-    return Table(content, "")
 
 
 @contextmanager

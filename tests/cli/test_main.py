@@ -9,7 +9,7 @@ import pytest
 
 from cca_core.cli import main
 
-COMMANDS = ("demo", "fit", "decode", "drive", "report")
+COMMANDS = ("demo", "fit", "decode", "drive", "study", "report")
 BLOCK_MATPLOTLIB = """
 import sys
 

@@ -46,5 +46,5 @@ def test_page_runs_from_top_to_bottom(
             if target:
                 (tmp_path / target).write_text(output.out, encoding="utf-8")
             ran.append(line.split()[0])
-    assert set(ran) >= {"demo", "fit", "decode", "drive", "report"}
+    assert set(ran) >= {"demo", "fit", "decode", "drive", "study", "report"}
     assert (tmp_path / "report.html").is_file()

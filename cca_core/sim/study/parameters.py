@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -30,8 +31,9 @@ class ParameterRanges:
     ----------
     scenario : str or callable
         ``"eebl"``, ``"ima"``, ``"curbside"`` or ``"maneuver"``, with further parameters of its own (Notes);
-        or a function at the top level of a module that makes a `Scenario` with messages from a `Sample`. Its
-        channel, friction, mass, seed and the reaction time of the ego's driver are then set as sampled.
+        or a function at the top level of a module that makes a `Scenario` with messages from a `Sample`, or
+        an instance of a dataclass there, with a field `name`, that is called like one. Channel, friction,
+        mass, seed and the reaction time of the ego's driver are then set as sampled.
     friction : tuple of float
         Friction of the road under all vehicles [-], known to the planner; 0.3 to 1.2.
     mass : tuple of float
@@ -96,7 +98,10 @@ class ParameterRanges:
     @property
     def name(self) -> str:
         """Name of the scenario, or of the function that makes it."""
-        return self.scenario if isinstance(self.scenario, str) else self.scenario.__name__
+        given: Any = self.scenario
+        if isinstance(given, str):
+            return given
+        return str(getattr(given, "__name__", "") or given.name)
 
     @property
     def radio_range_bounds(self) -> tuple[float, float]:

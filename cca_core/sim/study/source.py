@@ -3,6 +3,7 @@
 import hashlib
 import inspect
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import is_dataclass
 from pathlib import Path as FilePath
 from types import CodeType, FunctionType
 from typing import Any
@@ -26,7 +27,10 @@ def source_digest(without: Collection[str] = ()) -> str:
 
 def check_definition(name: str, value: object) -> None:
     """Raise unless a value is a function or class that other processes find by its module and name."""
-    if not isinstance(value, FunctionType | type) or "." in value.__qualname__ or "<" in value.__qualname__:
+    found: Any = value
+    if callable(value) and is_dataclass(type(value)):
+        found = type(value)
+    if not isinstance(found, FunctionType | type) or "." in found.__qualname__ or "<" in found.__qualname__:
         raise InputError(
             f"{name} must be a name of the library, or a function or class at the top level of a module, "
             f"was {shown(value)}"

@@ -4,7 +4,7 @@ import json
 import os
 from collections.abc import Callable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, is_dataclass
 from itertools import count, islice
 from pathlib import Path as FilePath
 from typing import Any
@@ -78,6 +78,8 @@ class Study:
         """
         content = asdict(self)
         del content["runs"], content["avoidable"]
+        if is_dataclass(self.parameters.scenario):
+            content["definition"] = definition(type(self.parameters.scenario))
         content["source"] = source_digest(without=("plot", "report", "baselines"))
         return json.dumps(content, sort_keys=True, default=definition)
 
