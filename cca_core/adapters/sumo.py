@@ -94,9 +94,10 @@ class SumoWorld:
         Returns
         -------
         road : Road
-            It follows the ego's lane and its connections through the junctions, to where the route or the
-            lane ends. Its lanes are those of the edges and of the opposite edges, each as far as it goes
-            along. Its speed limits are those of the edges.
+            It follows the ego's lane and its connections through the junctions. It ends where the route ends,
+            or where the front bumper is at the end of a lane that leaves the route. Its lanes are those of
+            the edges and of the opposite edges, each as far as it goes along. Its speed limits are those of
+            the edges.
 
         Raises
         ------
@@ -106,7 +107,7 @@ class SumoWorld:
             If no path fits the lanes.
         """
         check_real("length", length, gt=0.0, allow_inf=True)
-        return read_road(self.connection, self.ego_id, length)
+        return read_road(self.connection, self.ego_id, length, self.vehicle.front)
 
     def ego_state(self) -> VehicleState:
         """Motion of the ego in SUMO.

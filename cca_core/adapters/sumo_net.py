@@ -107,7 +107,7 @@ class LiveNet:
         return self._back.get((ends.getFromJunction(edge), ends.getToJunction(edge)))
 
 
-def read_road(connection: Any, ego_id: str, length: float) -> Road:
+def read_road(connection: Any, ego_id: str, length: float, front: float) -> Road:
     """Return the road along the ego's lane and route, of edges that begin within `length`."""
     cars, net = connection.vehicle, LiveNet(connection)
     first, start = cars.getLaneID(ego_id), ""
@@ -117,13 +117,18 @@ def read_road(connection: Any, ego_id: str, length: float) -> Road:
     if first.startswith(":"):  # within a junction
         start, first = first, net.links(first)[0].lane
         edges = edges[1:]
-    steps, driven = [], 0.0
-    for step in find_chain(net, first, edges):
+    chain, steps, driven = find_chain(net, first, edges), list[Step](), 0.0
+    for step in chain:
         if driven > length:
             break
         steps.append(step)
         driven += sum(float(arc_length(net.shape(piece))[-1]) for piece in (step.lane, *step.inner))
-    return road_along(net, steps, cars.getVehicleClass(ego_id), start)
+    road = road_along(net, steps, cars.getVehicleClass(ego_id), start)
+    if len(steps) == len(chain) < len(edges):  # the lane leaves the route: the front stops at its end
+        end = max(road.path.end - front, 0.5 * (road.path.start + road.path.end))
+        path = road.path.cut(road.path.start, end)
+        road = Road(path, road.lanes, road.speed_limit, speed_limits=road.speed_limits)
+    return road
 
 
 def find_chain(net: Net, lane: str, edges: Sequence[str]) -> list[Step]:
