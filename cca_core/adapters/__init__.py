@@ -24,6 +24,7 @@ from cca_core.adapters.highway_env import (
     highway_vehicle,
 )
 from cca_core.adapters.highway_net import read_highway_road
+from cca_core.adapters.lanelets import join_lanelets
 from cca_core.adapters.opendrive import OpenDriveMap, read_opendrive
 from cca_core.adapters.radio import RadioLink
 from cca_core.adapters.sumo import SumoWorld
@@ -48,6 +49,7 @@ __all__ = [
     "from_carla_transform",
     "heading_to_compass",
     "highway_vehicle",
+    "join_lanelets",
     "read_highway_road",
     "read_opendrive",
     "read_sumo_net",

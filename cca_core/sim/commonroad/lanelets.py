@@ -25,6 +25,7 @@ class Lanelet:
     successors: tuple[int, ...] = ()
     on_left: tuple[int, int] | None = None  # adjacent lanelet and its direction, 1 along this one, -1 against
     on_right: tuple[int, int] | None = None
+    speed_limit: float = math.inf  # legal speed by its signs [m/s]
 
     @property
     def center(self) -> Array:

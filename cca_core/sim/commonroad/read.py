@@ -13,7 +13,17 @@ import numpy as np
 from cca_core._checks import Array, read_real
 from cca_core.errors import InputError
 from cca_core.geometry import arc_length
-from cca_core.sim.commonroad._xml import child, frozen, identity, interval, middle, parse, points, references
+from cca_core.sim.commonroad._xml import (
+    child,
+    frozen,
+    identity,
+    interval,
+    middle,
+    number,
+    parse,
+    points,
+    references,
+)
 from cca_core.sim.commonroad.lanelets import Lanelet
 from cca_core.sim.commonroad.obstacles import MAX_TIME_STEP, ROLES, read_obstacle, read_state
 from cca_core.sim.commonroad.scenario import CommonRoadScenario, Goal, PlanningProblem, RecordedObstacle
@@ -21,6 +31,8 @@ from cca_core.sim.commonroad.shapes import MAX_ANGLE, MIN_SIZE, corners
 from cca_core.vehicle import MAX_SPEED, STANDSTILL_SPEED, VehicleState
 
 __all__ = ["read_commonroad"]
+
+_LIMIT_SIGNS = ("274", "R2-1")  # of most countries, and of the USA
 
 
 def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
@@ -35,7 +47,8 @@ def read_commonroad(file: str | FilePath) -> CommonRoadScenario:
     Returns
     -------
     scenario : CommonRoadScenario
-        Lanelets, obstacles and planning problems. Traffic signs, lights and intersections are not read.
+        Lanelets, obstacles and planning problems. Of traffic signs speed limits are read; lights and
+        intersections are not.
 
     Raises
     ------
@@ -81,8 +94,11 @@ class _Reader:
         lanelets: dict[int, Lanelet] = {}
         obstacles: dict[str, RecordedObstacle] = {}
         problems: dict[int, PlanningProblem] = {}
+        limits: dict[int, float] = {}
+        for element in root.iterfind("trafficSign"):
+            self._try(element, partial(self._add_limit, element, limits))
         for element in root.iterfind("lanelet"):
-            self._try(element, partial(self._add_lanelet, element, lanelets))
+            self._try(element, partial(self._add_lanelet, element, lanelets, limits))
         lanelets = {lane.id: self._with_known_neighbors(lane, lanelets) for lane in lanelets.values()}
         for element in root:
             if element.tag in ROLES:
@@ -111,10 +127,23 @@ class _Reader:
             del self._changed[n:]
             self._left_out.append(f"{_name(element)}: {error}")
 
-    def _add_lanelet(self, element: Element, lanelets: dict[int, Lanelet]) -> None:
+    def _add_lanelet(
+        self, element: Element, lanelets: dict[int, Lanelet], limits: Mapping[int, float]
+    ) -> None:
         lane = _lanelet(element, self._changed)
         _check_new(lane.id, lanelets)
-        lanelets[lane.id] = lane
+        signs = references(element, "trafficSignRef", _name(element))
+        limit = min((limits.get(sign, math.inf) for sign in signs), default=math.inf)
+        if element.find("speedLimit") is not None:  # format 2018b
+            limit = number(element, "speedLimit", _name(element), ge=0.1, le=MAX_SPEED)
+        lanelets[lane.id] = replace(lane, speed_limit=limit)
+
+    def _add_limit(self, element: Element, limits: dict[int, float]) -> None:
+        """Keep the speed of a sign that limits it."""
+        for sign in element.iterfind("trafficSignElement"):
+            if (sign.findtext("trafficSignID") or "").strip() in _LIMIT_SIGNS:
+                speed = number(sign, "additionalValue", _name(element), ge=0.1, le=MAX_SPEED)
+                limits[_id(element)] = speed
 
     def _with_known_neighbors(self, lane: Lanelet, lanelets: Mapping[int, Lanelet]) -> Lanelet:
         """Return a lanelet without its references to lanelets that are not in the file."""
