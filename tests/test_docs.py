@@ -208,7 +208,7 @@ def test_quickstart_runs(
 
 
 @pytest.mark.requires("matplotlib", "mcap")
-@pytest.mark.parametrize("name", ["own_scenario", "own_plant"])
+@pytest.mark.parametrize("name", ["own_scenario", "own_plant", "maps"])
 def test_page_is_a_program(name: str, tmp_path: Path) -> None:
     script = tmp_path / f"{name}.py"  # studies need the source in a file
     script.write_text(blocks(DOCS / f"{name}.md"), encoding="utf-8")

@@ -77,7 +77,7 @@ def _rows(path: Path, line: LaneLine, start: float, end: float, detail: float) -
     inner = np.concatenate([s for s, _ in sides])
     inner = inner[(inner > first + _DETAIL) & (inner < last - _DETAIL)]
     at = np.concatenate(((first,), np.unique(np.round(inner, 6)), (last,)))
-    right, left = (np.interp(at, s, d) for s, d in sides)
+    right, left = (np.round(np.interp(at, s, d), 6) for s, d in sides)
     left = np.maximum(left, right)
     return _simplified(np.column_stack((at, right, left)), 0.5 * detail)
 
