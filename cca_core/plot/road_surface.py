@@ -6,6 +6,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.path import Path, Road
+from cca_core.plot.lane_lines import road_lines
 from cca_core.plot.style import COLORS, DASHES
 from cca_core.sim import Scenario
 
@@ -13,20 +14,25 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-def offset_line(path: Path, start: float, end: float, d: float) -> Array:
-    """Points between two stations at a lateral offset, as dense as the curvature needs [m]."""
+def dense_stations(path: Path, start: float, end: float) -> Array:
+    """Stations between two others, as dense as the curvature needs [m]."""
     # chords leave the line by 3 cm at most, unless they are as short as 0.5 m
     kappa = float(np.abs(path.curvature(np.linspace(start, end, 200))).max())
     step = min(max(float(np.sqrt(8.0 * 0.03 / max(kappa, 1e-6))), 0.5), 20.0)
-    s = np.linspace(start, end, max(2, int((end - start) / step) + 2))
+    return np.linspace(start, end, max(2, int((end - start) / step) + 2))
+
+
+def offset_line(path: Path, start: float, end: float, d: float) -> Array:
+    """Points between two stations at a lateral offset, as dense as the curvature needs [m]."""
+    s = dense_stations(path, start, end)
     return path.to_cartesian(s, np.full_like(s, d))
 
 
-def lane_boundaries(road: Road) -> tuple[list[float], list[float]]:
-    """Lateral offsets of the right and left road edge, and of the boundaries between lanes [m]."""
-    edges = [road.right_edge, road.left_edge]
-    lines = {lane.right for lane in road.lanes} | {lane.left for lane in road.lanes}
-    return edges, sorted(lines - set(edges))
+def boundary_lines(road: Road, start: float, end: float) -> tuple[list[Array], list[Array]]:
+    """Points of the right and left road edge, and of the boundaries between lanes [m]."""
+    edges, between = road_lines(road, dense_stations(road.path, start, end))
+    lines = [road.path.to_cartesian(line.s, line.d) for line in (*edges, *between)]
+    return lines[:2], lines[2:]
 
 
 def draw_roads(axis: "Axes", scenario: Scenario) -> None:
@@ -45,20 +51,20 @@ def draw_roads(axis: "Axes", scenario: Scenario) -> None:
         axis.plot(*ends.T, color="white", linewidth=3.0, solid_capstyle="butt", zorder=0.5)
 
 
-def _lines(road: Road, offsets: list[float]) -> list[Array]:
-    return [offset_line(road.path, road.path.start, road.path.end, d) for d in offsets]
+def _lines(road: Road) -> tuple[list[Array], list[Array]]:
+    return boundary_lines(road, road.path.start, road.path.end)
 
 
 def _draw_surface(axis: Any, road: Road, level: float) -> None:
-    right, left = _lines(road, lane_boundaries(road)[0])
+    right, left = _lines(road)[0]
     axis.fill(*np.vstack((right, left[::-1])).T, color=COLORS.asphalt, linewidth=0.0, zorder=level)
 
 
 def _draw_edges(axis: Any, road: Road, level: float) -> None:
-    for line in _lines(road, lane_boundaries(road)[0]):
+    for line in _lines(road)[0]:
         axis.plot(*line.T, color=COLORS.route, linewidth=2.0, zorder=level)
 
 
 def _draw_dashes(axis: Any, road: Road, level: float) -> None:
-    for line in _lines(road, lane_boundaries(road)[1]):
+    for line in _lines(road)[1]:
         axis.plot(*line.T, color="white", linewidth=1.0, linestyle=DASHES, zorder=level)

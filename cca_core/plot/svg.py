@@ -14,6 +14,7 @@ from cca_core.band.solver import measure
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
 from cca_core.path import Path, Road
+from cca_core.plot.lane_lines import lane_line, road_lines
 from cca_core.plot.style import COLORS
 
 
@@ -78,14 +79,16 @@ def _(item: Path) -> str:
 def _(item: Road) -> str:
     path = item.path
     s = np.linspace(path.start, path.end, _SHEET.n_samples + 1)
-    marks, boundaries = [], set()
+    marks, edges, between = [], *road_lines(item, s)
     for lane in item.lanes:
-        center = path.to_cartesian(s, np.full_like(s, lane.d))
-        boundaries |= {lane.right, lane.left}
-        marks.append(Mark(xy=center, color=COLORS.route, kind="swath", width=lane.width))
-        marks.append(Mark(xy=center[:: lane.direction], color=COLORS.route, kind="arrow"))
-    lines = (path.to_cartesian(s, np.full_like(s, d)) for d in sorted(boundaries))
-    marks += [Mark(xy=line, color=COLORS.ink, width=0.8) for line in lines]
+        right, left = (lane_line(lane, s, side) for side in (0, 1))
+        if len(right.s) > 1:
+            center = path.to_cartesian(right.s, 0.5 * (right.d + left.d))
+            narrowest = float((left.d - right.d).min()) if lane.boundaries else lane.width
+            marks.append(Mark(xy=center, color=COLORS.route, kind="swath", width=narrowest))
+            marks.append(Mark(xy=center[:: lane.direction], color=COLORS.route, kind="arrow"))
+    lines = sorted((*edges, *between), key=lambda line: float(line.d[0]))
+    marks += [Mark(xy=path.to_cartesian(*line), color=COLORS.ink, width=0.8) for line in lines]
     route = path.position(s)
     marks += [Mark(xy=route, color=COLORS.ego, kind=kind) for kind in ("dashes", "arrow")]
     return _drawing(marks, repr(item))

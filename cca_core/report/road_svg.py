@@ -4,7 +4,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.path import Road
-from cca_core.plot.road_surface import lane_boundaries, offset_line
+from cca_core.plot.road_surface import boundary_lines, offset_line
 from cca_core.sim import Log
 
 
@@ -28,8 +28,8 @@ def roads_svg(log: Log, origin: Array, margins: tuple[float, float]) -> str:
 
 def _road(road: Road, start: float, end: float, origin: Array) -> list[tuple[int, str]]:
     """Edges (level 0), surface (1) and dashes (2) of a road; surfaces cover the edges where roads join."""
-    edges, between = lane_boundaries(road)
-    lines = [offset_line(road.path, start, end, d) - origin for d in (*edges, *between)]
+    edges, between = boundary_lines(road, start, end)
+    lines = [line - origin for line in (*edges, *between)]
     parts = [(1, f'<polygon class="asphalt" points="{_points(np.vstack((lines[0], lines[1][::-1])))}"/>')]
     for line, (level, style) in zip(lines, [(0, "edge")] * 2 + [(2, "dashes")] * len(between), strict=True):
         parts.append((level, f'<polyline class="{style}" points="{_points(line)}"/>'))
