@@ -15,10 +15,21 @@ def make_parser() -> argparse.ArgumentParser:
         prog="cca", description="Cooperative collision avoidance of connected vehicles.",
         epilog="cca COMMAND --help lists the arguments of a command; docs/command_line.md explains them.",
     )  # fmt: skip
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", title="commands")
     for name, (summary, add_arguments) in _COMMANDS.items():
         add_arguments(commands.add_parser(name, help=summary, description=f"{summary}."))
     return parser
+
+
+class _Version(argparse.Action):
+    """Prints the version of the library."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from cca_core import __version__
+
+        print(f"cca {__version__}")
+        parser.exit()
 
 
 def _demo(parser: argparse.ArgumentParser) -> None:
@@ -32,9 +43,11 @@ def _demo(parser: argparse.ArgumentParser) -> None:
 
 
 def _fit(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("route", type=FilePath, help="GPX, KML, GeoJSON, NMEA, CSV or another table")
+    parser.add_argument("route", type=FilePath, help="GPX, KML, GeoJSON, NMEA, table; or .xodr, .net.xml")
     parser.add_argument("--tolerance", type=float, metavar="M", help="default: from the noise of the route")
     parser.add_argument("--part", type=int, metavar="I", help="one track, segment or line alone, from 0")
+    parser.add_argument("--along", metavar="A,B,...", help="ids of roads or edges of a map, in driving order")
+    parser.add_argument("--lane", type=int, metavar="I", help="lane of a map where the road begins")
     parser.add_argument("--max-gap", type=float, default=100.0, metavar="M", help="between joined parts")
     parser.add_argument(
         "--plot", type=FilePath, nargs="?", const=FilePath(), metavar="FILE.svg",

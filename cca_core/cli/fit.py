@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
+from cca_core.cli.maps import is_map, read_map_road
 from cca_core.cli.words import counted
 from cca_core.errors import InputError
 from cca_core.path import Path, Road, Waypoints, clean_route, read_waypoints
@@ -15,6 +16,7 @@ from cca_core.plot.svg import to_svg
 
 __all__ = ["run"]
 
+_DEFAULT_LIMIT = 36.0  # where a map has none [m/s]
 _STRAIGHT = 1e4  # radius from which a road is called straight [m]
 
 
@@ -22,6 +24,10 @@ def run(given: argparse.Namespace) -> int:
     """Fit, print and draw; return the exit code."""
     if given.plot is not None and given.plot.name and given.plot.suffix != ".svg":
         raise InputError(f"--plot must end with .svg, was {str(given.plot)!r}")
+    if is_map(given.route):
+        return _show_map(given)
+    if given.along is not None or given.lane is not None:
+        raise InputError("--along and --lane must be given with a map (.xodr, .net.xml) alone")
     limits = {} if given.tolerance is None else {"tolerance": given.tolerance}
     with warnings.catch_warnings(record=True) as noted:
         warnings.simplefilter("always")
@@ -34,11 +40,30 @@ def run(given: argparse.Namespace) -> int:
         _print("heights", f"{np.nanmin(heights):.0f} m to {np.nanmax(heights):.0f} m above the begin")
     for each in noted:
         _print("warning", str(each.message))
+    _draw(road, given)
+    return 0
+
+
+def _show_map(given: argparse.Namespace) -> int:
+    """Print and draw a road of a map; return the exit code."""
+    along = [each for each in (given.along or "").split(",") if each]
+    road = read_map_road(given.route, along, given.lane, _DEFAULT_LIMIT, "--along")
+    _print("map", f"{given.route.name}: {', '.join(along)}")
+    _print("length", f"{road.path.length:.1f} m")
+    _print("tightest curve", _tightest(road.path))
+    _print("lanes", f"{len(road.lanes)}, from {road.right_edge:.1f} m to {road.left_edge:.1f} m")
+    found = {road.speed_limit} if road.speed_limits is None else set(road.speed_limits[:, 1].tolist())
+    _print("speed limits", ", ".join(f"{limit:.1f} m/s" for limit in sorted(found)))
+    _draw(road, given)
+    return 0
+
+
+def _draw(road: Road, given: argparse.Namespace) -> None:
+    """Draw a road if asked for."""
     if given.plot is not None:
         file = given.plot if given.plot.name else FilePath(f"{given.route.stem}.svg")
         file.write_text(to_svg(road.path), encoding="utf-8")
         _print("picture", str(file))
-    return 0
 
 
 def _compare(road: Road, points: Waypoints, part: int | None) -> tuple[float, CleaningReport]:
@@ -66,14 +91,19 @@ def _print_facts(file: FilePath, path: Path, points: Waypoints, rms: float, clea
         _print("tolerance", f"{report.tolerance:.2g} m{noise}")
         _print("max error", f"{report.max_deviation:.2f} m at s = {report.s_max_deviation:.0f} m")
     _print("rms error", f"{rms:.2f} m")
-    s = path.s_min_radius
-    side = "left" if path.curvature_at(s) > 0.0 else "right"
-    tightest = f"radius {path.min_radius:.0f} m to the {side} at s = {s:.0f} m"
-    _print("tightest curve", tightest if path.min_radius < _STRAIGHT else "none, the road is straight")
+    _print("tightest curve", _tightest(path))
     if report is not None and len(report.missed):
         _print("warning", f"{counted(len(report.missed), 'point')} farther away than the tolerance")
     if len(cleaning.reversals):
         _print("warning", f"the route turns back at {counted(len(cleaning.reversals), 'point')}")
+
+
+def _tightest(path: Path) -> str:
+    if path.min_radius >= _STRAIGHT:
+        return "none, the road is straight"
+    s = path.s_min_radius
+    side = "left" if path.curvature_at(s) > 0.0 else "right"
+    return f"radius {path.min_radius:.0f} m to the {side} at s = {s:.0f} m"
 
 
 def _print(name: str, text: str) -> None:

@@ -3,6 +3,7 @@
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from importlib import import_module
 
@@ -36,7 +37,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal may not have all signs
     try:
-        code = int(import_module(f"cca_core.cli.{given.command}").run(given))
+        with warnings.catch_warnings():
+            warnings.simplefilter("default", UserWarning)
+            warnings.showwarning = _show_warning
+            code = int(import_module(f"cca_core.cli.{given.command}").run(given))
         sys.stdout.flush()
         return code
     except CcaError as error:
@@ -51,3 +55,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
     sys.stderr.write(f"cca {given.command}: {text}\n")
     return 2
+
+
+def _show_warning(
+    message: Warning | str, category: object, filename: str, lineno: int, *_: object, **__: object
+) -> None:
+    """Write a warning without the line of code that gave it."""
+    sys.stderr.write(f"warning: {message}\n")

@@ -3,11 +3,13 @@
 import math
 from functools import cache
 from pathlib import Path as FilePath
+from types import NoneType
 from typing import Any
 
 import numpy as np
 
 from cca_core._checks import shown
+from cca_core.cli.maps import is_map, read_map_road
 from cca_core.cli.tables import Table, named
 from cca_core.errors import InputError
 from cca_core.path import Lane, Path, Road, interpolate_path
@@ -20,11 +22,14 @@ _MIN_RADIUS = 3.0  # [m]
 _MAX_LENGTH = 200_000.0  # [m]
 _LINE = "pieces", "start", "heading"
 _FILE = "file", "part", "max_gap", "tolerance"
+_MAP = "file", "along", "lane", "speed_limit"
 _ROAD = "lanes", "speed_limit", "speed_limits", "stop_lines"
 
 
 def read_road(table: Table, folder: FilePath) -> Road:
     """Return the road of a table."""
+    if "file" in table.content and is_map(folder / table.text("file")):
+        return _from_map(table, folder)
     table.check_keys([*_LINE, *_FILE, *_ROAD])
     lanes = [_lane(each) for each in table.tables("lanes")] or None
     speed_limit = table.number("speed_limit", 36.0, gt=0.0)
@@ -47,6 +52,8 @@ def _lane(table: Table) -> Lane:
 
 def read_path(table: Table, folder: FilePath) -> Path:
     """Return the route of a table."""
+    if "file" in table.content and is_map(folder / table.text("file")):
+        return _from_map(table, folder).path
     table.check_keys([*_LINE, *_FILE])
     return _path(table, folder)
 
@@ -79,6 +86,30 @@ def _from_file(table: Table, folder: FilePath) -> Path:
 def _fitted(file: FilePath, max_gap: float, options: tuple[tuple[str, Any], ...]) -> Path:
     """Return the path of a file, fitted once for all runs of a study."""
     return Road.from_file(file, max_gap=max_gap, **dict(options)).path
+
+
+def _from_map(table: Table, folder: FilePath) -> Road:
+    """Return a road of a map, with the map's lanes and speed limits."""
+    table.check_keys(_MAP)
+    along = table.content.get("along", [])
+    if not isinstance(along, list) or not all(isinstance(each, str) for each in along):
+        raise InputError(f"{table.position('along')} must be a list of texts, was {shown(along)}")
+    lane = table.content.get("lane")
+    if isinstance(lane, bool) or not isinstance(lane, int | NoneType):
+        raise InputError(f"{table.position('lane')} must be a whole number, was {shown(lane)}")
+    speed_limit = table.number("speed_limit", 36.0, gt=0.0)
+    file, name = folder / table.text("file"), table.position("along")
+    try:
+        return _mapped(file, tuple(along), lane, speed_limit, name)
+    except InputError as error:
+        text = str(error)
+        raise InputError(text if text.startswith(name) else f"{table.position('file')}: {text}") from None
+
+
+@cache
+def _mapped(file: FilePath, along: tuple[str, ...], lane: int | None, speed_limit: float, name: str) -> Road:
+    """Return the road of a map, made once for all runs of a study."""
+    return read_map_road(file, along, lane, speed_limit, name)
 
 
 def _from_pieces(table: Table) -> Path:

@@ -49,6 +49,11 @@ _TOP = (
 _EGO_REALS = "reaction_time", "sensor_range", "field_of_view", "sensor_delay"
 _EGO = ("type", "start", "v_x", "cruise_speed", "vehicle", "fixed_gap", *_EGO_REALS)
 _USER = tuple(field.name for field in fields(RoadUser))
+# what a message can hold, and a road vehicle can do
+_LIMITS = {
+    "v_x": (0.0, 160.0), "cruise_speed": (0.0, 160.0), "length": (0.01, 40.95), "width": (0.01, 10.23),
+    "deceleration": (0.0, 20.0), "acceleration": (0.0, 20.0),
+}  # fmt: skip
 _START = 20.0  # from the begin of the road [m]
 
 
@@ -90,6 +95,8 @@ def scenario_of(top: Table, file: FilePath) -> tuple[Scenario, str]:
 def _ego(table: Table, road: Road, users: tuple[RoadUser, ...]) -> dict[str, Any]:
     """Return the fields of a scenario that describe its ego."""
     table.check_keys(_EGO)
+    _check_limits(table)
+    _check_limits(table.table("vehicle"))
     begin, end = road.path.start, road.path.end
     cruise_speed = table.number("cruise_speed", gt=0.0)
     made: dict[str, Any] = {
@@ -117,11 +124,20 @@ def _road_user(table: Table, folder: FilePath) -> RoadUser:
     table.check_keys(_USER)
     for key in ("id", "s", "v_x"):
         table.require(key)
+    _check_limits(table)
     user = Table({"d": 0.0, **rest}, table.where).record(RoadUser)
     return replace(user, route=route, actions=tuple(actions))
 
 
+def _check_limits(table: Table) -> None:
+    """Raise if a value is outside the limits of messages and road vehicles."""
+    for key, (low, high) in _LIMITS.items():
+        if isinstance(table.content.get(key), float | int):
+            table.number(key, ge=low, le=high)
+
+
 def _action(table: Table) -> Any:
+    _check_limits(table)
     kind = table.choice("type", _ACTIONS)
     rest = {key: value for key, value in table.content.items() if key != "type"}
     return Table(rest, table.where).record(_ACTIONS[kind])

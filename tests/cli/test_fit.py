@@ -9,6 +9,8 @@ import pytest
 
 from cca_core import LocalFrame
 from cca_core.cli import main
+from tests.support.opendrive_files import crossing
+from tests.support.sumo_files import write_net
 
 
 def facts(text: str) -> dict[str, str]:
@@ -90,3 +92,30 @@ def test_file_without_route_has_code_2(text: str, tmp_path: Path, capsys: pytest
     file.write_text(text)
     assert main(["fit", str(file)]) == 2
     assert capsys.readouterr().err.startswith("cca fit: ")
+
+
+def test_road_of_a_map_of_opendrive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = crossing(tmp_path)
+    assert main(["fit", str(file), "--along", "1,5,2", "--plot", str(tmp_path / "a.svg")]) == 0
+    found = facts(capsys.readouterr().out)
+    length = float(found["length"].split()[0])
+    assert length == pytest.approx(180.0 + 10.0 * math.pi, abs=6.0)
+    assert (tmp_path / "a.svg").is_file()
+    assert main(["fit", str(file)]) == 2
+    error = capsys.readouterr().err
+    assert "--along must list the ids of roads or edges in driving order; the map has 1, 2, 3, 5, 6" in error
+    assert main(["fit", str(file), "--along", "1,4"]) == 2
+    assert "--along must be ids of the map, had '4'" in capsys.readouterr().err
+
+
+def test_road_of_a_net_of_sumo(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fit", str(write_net(tmp_path)), "--along", "in,on", "--lane", "0"]) == 0
+    found = facts(capsys.readouterr().out)
+    assert found["length"] == "400.0 m"
+    assert found["lanes"] == "3, from -1.8 m to 8.8 m"
+    assert found["speed limits"] == "20.0 m/s, 25.0 m/s"
+
+
+def test_words_for_maps_need_a_map(circle: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fit", str(circle), "--along", "1"]) == 2
+    assert "--along and --lane must be given with a map" in capsys.readouterr().err

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import cca_core
 from cca_core.cli import main
 
 COMMANDS = ("demo", "fit", "decode", "drive", "study", "report")
@@ -153,3 +154,19 @@ def test_progress_is_silent_without_terminal(capsys: pytest.CaptureFixture[str],
 def test_unknown_scenario_of_demo_lists_names(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["demo", "--only", "eeble"]) == 2
     assert "eebl, ima, curbside, maneuver" in capsys.readouterr().err
+
+
+def test_version_is_that_of_the_library() -> None:
+    assert run("--version").stdout == f"cca {cca_core.__version__}\n"
+
+
+def test_warning_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "tight.toml"
+    file.write_text(
+        "duration = 0.1\nroad = {pieces = [{length = 50.0}, {length = 9.0, radius = 3.0}]}\n"
+        "ego = {cruise_speed = 9.0}\n"
+    )
+    main(["drive", str(file), "--out", str(tmp_path / "out")])
+    warnings = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: ")]
+    assert len(warnings) == 1
+    assert warnings[0].startswith("warning: the path has a curve of radius")

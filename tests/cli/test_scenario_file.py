@@ -13,6 +13,7 @@ from cca_core.cli.scenario_file import read_scenario
 from cca_core.errors import InputError
 from cca_core.sim import BrakeAction, LateralShiftAction, ReactToLeadAction, Scenario, SpeedAction
 from cca_core.v2x import ChannelSettings
+from tests.support.sumo_files import write_net
 
 SMALL = """
 [road]
@@ -153,8 +154,33 @@ lanes = [{d = 0.0}, {boundaries = [[0.0, 1.75, 5.25], [300.0, 1.75, 5.25], [350.
     assert road.lanes[1].end == 350.0
 
 
+def test_road_of_a_map_has_its_lanes_and_limits(tmp_path: Path) -> None:
+    write_net(tmp_path)
+    text = SMALL.replace("pieces = [{length = 500.0}]", 'file = "small.net.xml"\nalong = ["in", "on"]')
+    road = read(text, tmp_path).road
+    assert road.path.length == pytest.approx(400.0, abs=1e-6)
+    assert [lane.direction for lane in road.lanes] == [1, 1, -1]
+    with pytest.raises(
+        InputError, match=r"^road.along must be ids of the map, had 'of'; the map has in, on,"
+    ):
+        read(text.replace('"on"', '"of"'), tmp_path)
+    with pytest.raises(InputError, match=r"^road.file: lane must be at most"):
+        read(text.replace("[ego]", "lane = 7\n[ego]"), tmp_path)
+    with pytest.raises(InputError, match=r"^road.lane must be a whole number, was 'left'"):
+        read(text.replace("[ego]", 'lane = "left"\n[ego]'), tmp_path)
+    with pytest.raises(InputError, match=r"^road.lanes is unknown"):
+        read(text.replace("[ego]", "lanes = []\n[ego]"), tmp_path)
+
+
 USER = '\n[[road_users]]\nid = "A"\ns = 60.0\nv_x = 9.0\n'
 WRONG = [
+    (SMALL + "v_x = 200.0\n", "ego.v_x must be at most 160", "200"),
+    (SMALL + "vehicle = {length = 50.0}\n", "ego.vehicle.length must be at most 40.95", "50"),
+    (SMALL + USER + "length = 1e-3\n", "road_users[0].length must be at least 0.01", "0.001"),
+    (
+        SMALL + USER + 'actions = [{type = "brake", t = 1.0, deceleration = 90.0}]\n',
+        "road_users[0].actions[0].deceleration must be at most 20", "90",
+    ),
     ("[[road.lanes]]\nd = 0.0\n[[road.lanes]]\nd = 3.5\nwidth = -3.0\n", "road.lanes[1].width must be", "-3"),
     ("[[road.lanes]]\nd = 0.0\nwidht = 3.0\n", "road.lanes[0].widht is unknown; did you mean width?", ""),
     ("[[road.lanes]]\nd = 9.0\n", "road.lanes must", ""),
