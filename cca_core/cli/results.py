@@ -68,8 +68,9 @@ def print_table(logs: Sequence[Log]) -> None:
     for log in (log for group in groups for log in group):
         key = log.summary()
         gap = "-" if key["min_gap_m"] is None else f"{max(key['min_gap_m'], 0.0):.2f} m"
+        factor = "-" if key["realtime_factor"] is None else f"{key['realtime_factor']:.0f}x"
         print(
-            f"{title(log):{width}} {log.plant:12} {gap:>8} {abs(log.a_y).max():>5.2f} m/s² "
-            f"{key['realtime_factor']:>7.0f}x  {summarize_outcome(log)}"
+            f"{title(log):{width}} {log.plant or 'recorded':12} {gap:>8} {abs(log.a_y).max():>5.2f} m/s² "
+            f"{factor:>8}  {summarize_outcome(log)}"
         )
     print(headline(groups))

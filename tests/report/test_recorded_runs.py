@@ -10,6 +10,7 @@ import pytest
 
 from cca_core import EvasionSettings, InputError, Lane, Planner, RemoteVehicle, Road, VehicleParams
 from cca_core import VehicleState as State
+from cca_core.cli import main
 from cca_core.path import interpolate_path
 from cca_core.plot import (
     plot_braking,
@@ -29,7 +30,7 @@ from cca_core.report import (
     summarize_outcome,
     write_report,
 )
-from cca_core.sim import Log, Recorder, SingleTrackPlant
+from cca_core.sim import Log, Recorder, SingleTrackPlant, save_log
 
 pytestmark = pytest.mark.requires("matplotlib")
 
@@ -130,6 +131,17 @@ def test_report_compares_recorded_runs_with_and_without_v2v(passed: Log, tmp_pat
     text = (tmp_path / "own.html").read_text(encoding="utf-8")
     assert "what V2V changed" in text
     assert text.count("<h2>") == 1
+
+
+def test_command_reports_recorded_runs(
+    passed: Log, collided: Log, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = [tmp_path / "1.npz", tmp_path / "2.npz"]
+    for log, file in zip((passed, collided), files, strict=True):
+        save_log(log, file)
+    assert main(["report", *map(str, files), "--out", str(tmp_path / "own.html")]) == 0
+    assert capsys.readouterr().out.count("with V2V recorded ") == 2
+    assert (tmp_path / "own.html").read_text(encoding="utf-8").count("<h2>") == 2
 
 
 @pytest.mark.parametrize("runs", [[], [3.0]])

@@ -18,7 +18,9 @@ ARRAYS = (
     "t", "ego", "a_y", "command", "ego_frenet", "tracking", "road_users", "user_motion", "user_frenet",
     "degraded", "visible", "tracked", "gap_held",
 )  # fmt: skip
-EXACT = ("decisions", "reasons", "events", "received", "messages", "seed", "plant")
+EXACT = (
+    "decisions", "reasons", "events", "received", "messages", "seed", "plant", "remotes", "awareness_range",
+)  # fmt: skip
 
 
 class Recorder(Planner):
