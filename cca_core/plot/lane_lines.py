@@ -20,14 +20,13 @@ class RoadLine(NamedTuple):
 
 
 def lane_line(lane: Lane, s: Array, side: int) -> RoadLine:
-    """Return the right (0) or left (1) boundary of a lane where it exists between the first and last station."""
+    """Return the right (0) or left (1) boundary of a lane, as far as it exists along stations."""
     start, end = max(lane.start, float(s[0])), min(lane.end, float(s[-1]))
     if start > end:
         return RoadLine(np.empty(0), np.empty(0))
     rows = np.array([row[0] for row in lane.boundaries])
-    at = np.unique(
-        np.concatenate(((start, end), s[(s > start) & (s < end)], rows[(rows > start) & (rows < end)]))
-    )
+    inner = np.concatenate((s, rows))
+    at = np.unique(np.concatenate(((start, end), inner[(inner > start) & (inner < end)])))
     bounds = [lane.bounds_at(station) or (0.0, 0.0) for station in at.tolist()]
     return RoadLine(at, np.array(bounds)[:, side])
 

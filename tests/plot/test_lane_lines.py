@@ -25,6 +25,6 @@ def test_edge_follows_a_lane_that_ends() -> None:
     assert between[0].d == pytest.approx(1.75)
 
 
-def test_road_with_a_lane_that_ends_is_drawn() -> None:
+def test_svg_of_road_whose_lane_ends() -> None:
     lane = Lane.from_boundaries([(0.0, 1.75, 5.25), (95.0, 1.75, 5.25)])
     assert to_svg(Road(LINE, [Lane(d=0.0), lane])).startswith("<svg")
