@@ -21,11 +21,11 @@ __all__ = [
 FAR = 1e3  # gap where there is no vehicle [m]
 
 
-def find_duty(w: Scene, row: Int, wait: Real) -> Int:
+def find_duty(w: Scene, row: Int, p: Int, wait: Real) -> Int:
     """Find from when on vehicles behind the ego must keep their distance; return when it is in its lane."""
     back = 0
     for k in range(w.steps):
-        if is_outside(w, w.offset_at[row, k], TOLERANCE):
+        if is_outside(w, p, w.offset_at[row, k], TOLERANCE):
             back = min(k + 1, w.steps - 1)
     w.rear = w.s[row, back] + w.offset - w.half_length
     w.duty_from = back

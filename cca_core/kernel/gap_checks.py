@@ -103,7 +103,7 @@ def nominal_gap(w: Scene, row: Int, j: Int, k: Int, pet: Real, enough: Real) -> 
 
 def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real, pet: Real) -> None:
     """Least gap to the nominal motion of others beyond what is asked, and the first overlap."""
-    back = find_duty(w, row, wait)
+    back = find_duty(w, row, p, wait)
     set_poses(w, row, p)
     begin = 0 if w.established != 0 else zone_begin(w, w.zone_from)
     steps = w.steps
@@ -181,7 +181,7 @@ def check_worst_case(
     it enters that lane, or from when the maneuver begins if the vehicle comes nearer. `impact` is the closing
     speed at the first overlap.
     """
-    back = find_duty(w, row, wait)
+    back = find_duty(w, row, p, wait)
     set_poses(w, row, p)
     steps = w.steps
     margin = FAR
@@ -232,7 +232,7 @@ def check_worst_case(
             if w.assumed[j] != 0:
                 continue
             if k > 0 and not w.v[row, k - 1] >= STANDSTILL and w.crosses[j] == 0:
-                if not is_outside(w, w.offset_at[row, k], 0.0):
+                if not is_outside(w, p, w.offset_at[row, k], 0.0):
                     continue  # what stands in its lane touches nothing
             # a gap that neither lowers the margin nor is an overlap need not be exact
             enough = max(asked + margin, 0.0) + ROUNDING if k > 0 else math.inf

@@ -233,7 +233,7 @@ def sum_costs(w: Scene, row: Int, p: Int, until: Real) -> None:
         w.terms[row, 1] += added * added * h
         if abs(added) > 0.05:
             w.terms[row, 2] = max(w.terms[row, 2], abs(whole))
-        if is_outside(w, d, 0.0):
+        if is_outside(w, p, d, 0.0):
             w.terms[row, 3] += h
         jerk = (w.a[row, k + 1] - a) / h
         w.terms[row, 4] += jerk * jerk * h

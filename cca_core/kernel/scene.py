@@ -47,6 +47,8 @@ class Scene:
     path_cap: OnPaths
     path_low: PerPath  # least and largest lateral offset
     path_high: PerPath
+    end_right: PerPath  # boundaries of the lane in which each ends
+    end_left: PerPath
     overtakes: Overtakes
     # times from now
     t: Times
@@ -212,8 +214,10 @@ def squared_speed(w: Scene, p: Int, at: Real) -> Real:
     return min(own, w.cap[i] + f * (w.cap[i + 1] - w.cap[i]))
 
 
-def is_outside(w: Scene, d: Real, tolerance: Real) -> Flag:
-    """Whether a body at a lateral offset is not wholly inside the ego lane."""
-    left = d + w.half_width - tolerance > w.lane_left
-    right = d - w.half_width + tolerance < w.lane_right
-    return left or right
+def is_outside(w: Scene, p: Int, d: Real, tolerance: Real) -> Flag:
+    """Whether a body is wholly inside neither the ego lane nor the lane in which a path ends."""
+    left = d + w.half_width - tolerance
+    right = d - w.half_width + tolerance
+    if left > w.lane_left or right < w.lane_right:
+        return left > w.end_left[p] or right < w.end_right[p]
+    return False

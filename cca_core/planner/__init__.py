@@ -12,7 +12,13 @@ from cca_core.planner.maneuver_tuning import (
 from cca_core.planner.planner import Planner
 from cca_core.planner.records import Mode
 from cca_core.planner.settings import EvasionSettings
-from cca_core.planner.tuning import ActuationSettings, DecisionSettings, LeadSettings, YieldSettings
+from cca_core.planner.tuning import (
+    ActuationSettings,
+    DecisionSettings,
+    LaneChangeSettings,
+    LeadSettings,
+    YieldSettings,
+)
 
 __all__ = [
     "AbortSettings",
@@ -24,6 +30,7 @@ __all__ = [
     "DecisionSettings",
     "EvasionSettings",
     "Grade",
+    "LaneChangeSettings",
     "LastResortSettings",
     "LeadSettings",
     "Mode",

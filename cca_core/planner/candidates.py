@@ -177,17 +177,18 @@ def profiles(
 ) -> list[Profile]:
     """Return the speed profiles of a path."""
     found = [Profile("go", yields=y) for y in range(n_stops + 1)]
-    if path.kind.is_evasive:  # a vehicle on the path now may have left it when the ego arrives
+    passes = path.kind.is_evasive and path.to_lane is None
+    if passes:  # a vehicle on the path now may have left it when the ego arrives
         found.append(Profile("pass", passes=True, yields=n_stops))
     if not path.kind.is_evasive or path.is_last or desperate:
         for braking in (b_comfort, 0.5 * (b_comfort + b_max), b_max):
             found.append(
                 Profile(
-                    f"brake {braking:.0f}", passes=path.kind.is_evasive, yields=n_stops, braking=braking
+                    f"brake {braking:.0f}", passes=passes, yields=n_stops, braking=braking
                 )
             )  # fmt: skip
     if kept:
-        found.append(Profile("kept", passes=path.kind.is_evasive, yields=n_stops, kept=True))
+        found.append(Profile("kept", passes=passes, yields=n_stops, kept=True))
     return found
 
 
@@ -203,6 +204,8 @@ class Rollout:
         rows, i, lateral = self.scene.arrays, self.n_paths, self.around.lateral
         rows["d"][i] = path.on(lateral.base, rows["d"].shape[1])
         rows["overtakes"][i] = 0.0
+        end = path.to_lane or self.around.lane
+        rows["end_right"][i], rows["end_left"][i] = end.right, end.left
         for j, name in enumerate(self.around.traffic.ids):
             rows["overtakes"][i, j] = name in path.overtaken
         limit_path(self.scene.workspace, i, a_y)

@@ -13,6 +13,7 @@ from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.planner.candidates import Stop, lane_refusal, lane_rejection
 from cca_core.planner.certificate import Certificate, Grade
+from cca_core.planner.lane_entry import entry_rejection
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.rear_gaps import keeps_rear_gaps
 from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan
@@ -47,6 +48,7 @@ class Certifier:
         # deceleration of a safe stop, if no vehicle asks for more
         self._firm = min(around.settings.actuation.safe_stop_deceleration, around.limits.b_max)
         self._valid = valid  # time after which the last certified plan must brake [s]
+        self.home_acceleration = 0.0  # least one of the ego in its lane [m/s^2]
         self.count = 0
 
     @property
@@ -64,6 +66,10 @@ class Certifier:
             plan.braking = self._around.limits.b_max
         elif plan.grade is Grade.NOMINAL:
             plan.exposure = self._exposure(plan)
+        if plan.path.to_lane is not None and plan.grade >= Grade.NOMINAL and plan.decides in self.names:
+            plan.rejection = lane_rejection(
+                self._around, plan.path.kind, self._around.traffic.index(plan.decides)
+            )
 
     def _goes_on(self, plan: Plan) -> bool:
         """Whether a plan is the motion whose certificate is still valid."""
@@ -104,9 +110,9 @@ class Certifier:
         if plan.peak > _GRIP_SHARE * around.limits.grip:
             plan.severity = 0.5 + plan.peak - around.limits.grip
             return
-        lane, half = around.lane, 0.5 * around.vehicle.width
-        end = float(plan.d[-1])
-        if not lane.right < end - half < end + half < lane.left:
+        half, end = 0.5 * around.vehicle.width, float(plan.d[-1])
+        lanes = [lane for lane in (around.lane, plan.path.to_lane) if lane is not None]
+        if not any(lane.right < end - half < end + half < lane.left for lane in lanes):
             plan.severity = 0.0  # it comes to rest, or drives on, where it must not stay
             return
         if out.any() and plan.path.kind.is_evasive:
@@ -121,6 +127,9 @@ class Certifier:
         lane = around.lane
         left, right = plan.d + half > lane.left + 0.01, plan.d - half < lane.right - 0.01
         out: Mask = left | right
+        if plan.path.to_lane is not None:
+            end = plan.path.to_lane
+            out &= (plan.d + half > end.left + 0.01) | (plan.d - half < end.right - 0.01)
         begins = np.flatnonzero(plan.s + around.lateral.base >= plan.path.begin)
         steps = np.flatnonzero(out)
         is_left = plan.path.kind is PathKind.LEFT or (not plan.path.kind.is_evasive and bool(left.any()))
@@ -236,10 +245,17 @@ class Certifier:
         if refusal is not None:
             plan.grade, plan.rejection = Grade.REFUSED, refusal
             return
-        if self._inside and not self._is_safe(plan, ends, touch, clearance, x_safety, _ADJACENT):
+        # drivers behind in the lane that it stays in react to its plan; a safe end is their duty then
+        entry = ends if plan.path.to_lane is None else ends._replace(braking=0.0)
+        if self._inside and not self._is_safe(plan, entry, touch, clearance, x_safety, _ADJACENT):
             plan.grade = Grade.REFUSED
             plan.rejection = lane_rejection(self._around, plan.path.kind, self._scene.workspace.which)
             return
+        if plan.path.to_lane is not None:
+            plan.rejection = entry_rejection(around, plan, back, self.home_acceleration)
+            if plan.rejection is not None:
+                plan.grade = Grade.REFUSED
+                return
         homes = (Branch(path, row, *here[2:4], is_other=True) for path, row in self._homes)
         # it brakes at once, here or on its way back, or after the pass; for drivers behind less hard
         hard = [*((b, 0.0) for b in (here, *homes)), (ends, x_safety)]

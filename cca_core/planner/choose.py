@@ -41,6 +41,9 @@ def assess(
         change = weights.abort if path.kind is PathKind.RETURN else weights.change
     elif not path.is_last and path.kind is not PathKind.ROUTE and was is not PathKind.ROUTE:
         change = weights.replan
+    canceled = last is not None and last.to_lane is not None and path.kind is PathKind.RETURN
+    if canceled and not path.is_smooth:
+        change += weights.hard
     if path.level is Level.HARD and not path.is_last:
         change += weights.hard
     if path.level is Level.NARROW and not path.is_last:
@@ -49,9 +52,13 @@ def assess(
         aim = around.limits.a_y if path.level is Level.COMFORT else around.limits.a_y_hard
         sharp = plan.peak / aim - weights.sharp_from
         change += weights.sharp * max(sharp, 0.0) ** 2
-    if path.side == around.settings.traffic_side and row[_TERMS["outside"]] > 0.0:
+    wish = around.wish
+    wished = wish is not None and path.to_lane is not None and path.rest == wish.d
+    if not wished and (wish is not None or path.to_lane is not None):
+        change += weights.lane
+    if path.to_lane is None and path.side == around.settings.traffic_side and row[_TERMS["outside"]] > 0.0:
         change += weights.right
-    lane, half = around.lane, 0.5 * around.vehicle.width
+    lane, half = (path.to_lane if wished else None) or around.lane, 0.5 * around.vehicle.width
     end = row[_TERMS["d_end"]]
     if not lane.right < end - half < end + half < lane.left:
         change += weights.astray
@@ -82,7 +89,8 @@ def choose(plans: Sequence[Plan], certifier: Certifier, around: Surroundings) ->
         elif plan.grade is Grade.NOMINAL:
             plan.costs = plan.costs._replace(safe_end=settings.cost.exposure * plan.exposure)
         if _goes_on(plan, around):
-            plan.costs = plan.costs._replace(safe_end=settings.cost.uncertified)
+            lane = settings.cost.lane if plan.path.to_lane is not None else 0.0  # no reason to go on
+            plan.costs = plan.costs._replace(safe_end=settings.cost.uncertified + lane)
         if not best.is_certified or _key(plan, around) < _key(best, around):
             best = plan
     return best

@@ -2,20 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from importlib import import_module
-from typing import Self
+from dataclasses import replace
 
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.band import relax_band
 from cca_core.decide import Rejection
-from cca_core.follow import SpeedSettings
-from cca_core.frenet.branches import Branches
-from cca_core.geometry import boxes
 from cca_core.kernel.scene import TOLERANCE
-from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.actuate import safe_stop, since
 from cca_core.planner.assumptions import Assumptions
 from cca_core.planner.candidates import (
@@ -30,11 +23,12 @@ from cca_core.planner.candidates import (
 from cca_core.planner.certificate import Grade
 from cca_core.planner.certify import Certifier
 from cca_core.planner.choose import assess, choose
-from cca_core.planner.limits import Limits, limits_of
+from cca_core.planner.lane_entry import waiting_for, waiting_speed
 from cca_core.planner.occupancy import predict_vehicles
-from cca_core.planner.paths import Surroundings, lateral_state, reference_of
+from cca_core.planner.paths import Surroundings, change_paths, lateral_state, reference_of
 from cca_core.planner.records import (
     DrivenPlan,
+    LaneWish,
     LateralPath,
     Level,
     Observation,
@@ -43,53 +37,13 @@ from cca_core.planner.records import (
     PlannerState,
     Profile,
 )
-from cca_core.planner.scene import TIMES, Scenes, set_numbers
-from cca_core.planner.settings import EvasionSettings
-from cca_core.planner.stretch import AHEAD, BEHIND, ego_lane_near
-from cca_core.vehicle import VehicleParams
+from cca_core.planner.scene import TIMES, set_numbers
+from cca_core.planner.setup import Setup
+from cca_core.planner.stretch import BEHIND, ego_lane_near
 
 _ON_PATH = 0.4  # lateral error up to which the ego is on its path [m]
 _OFF_PLAN = 0.2  # deviation up to which the ego is where its plan was to bring it [m], [m/s]
 _STAGES = ((Level.COMFORT,), (Level.HARD, Level.NARROW))  # levels that are enumerated at once
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Setup:
-    """What does not change from decision to decision, as long as the route is the same."""
-
-    vehicle: VehicleParams
-    road: Road
-    settings: EvasionSettings
-    speed: SpeedSettings
-    limits: Limits
-    scenes: Scenes
-    lateral_range: tuple[float, float]  # of bodies that matter [m]
-    branches: Branches | None  # of a route that passes itself
-
-    @classmethod
-    def make(
-        cls, vehicle: VehicleParams, road: Road, settings: EvasionSettings, speed: SpeedSettings,
-    ) -> Self:  # fmt: skip
-        """Return the setup of a planner for a route."""
-        limits = limits_of(vehicle, speed, settings)
-        lanes = [(lane.right, lane.left) for lane in road.lanes if lane is not road.ego_lane]
-        scenes = Scenes(BEHIND + AHEAD, numbers_of(vehicle, settings, speed, limits), lanes)
-        # what is slow to build exists before the first cycle
-        scenes.for_vehicles(0)
-        road.path.project(road.path.position(road.path.start))
-        margin, branches = settings.clearance + settings.decision.relevance_margin, Branches(road.path)
-        return cls(
-            vehicle=vehicle, road=road, settings=settings, speed=speed, limits=limits, scenes=scenes,
-            lateral_range=(road.right_edge - margin, road.left_edge + margin),
-            branches=branches if branches.passes_itself else None,
-        )  # fmt: skip
-
-    def warm_up(self) -> None:
-        """Import and build once what is slow, so that the first cycle is not."""
-        route = [(float(x), 0.0) for x in range(8)]
-        relax_band(route, [boxes(4.0, 9.0, 0.0, 1.0, 1.0)], vehicle=self.vehicle)
-        interpolate_path(route)
-        import_module("scipy.interpolate")
 
 
 class Deliberation:
@@ -102,8 +56,10 @@ class Deliberation:
         observation: Observation,
         profile: tuple[Array, Array],
         cruise: float,
+        wish: LaneWish | None = None,
     ) -> None:
         self._setup, self._state, self._observation, self._profile = setup, state, observation, profile
+        self._wish = wish
         self._cruise, self._base = cruise, math.floor(observation.s) - BEHIND
         self._last = state.plan
         driven = None if state.plan is None else state.plan.path
@@ -126,7 +82,14 @@ class Deliberation:
         """Place the vehicles, and roll out the paths home and the last plan."""
         setup, observation, state = self._setup, self._observation, self._state
         vehicle, lane = setup.vehicle, ego_lane_near(setup.road, observation.s)
-        fill_route(setup.scenes, setup.road.path, self._base, self._profile)
+        setup.fill_route(self._base, self._profile)
+        if self._wish is not None and self._last is not None:
+            v_free = math.sqrt(max(float(np.interp(observation.s, *self._profile)), 0.0))
+            slow = waiting_speed(
+                self._last.waiting, observation.vehicles, observation.v, v_free, setup.settings.change
+            )
+            cap = setup.scenes.route["cap"]
+            np.minimum(cap, slow * slow, out=cap)
         traffic = predict_vehicles(setup.scenes, observation, setup.road, setup.settings, self._base)
         scene, half = traffic.scene, 0.5 * vehicle.width
         left, right = observation.d + half - TOLERANCE, observation.d - half + TOLERANCE
@@ -146,7 +109,7 @@ class Deliberation:
             traffic=traffic, lateral=lateral, s=observation.s, v=observation.v,
             awareness_range=observation.awareness_range, jerk=setup.speed.jerk,
             jerk_emergency=setup.speed.jerk_emergency,
-            free_s=TIMES, free_v=TIMES,
+            free_s=TIMES, free_v=TIMES, wish=self._wish,
         )  # fmt: skip
         self._scene, self._rollout = scene, Rollout(scene, around)
         homes = home_paths(around)
@@ -164,9 +127,15 @@ class Deliberation:
         )  # fmt: skip
         for path, row in zip(homes, rows, strict=True):
             self._add(path, row)
+        self._certifier.home_acceleration = float(self._plans[0].a.min())
         last = self._last_path
         if last is not None and not lateral.is_lost and last.kind is not PathKind.ROUTE:
             self._add(replace(last, is_last=True), None)
+        wish = self._wish
+        to, begun = 0.0 if wish is None else wish.d, 0.0 if last is None else last.rest
+        if not lateral.is_lost and to != begun:
+            for path in change_paths(around, wish):
+                self._add(path, None)
 
     def _add(self, path: LateralPath, row: int | None) -> None:
         """Roll out a path with all of its profiles."""
@@ -195,7 +164,7 @@ class Deliberation:
         observation, last = self._observation, self._last_path
         ongoing = None
         if last is not None and last.kind.is_evasive and observation.s >= last.begin:
-            ongoing = None if self._around.lateral.is_lost else last
+            ongoing = None if self._around.lateral.is_lost or last.to_lane is not None else last
         v_target = math.sqrt(max(float(np.interp(observation.s, *self._profile)), 0.0))
         max_speed = v_target - self._setup.settings.min_speed_advantage
         found, why = maneuver_paths(self._around, levels, ongoing, max_speed)
@@ -236,6 +205,7 @@ class Deliberation:
             certificate=certificate, yields_to=yields_to,
             free_a=float(self._free.a[3]), rejections=(*self._rejections, *rejected), safe_stop=stop,
             costs=best.costs, impact_id=best.impact_id or self._cause_of(best), assumptions=assumptions,
+            waiting=waiting_for(self._wish, self._plans, best),
         )  # fmt: skip
 
     def _valid_time(self) -> float:
@@ -267,41 +237,3 @@ class Deliberation:
         """Return the vehicle because of which the cheapest plan is not driven; empty if it is."""
         refused = [p for p in self._plans if p.is_certified and p.impact_id and p.cost < best.cost]
         return min(refused, key=lambda p: p.cost).impact_id if refused else ""
-
-
-def fill_route(scenes: Scenes, path: Path, base: int, profile: tuple[Array, Array]) -> None:
-    """Put the stretch of the route around the ego into the scenes."""
-    grid = base + np.arange(float(BEHIND + AHEAD))
-    xy, first, second = path.derivatives(grid)
-    route = scenes.route
-    route["x"][:], route["y"][:] = xy[:, 0], xy[:, 1]
-    route["psi"][:] = np.unwrap(np.arctan2(first[:, 1], first[:, 0]))
-    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    route["kappa"][:] = cross / np.hypot(first[:, 0], first[:, 1]) ** 3
-    route["cap"][:] = np.interp(grid, *profile)
-
-
-def numbers_of(
-    vehicle: VehicleParams, settings: EvasionSettings, speed: SpeedSettings, limits: Limits
-) -> dict[str, float]:
-    """Return the ego, its limits and the assumptions of the settings as numbers of a scene."""
-    certificate, crossing = settings.certificate, settings.crossing
-    return {
-        "crossing_time": crossing.acceleration_time,
-        "half_length": 0.5 * vehicle.length,
-        "half_width": 0.5 * vehicle.width, "offset": vehicle.box_offset, "a_max": limits.a_max,
-        "b_comfort": limits.b_comfort, "b_max": limits.b_max,
-        "b_soft": settings.cost.risk_braking / speed.b_max * limits.b_max,
-        "risk_until": settings.cost.horizon, "grip": limits.grip, "standstill_gap": speed.standstill_gap,
-        "time_gap": speed.time_gap, "approach_rate": speed.approach_rate, "jerk": speed.jerk,
-        "jerk_emergency": speed.jerk_emergency, "lag": certificate.lag, "look": certificate.look_time,
-        "blocking_gap": settings.lead.blocking_gap, "rear_braking": settings.rear_braking,
-        "rear_reaction": 0.0 if settings.keeps_motion else settings.rear_reaction_time,
-        "keeps": settings.keeps_motion, "b_other": settings.assumed_braking,
-        "a_other": settings.assumed_acceleration, "a_passed": settings.assumed_acceleration_passed,
-        "b_crossing": crossing.assumed_braking, "a_crossing": crossing.assumed_acceleration,
-        "min_pet": crossing.min_pet, "braking_time": certificate.braking_time,
-        "acceleration_time": certificate.acceleration_time, "entry_tolerance": settings.lane_entry_tolerance,
-        "queue_gap": settings.lead.queue_gap,
-        "passing_gap": settings.lead.passing_distance,
-    }  # fmt: skip

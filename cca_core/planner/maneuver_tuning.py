@@ -171,6 +171,8 @@ class CostSettings:
     right : float
         Of passing on the inner side [s]: on the right in right-hand traffic, on the left in left-hand traffic
         (`EvasionSettings.traffic_side`).
+    lane : float
+        Of not changing to a lane that was requested [s].
     change, replan, abort : float
         Of another intention, of a new path of the same, and of returning before a pass is complete [s].
     narrow, hard : float
@@ -211,6 +213,7 @@ class CostSettings:
     change_of_acceleration: float = 0.02
     outside: float = 0.08
     right: float = 0.5
+    lane: float = 20.0
     change: float = 0.4
     replan: float = 0.15
     abort: float = 1.0

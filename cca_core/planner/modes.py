@@ -26,6 +26,8 @@ _RELEASE_FRACTION = 0.7  # of the brake threshold, below which braking ends
 def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float, settings: DecisionSettings) -> Mode:
     """Return the mode that a plan means at a station."""
     path = plan.path
+    if path.change and path.begin <= s < path.end:
+        return Mode.EVADE_LEFT if path.change == "left" else Mode.EVADE_RIGHT
     near = path.begin - s <= plan.v[0]
     waited = near and mode in (Mode.FOLLOW, Mode.EVADE_LEFT, Mode.EVADE_RIGHT)  # it speeds up to pass
     if path.kind.is_evasive and (path.begin <= s or waited) and s < path.end:

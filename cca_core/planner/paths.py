@@ -1,7 +1,7 @@
 """Paths from the car's lateral state: the route, returns to it, and the reference of a path."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from cca_core.path import Lane, Path, Road
 from cca_core.path.interpolate import spline_through
 from cca_core.planner.limits import Limits
 from cca_core.planner.occupancy import Traffic
-from cca_core.planner.records import LateralPath, Level, PathKind
+from cca_core.planner.records import LaneWish, LateralPath, Level, PathKind
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.stretch import AHEAD, BEHIND
 from cca_core.vehicle import VehicleParams
@@ -55,6 +55,7 @@ class Surroundings:
     jerk_emergency: float
     free_s: Array  # the ego's motion if no vehicle limits it, at `TIMES`
     free_v: Array
+    wish: LaneWish | None = None
 
     @property
     def offset(self) -> float:
@@ -106,6 +107,31 @@ def return_paths(around: Surroundings) -> list[LateralPath]:
         )
         for level, length, d in paths
     ]  # fmt: skip
+
+
+def change_paths(around: Surroundings, wish: LaneWish | None) -> list[LateralPath]:
+    """Return paths into another lane, gentle and as sharp as comfort allows; without one, a gentle way back.
+
+    They begin once the path can change, so that steering does not jump.
+    """
+    state, v, to = around.lateral, max(around.v, 2.0), 0.0 if wish is None else wish.d
+    grid = state.base + np.arange(float(len(state.d)))
+    begin = math.ceil(around.s + around.settings.replan.committed_time * v)
+    k, found = begin - state.base, []
+    behind, here, ahead = state.d[k - 1 : k + 2].tolist()
+    kind = PathKind.RETURN if wish is None else PathKind(wish.side)
+    a_ys = around.settings.change.gentle_fraction * around.limits.a_y, around.limits.a_y
+    for a_y in a_ys if wish is not None else a_ys[:1]:
+        d = state.d.copy()
+        rest, length = blend(
+            here - to, 0.5 * (ahead - behind), ahead - 2.0 * here + behind, a_y, v, grid[k:] - begin
+        )
+        d[k:] = to + rest
+        path = LateralPath(
+            kind=kind, base=state.base, d=d, begin=around.s, end=begin + length, rest=to, is_smooth=True
+        )
+        found.append(path if wish is None else replace(path, to_lane=wish.lane, change=wish.side))
+    return found
 
 
 def route_path(base: int) -> LateralPath:

@@ -4,21 +4,18 @@ import gc
 import logging
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 
-import numpy as np
-
-from cca_core._checks import Array, check_real
+from cca_core._checks import check_real
 from cca_core.decide import Decision
 from cca_core.errors import Status
-from cca_core.follow import PreviewController, SpeedSettings, squared_speed_limit
+from cca_core.follow import PreviewController, SpeedSettings
 from cca_core.frenet import INCOMPLETE, to_frenet
 from cca_core.path import Path, Road
 from cca_core.planner import modes
 from cca_core.planner.actuate import dead_reckon, planned_acceleration, since, stop_acceleration
 from cca_core.planner.certificate import Grade
 from cca_core.planner.command import Command
-from cca_core.planner.deliberation import Deliberation, Setup
+from cca_core.planner.deliberation import Deliberation
 from cca_core.planner.inputs import (
     CycleClock,
     RadioHealth,
@@ -31,11 +28,21 @@ from cca_core.planner.inputs import (
     vehicles_on_level,
     warn_of_tight_bend,
 )
+from cca_core.planner.lanes import LaneChoice
 from cca_core.planner.last_known import recall
 from cca_core.planner.reasons import explain
-from cca_core.planner.records import DrivenPlan, LateralPath, Level, Mode, Observation, PathKind, PlannerState
+from cca_core.planner.records import (
+    DrivenPlan,
+    LateralPath,
+    Level,
+    Mode,
+    Observation,
+    PathKind,
+    PlannerState,
+)
 from cca_core.planner.route_change import carry_plan, is_same_road, station_on
 from cca_core.planner.settings import EvasionSettings
+from cca_core.planner.setup import Setup
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 
 __all__ = ["Command", "Planner"]
@@ -88,13 +95,14 @@ class Planner:
         self._setup.warm_up()
         self._limits = self._setup.limits
         self._controller = controller or PreviewController(vehicle)
+        self._lanes = LaneChoice(self._setup)
         self._last_s: dict[str, float] = {}
         self._clock = CycleClock()
         self._command: Command | None = None
         self._input_faults: tuple[str, ...] = ()
         self._stop_path: tuple[DrivenPlan | None, Path] = None, self.road.path  # that of a lost state
         self._state = PlannerState()
-        self._speed_profile = self._profile()
+        self._speed_profile = self._setup.speed_profile(self._cruise_speed, self._state)
 
     def __repr__(self) -> str:
         mode = self._state.mode.value
@@ -111,7 +119,7 @@ class Planner:
         if value == self._cruise_speed:
             return
         self._cruise_speed = value
-        self._speed_profile = self._profile()
+        self._speed_profile = self._setup.speed_profile(self._cruise_speed, self._state)
 
     def set_route(self, road: Road | Path) -> None:
         """Go on along another route, or with other lanes and limits of the same one.
@@ -137,18 +145,56 @@ class Planner:
         if is_same_road(last, self.road):
             return
         warn_of_tight_bend(self.road.path, self.vehicle)
-        self._drive_along(Setup.make(self.vehicle, self.road, self.evasion, self.speed))
+        setup = Setup.make(self.vehicle, self.road, self.evasion, self.speed)
+        self._lanes, plan = LaneChoice(setup), self._state.plan
+        self._drive_along(setup, goes_on=plan is None or plan.path.to_lane is None)
 
-    def _drive_along(self, setup: Setup) -> None:
+    @property
+    def lane(self) -> float:
+        """Lateral offset on `road` of the lane that the ego keeps to [m]; 0 unless another was requested."""
+        return self._lanes.offset(self._lanes.here)
+
+    @property
+    def requested_lane(self) -> float | None:
+        """Lateral offset on `road` of the lane to which the ego is to change [m]; None if it is there."""
+        lanes = self._lanes
+        return None if lanes.wanted == lanes.here else lanes.offset(lanes.wanted)
+
+    def request_lane(self, d: float | None) -> None:
+        """Change to another lane for good, as soon as it is clear.
+
+        The change is checked like every maneuver: the lane must be known to be clear (eq 11), drivers behind
+        in it must have the time to react, and the plan is certified. Until then the ego drives on; it slows
+        down by up to 1.5 m/s to let a vehicle alongside pass. The reason names the vehicle that it waits for.
+        Once its body is inside the lane, that is the ego lane, and obstacles are evaded from there. Several
+        lanes are changed one by one. A request replaces the last one, also within a change; a change that
+        has begun is then aborted if the way back is clear.
+
+        Parameters
+        ----------
+        d : float or None
+            Lateral offset of the lane's center on `road` [m], left positive, or any other offset within the
+            lane. 0 or None is the lane of the route. `set_route` ends a request.
+
+        Raises
+        ------
+        InputError
+            If there is no lane at `d`, if it or one on the way to it has another direction, or if a curve of
+            the route is tighter than `d`.
+        """
+        if self._lanes.request(d, max(self._clock.t, 0.0)):
+            self._state = self._state._replace(t_decided=-math.inf)
+
+    def _drive_along(self, setup: Setup, *, goes_on: bool) -> None:
         """Change the route that is driven along, under way."""
         last, state, self._setup = self._setup.road, self._state, setup
         self._last_s = {}
         if state.s is not None and state.estimate is not None:
             s, plan = station_on(setup.road.path, state.estimate, state.s), state.plan
             if plan is not None:
-                plan = carry_plan(plan, last, setup.road, state.s, s, state.v, self._limits)
+                plan = carry_plan(plan, last, setup.road, state.s, s, state.v, self._limits, goes_on)
             self._state = state._replace(s=s, plan=plan, t_decided=-math.inf)
-        self._speed_profile = self._profile()
+        self._speed_profile = self._setup.speed_profile(self._cruise_speed, self._state)
 
     @property
     def maneuver(self) -> LateralPath | None:
@@ -157,20 +203,6 @@ class Planner:
         if plan is None or s is None or not plan.path.begin <= s < plan.path.end:
             return None
         return plan.path
-
-    def _profile(self) -> tuple[Array, Array]:
-        """Speed profile of the route; to a lower cruise speed or limit the ego slows down in comfort."""
-        road, b = self._setup.road, self._limits.b_comfort
-        path, a_y, speed = road.path, self._limits.curve, replace(self.speed, b_comfort=b)
-        v, s = self._state.v, self._state.s
-        limit = min(self._cruise_speed, road.speed_limit)
-        stations, squared = squared_speed_limit(path, limit, a_y, speed, road.speed_limits)
-        if s is None or v * v <= np.interp(s, stations, squared):
-            return stations, squared
-        begin = s + 0.5 * v * b / self.speed.jerk  # while the deceleration builds up
-        ramp = v * v - 2.0 * b * (stations - begin)
-        curves = np.interp(stations, *squared_speed_limit(path, v, a_y, speed))
-        return stations, np.minimum(curves, np.maximum(squared, ramp))
 
     def step(
         self,
@@ -217,6 +249,10 @@ class Planner:
                 reason = f"no usable time for {self._clock.lost_time:.1f} s: {fault}"
             if reason:
                 return self._safe_stop(reason, dt)
+            if self._state.plan is not None and self._state.s is not None:
+                plan, lane = self._state.plan, self._lanes.enter(self._state.plan, self._state.s)
+                if lane is not None:
+                    self._drive_along(lane, goes_on=plan.path.to_lane is not None)
             observation, dropped = self._see(state, remotes, known, is_blind=is_blind)
             if isinstance(observation, str):
                 return self._safe_stop(observation, dt)
@@ -277,7 +313,10 @@ class Planner:
     def _decide(self, observation: Observation) -> None:
         """Enumerate, certify and choose."""
         state = self._state
-        deliberation = Deliberation(self._setup, state, observation, self._speed_profile, self._cruise_speed)
+        deliberation = Deliberation(
+            self._setup, state, observation, self._speed_profile, self._cruise_speed,
+            self._lanes.wish(observation.t),
+        )  # fmt: skip
         self._state = state._replace(plan=deliberation.decide())
 
     def _act(

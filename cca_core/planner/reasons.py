@@ -30,6 +30,14 @@ def explain(
     lead = vehicles.get(plan.limited_by)
     if mode in (Mode.EVADE_LEFT, Mode.EVADE_RIGHT):
         side = "left" if mode is Mode.EVADE_LEFT else "right"
+        if plan.path.change:
+            arrival = _time_at(plan, plan.path.end) - (observation.t - plan.t)
+            cause = f"there in {max(arrival, 0.0):.1f} s" if math.isfinite(arrival) else "the lane is clear"
+            if lead is not None:
+                cause = f"behind {lead.id}, {cause}"
+            return explained(
+                action, f"changing to the {plan.path.change} lane", cause, lead_id=plan.limited_by or None
+            )
         name = ", ".join(sorted(plan.path.overtaken)) or "the vehicle"
         back = _time_at(plan, plan.path.end) - (observation.t - plan.t)
         until = f"back in ego lane in {max(back, 0.0):.1f} s" if math.isfinite(back) else "returning"
@@ -72,6 +80,8 @@ def explain(
         return explained(
             action, activity, _why(plan) or "its speed limits the ego's", numbers=numbers, lead_id=lead.id
         )
+    if plan.waiting is not None:
+        return explained(action, str(plan.waiting), plan.waiting.cause)
     if plan.path.kind.is_evasive and observation.s < plan.path.begin:
         side = "left" if plan.path.kind is PathKind.LEFT else "right"
         cause = f"{side} maneuver feasible, starts in {plan.path.begin - observation.s:.0f} m"
@@ -93,6 +103,8 @@ def explain(
 
 def _why(plan: DrivenPlan) -> str:
     """Text of the rejections of other plans."""
+    if plan.waiting is not None:
+        return f"{plan.waiting}: {plan.waiting.cause}"
     return "; ".join(dict.fromkeys(str(r) for r in plan.rejections))
 
 

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.band import Band
-from cca_core.decide import Rejection
+from cca_core.band import Band, Side
+from cca_core.decide import Rejection, RejectionKind
 from cca_core.frenet import FrenetVehicle
-from cca_core.path import Path
+from cca_core.path import Lane, Path
 from cca_core.planner.assumptions import Assumptions
 from cca_core.planner.certificate import Certificate, Grade, SafeStop
 from cca_core.planner.last_known import Memory
@@ -67,6 +67,9 @@ class LateralPath:
     reference: Path | None = None
     is_last: bool = False
     rest: float = 0.0  # lateral offset beyond the last station [m]
+    to_lane: Lane | None = None  # in which it ends, if that is not the ego lane
+    is_smooth: bool = False  # it begins where steering does not look yet
+    change: str = ""  # side of the lane change that it belongs to
 
     @property
     def side(self) -> str:
@@ -96,6 +99,37 @@ class LateralPath:
         if self.rest != 0.0:
             d[max(end, 0) :] = self.rest
         return d
+
+
+class LaneWish(NamedTuple):
+    """A lane next to the ego lane that is to become the ego lane."""
+
+    side: Side
+    lane: Lane
+    d: float  # of the route in it [m]
+    waited: float  # time since it is wished for [s]
+
+
+class Waiting(NamedTuple):
+    """For which lane the ego waits, and why it is not clear."""
+
+    side: Side
+    rejection: Rejection | None
+
+    def __str__(self) -> str:
+        return f"waiting for the {self.side} lane"
+
+    @property
+    def cause(self) -> str:
+        """Vehicle with its distance, or the rejection."""
+        rejection = self.rejection
+        if rejection is None:
+            return "no comfortable change is certified"
+        if rejection.kind is RejectionKind.NO_LANE:
+            return "it is not there yet"
+        if rejection.kind is RejectionKind.LANE_BLOCKED:
+            return f"{rejection.vehicle_id} {rejection.where}"
+        return str(rejection)
 
 
 class Costs(NamedTuple):
@@ -189,6 +223,7 @@ class DrivenPlan:
     costs: Costs = field(default_factory=Costs)
     impact_id: str = ""
     assumptions: Assumptions | None = None  # of the certificate; None if the worst case is not excluded
+    waiting: Waiting | None = None  # for another lane
 
     @property
     def grade(self) -> Grade:

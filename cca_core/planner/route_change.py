@@ -21,6 +21,7 @@ _MIN_AHEAD, _TIME_AHEAD = 5.0, 1.0  # part ahead of the ego that is carried over
 _MARGIN = 5.0  # beyond both, for its slope at the ends [m]
 _MIN_TIME = 2.5  # of the way to the new route [s]
 _ON_ROUTE, _ALONG = 0.02, 0.003  # offset [m] and slope [-] below which a path is the route
+_THERE = 2e-3  # offset [m] and slope [-] below which a maneuver ends on the new route
 _MAX_SLOPE = 0.6  # of a path to its route; beyond it the routes have parted [-]
 _NEAR = 2.0  # by which another part of the new route must be nearer than that of the same station [m]
 
@@ -53,17 +54,18 @@ def station_on(path: Path, state: VehicleState, s: float) -> float:
 
 
 def carry_plan(
-    plan: DrivenPlan, old: Road, new: Road, s: float, s_new: float, v: float, limits: Limits
-) -> DrivenPlan:
+    plan: DrivenPlan, old: Road, new: Road, s: float, s_new: float, v: float, limits: Limits,
+    goes_on: bool = True,
+) -> DrivenPlan:  # fmt: skip
     """Return a plan in coordinates of another route; its certificate ends.
 
     The path stays in the plane: a maneuver to its end, others for the time that steering looks ahead. From
-    there it leads to the new route in comfort.
+    there it leads to the new route in comfort. With `goes_on` unset, maneuvers end as well.
     """
     plan = replace(plan, assumptions=None)
     if _is_same(old.path, new.path):
         return plan
-    path = _carried(plan.path, old.path, new.path, s, s_new, v, limits)
+    path = _carried(plan.path, old.path, new.path, s, s_new, v, limits, goes_on)
     reference = new.path if path.kind is PathKind.ROUTE else reference_of(path, new, s_new)
     if path.kind is not PathKind.ROUTE:
         path = replace(path, reference=reference)
@@ -71,7 +73,7 @@ def carry_plan(
 
 
 def _carried(
-    path: LateralPath, old: Path, new: Path, s: float, s_new: float, v: float, limits: Limits
+    path: LateralPath, old: Path, new: Path, s: float, s_new: float, v: float, limits: Limits, goes_on: bool
 ) -> LateralPath:
     """Return a lateral path on a new route."""
     ahead = s + max(_MIN_AHEAD, _TIME_AHEAD * v)
@@ -85,9 +87,11 @@ def _carried(
     near = (grid >= s_new - _MARGIN) & (grid <= at[-1] - _MARGIN)
     if not is_off and (np.abs(values[near]) < _ON_ROUTE).all() and (np.abs(slopes[near]) < _ALONG).all():
         return LateralPath(kind=PathKind.ROUTE, base=base, d=np.zeros(len(grid)))
-    if is_off and path.kind.is_evasive and stations[-1] >= path.end:
+    if goes_on and is_off and path.kind.is_evasive and stations[-1] >= path.end:
         shift = float(np.interp(path.begin, stations, at)) - max(path.begin, float(stations[0]))
         path = replace(path, begin=path.begin + shift)
+        if path.to_lane is not None:  # the new route is in that lane
+            path = replace(path, kind=PathKind.RETURN, to_lane=None, rest=0.0)
     else:
         end = ahead
         path = LateralPath(kind=PathKind.RETURN, base=base, d=values, begin=s_new)
@@ -97,6 +101,8 @@ def _carried(
     values[k:], length = blend(
         float(values[k]), float(slopes[k]), bend, limits.a_y, v, x, min_length=_MIN_TIME * v
     )
+    if max(abs(float(values[k])), abs(float(slopes[k]))) < _THERE:
+        length = 0.0
     return replace(path, base=base, d=values, end=float(grid[k]) + length, is_last=False)
 
 

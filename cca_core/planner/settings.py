@@ -18,6 +18,7 @@ from cca_core.planner.maneuver_tuning import (
 from cca_core.planner.tuning import (
     ActuationSettings,
     DecisionSettings,
+    LaneChangeSettings,
     LeadSettings,
     YieldSettings,
     check_fields,
@@ -84,6 +85,8 @@ class EvasionSettings:
         Return before the maneuver is complete.
     actuation : ActuationSettings
         Use of the tires.
+    change : LaneChangeSettings
+        Change to a lane that was requested.
     certificate : CertificateSettings
         What a plan must keep to be certified.
     cost : CostSettings
@@ -119,6 +122,7 @@ class EvasionSettings:
     replan: ReplanSettings = field(default_factory=ReplanSettings)
     abort: AbortSettings = field(default_factory=AbortSettings)
     actuation: ActuationSettings = field(default_factory=ActuationSettings)
+    change: LaneChangeSettings = field(default_factory=LaneChangeSettings)
     certificate: CertificateSettings = field(default_factory=CertificateSettings)
     cost: CostSettings = field(default_factory=CostSettings)
 

@@ -1,4 +1,4 @@
-"""Groups of settings: decision, actuation, lead vehicle, yielding."""
+"""Groups of settings: decision, actuation, lead vehicle, lane change, yielding."""
 
 from dataclasses import MISSING, dataclass, fields
 from typing import Any
@@ -7,7 +7,14 @@ from cca_core._checks import check_real
 from cca_core._repr import short_repr
 from cca_core.errors import InputError
 
-__all__ = ["ActuationSettings", "DecisionSettings", "LeadSettings", "YieldSettings", "check_fields"]
+__all__ = [
+    "ActuationSettings",
+    "DecisionSettings",
+    "LaneChangeSettings",
+    "LeadSettings",
+    "YieldSettings",
+    "check_fields",
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,6 +134,44 @@ class LeadSettings:
 
     def __post_init__(self) -> None:
         check_fields(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaneChangeSettings:
+    """How the ego changes to a lane that was requested, and waits for it.
+
+    Parameters
+    ----------
+    gentle_fraction : float
+        Lateral acceleration of a change without haste, as a fraction of `lateral_acceleration` [-].
+    speed_loss : float
+        By which the ego is slower than a vehicle that blocks the lane, so that it passes [m/s].
+    passing_speed : float
+        By which the ego must be faster than that vehicle to pass it instead [m/s].
+    speed_step : float
+        By which the ego slows down at once for that [m/s]; it limits the deceleration.
+    braking, last_braking : float
+        Deceleration behind a vehicle of the other lane up to which a change begins [m/s^2]: at first, and
+        after `patience`.
+    patience : float
+        Time after which the ego accepts smaller gaps [s].
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or negative.
+    """
+
+    gentle_fraction: float = 0.4
+    speed_loss: float = 2.5
+    passing_speed: float = 3.0
+    speed_step: float = 0.7
+    braking: float = 1.0
+    last_braking: float = 2.1
+    patience: float = 20.0
+
+    def __post_init__(self) -> None:
+        check_fields(self, positive=("gentle_fraction", "patience"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2575,12 +2575,15 @@ static double scene_squared_speed(const Scene *w, int p, double at)
     return real_min(own, w->cap[i] + f * (w->cap[i + 1] - w->cap[i]));
 }
 
-/* Whether a body at a lateral offset is not wholly inside the ego lane. */
-static bool scene_is_outside(const Scene *w, double d, double tolerance)
+/* Whether a body is wholly inside neither the ego lane nor the lane in which a path ends. */
+static bool scene_is_outside(const Scene *w, int p, double d, double tolerance)
 {
-    bool left = d + w->half_width - tolerance > w->lane_left;
-    bool right = d - w->half_width + tolerance < w->lane_right;
-    return left || right;
+    double left = d + w->half_width - tolerance;
+    double right = d - w->half_width + tolerance;
+    if (left > w->lane_left || right < w->lane_right) {
+        return left > w->end_left[p] || right < w->end_right[p];
+    }
+    return false;
 }
 #define ROLLOUT_ONCOMING (-0.5)
 #define ROLLOUT_CALM 0.5
@@ -2852,7 +2855,7 @@ void cca_sum_costs(Scene *w, int row, int p, double until)
         if (fabs(added) > 0.05) {
             w->terms[row * 9 + 2] = real_max(w->terms[row * 9 + 2], fabs(whole));
         }
-        if (scene_is_outside(w, d, 0.0)) {
+        if (scene_is_outside(w, p, d, 0.0)) {
             w->terms[row * 9 + 3] += h;
         }
         double jerk = (w->a[row * w->steps + k + 1] - a) / h;
@@ -3744,11 +3747,11 @@ void cca_locate_vehicles(Scene *w, int seen)
 #define DUTIES_FAR 1000.0
 
 /* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
-int cca_find_duty(Scene *w, int row, double wait)
+int cca_find_duty(Scene *w, int row, int p, double wait)
 {
     int back = 0;
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        if (scene_is_outside(w, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)) {
+        if (scene_is_outside(w, p, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)) {
             back = int_min(k + 1, w->steps - 1);
         }
     }
@@ -3993,7 +3996,7 @@ static double gap_checks_nominal_gap(const Scene *w, int row, int j, int k, doub
 /* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
 void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet)
 {
-    int back = cca_find_duty(w, row, wait);
+    int back = cca_find_duty(w, row, p, wait);
     gap_checks_set_poses(w, row, p);
     int begin = w->established != 0 ? 0 : cca_zone_begin(w, w->zone_from);
     int steps = w->steps;
@@ -4081,7 +4084,7 @@ speed at the first overlap. */
 bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearance, double wait,
     double x_safety, int which)
 {
-    int back = cca_find_duty(w, row, wait);
+    int back = cca_find_duty(w, row, p, wait);
     gap_checks_set_poses(w, row, p);
     int steps = w->steps;
     double margin = DUTIES_FAR;
@@ -4141,7 +4144,7 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
                 continue;
             }
             if (k > 0 && !(w->v[row * w->steps + k - 1] >= GAP_CHECKS_STANDSTILL) && w->crosses[j] == 0) {
-                if (!scene_is_outside(w, w->offset_at[row * w->steps + k], 0.0)) {
+                if (!scene_is_outside(w, p, w->offset_at[row * w->steps + k], 0.0)) {
                     continue;
                 }
             }

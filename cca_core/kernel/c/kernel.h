@@ -230,6 +230,8 @@ typedef struct Scene {
     double *path_cap; /* [max_paths][n] */
     double *path_low; /* [max_paths] */
     double *path_high; /* [max_paths] */
+    double *end_right; /* [max_paths] */
+    double *end_left; /* [max_paths] */
     double *overtakes; /* [max_paths][max_m] */
     double *t; /* [steps] */
     int m;
@@ -451,7 +453,7 @@ void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double
 void cca_locate_vehicles(Scene *w, int seen);
 
 /* Find from when on vehicles behind the ego must keep their distance; return when it is in its lane. */
-int cca_find_duty(Scene *w, int row, double wait);
+int cca_find_duty(Scene *w, int row, int p, double wait);
 
 /* Whether a vehicle is behind the ego in its lane from `duty_from` on, for good. */
 bool cca_has_duty(const Scene *w, int j, int back);

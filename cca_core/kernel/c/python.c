@@ -1143,16 +1143,20 @@ static PyObject *call_find_duty(PyObject *self_, PyObject *const *given_, Py_ssi
 {
     (void)self_;
     (void)given_;
-    if (!lend_count("find_duty", 3, count_)) {
+    if (!lend_count("find_duty", 4, count_)) {
         return NULL;
     }
     Scene *w;
     int row;
+    int p;
     double wait;
     if (!lend_whole(given_[1], &row)) {
         return NULL;
     }
-    if (!lend_real(given_[2], &wait)) {
+    if (!lend_whole(given_[2], &p)) {
+        return NULL;
+    }
+    if (!lend_real(given_[3], &wait)) {
         return NULL;
     }
     Lent lent_[1];
@@ -1164,7 +1168,7 @@ static PyObject *call_find_duty(PyObject *self_, PyObject *const *given_, Py_ssi
     }
     int result_;
     Py_BEGIN_ALLOW_THREADS
-    result_ = cca_find_duty(w, row, wait);
+    result_ = cca_find_duty(w, row, p, wait);
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     return PyLong_FromLong(result_);
@@ -2399,7 +2403,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "68e9b94186623e45bd97f372c1103592f1262a86e5eb48766fcbe5a91ceabf21") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "1f683bb6f0dfdc6600c2f89161a2447ae41b82ebaa2d1ae444c54295fc0247cb") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
