@@ -77,17 +77,17 @@ def _carried(
 ) -> LateralPath:
     """Return a lateral path on a new route."""
     ahead = s + max(_MIN_AHEAD, _TIME_AHEAD * v)
-    is_off = path.kind is not PathKind.ROUTE and s < path.end
-    end = max(path.end, ahead) if is_off else ahead
+    goes_on = goes_on and path.kind.is_evasive and s < path.end
+    end = max(path.end, ahead) if goes_on else ahead
     base = math.floor(s_new) - BEHIND
     grid = base + np.arange(float(BEHIND + AHEAD))
     stations, at, d = _project(path, old, new, s - _BEHIND, end + _MARGIN, s, s_new)
     values = _on_grid(grid, at, d)
     slopes = np.gradient(values)
     near = (grid >= s_new - _MARGIN) & (grid <= at[-1] - _MARGIN)
-    if not is_off and (np.abs(values[near]) < _ON_ROUTE).all() and (np.abs(slopes[near]) < _ALONG).all():
+    if not goes_on and (np.abs(values[near]) < _ON_ROUTE).all() and (np.abs(slopes[near]) < _ALONG).all():
         return LateralPath(kind=PathKind.ROUTE, base=base, d=np.zeros(len(grid)))
-    if goes_on and is_off and path.kind.is_evasive and stations[-1] >= path.end:
+    if goes_on and stations[-1] >= path.end:
         shift = float(np.interp(path.begin, stations, at)) - max(path.begin, float(stations[0]))
         path = replace(path, begin=path.begin + shift)
         if path.to_lane is not None:  # the new route is in that lane
