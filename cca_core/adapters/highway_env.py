@@ -64,7 +64,7 @@ class HighwayAgent:
     env : gymnasium.Env
         The environment, after `configure_highway` and `env.reset`. Make a new agent after each reset.
     cruise_speed : float, optional
-        Target speed [m/s]; the default is the speed limit of the ego's lane.
+        Target speed [m/s]; the default is the highest speed limit of the road.
     length : float
         Length of the road ahead that is read [m].
     **planner : Any

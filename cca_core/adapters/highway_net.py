@@ -34,7 +34,7 @@ def read_highway_road(env: Any, *, length: float = 2000.0) -> Road:
     road : Road
         It follows the ego's lane and those that continue it, and goes on straight for 300 m behind the last
         one. Its lanes are those that go along all of it; one that is driven in both directions is opposing.
-        Its speed limit is the lowest of these lanes.
+        Its speed limits are those of these lanes.
 
     Raises
     ------
@@ -55,8 +55,11 @@ def read_highway_road(env: Any, *, length: float = 2000.0) -> Road:
     for lane in _measured(path, chain, [graph[part.name[0]][part.name[1]] for part in chain]):
         if all(abs(lane.d - known.d) > _LANE_DRIFT for known in lanes):
             lanes.append(lane)
-    limits = [part.lane.speed_limit for part in chain if part.lane.speed_limit is not None]
-    return Road(path, lanes, speed_limit=min(limits, default=_SPEED_LIMIT))
+    limits = [part.lane.speed_limit or _SPEED_LIMIT for part in chain]
+    if len(set(limits)) == 1:
+        return Road(path, lanes, speed_limit=limits[0])
+    begins = path.project([_position(part.lane, part.begin) for part in chain])[0]
+    return Road(path, lanes, speed_limits=np.column_stack((begins, limits)))
 
 
 class _Part(NamedTuple):

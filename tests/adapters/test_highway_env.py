@@ -40,12 +40,12 @@ def test_road_of_given_length_ends_there() -> None:
     assert path.position(path.end) == pytest.approx((300.0, -4.0), abs=1e-6)
 
 
-def test_road_continues_in_next_lane_with_lowest_limit() -> None:
+def test_road_continues_in_next_lane_with_its_limit() -> None:
     ahead = [FakeLane((400.0, y), (800.0, y), speed_limit=20.0) for y in (0.0, 4.0, 8.0)]
     env = fake_env({"a": {"b": two_lanes()}, "b": {"c": ahead}}, fake_vehicle(100.0, 4.0), ("a", "b", 1))
     road = read_highway_road(env, length=600.0)
     assert road.path.length == pytest.approx(650.0, abs=1e-3)
-    assert road.speed_limit == 20.0
+    assert [road.highest_limit(s, s) for s in (100.0, 349.0, 351.0, 600.0)] == [30.0, 30.0, 20.0, 20.0]
     assert [round(lane.d, 6) for lane in road.lanes] == [0, 4]  # the third one begins later
 
 
