@@ -42,7 +42,7 @@ MAX_RATE = 0.002  # of avoidable collisions with V2V, one-sided at 95 %
 STUDY_TIME = 2400.0  # of one processor for each study [s]
 NUMBERS = "v2v_speed", "latency", "loss", "radio_range"  # of a collision, on the page
 HEAD = """\
-# Validation
+# Validation: the last full run
 
 Every test with the full number of random cases: 1000 for each property instead of 50, and fewer if one case
 is a whole drive or a fit. The name of a property fixes its seed. Written by `make validate`.
