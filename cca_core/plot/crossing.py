@@ -130,9 +130,12 @@ def _draw_diagram(axis: Any, log: Log) -> None:
     front = scenario.vehicle.front
     base = log.ego_frenet[0, 0] if line is None else line
     area, stations = blocked(log), ego_stations(log) + front - base
-    t = log.t[0] + EVERY * (log.t[1] - log.t[0]) * np.arange(len(area))
+    t = log.t[::EVERY]
+    if len(area) > len(t):  # beyond a collision, in which a simulated run ends
+        t = log.t[0] + EVERY * (log.t[1] - log.t[0]) * np.arange(len(area))
     color = assign_colors([user.id for user in scenario.road_users])[scenario.road_users[0].id]
-    axis.contourf(t, stations, area.T.astype(float), levels=(0.5, 1.5), colors=[color], alpha=0.45)
+    if len(t) > 1:
+        axis.contourf(t, stations, area.T.astype(float), levels=(0.5, 1.5), colors=[color], alpha=0.45)
     axis.plot([], [], color=color, alpha=0.45, linewidth=8, label="conflict area")
     axis.plot(log.t, log.ego_frenet[:, 0] + front - base, color=COLORS.ego, linewidth=2.0, label="ego")
     if line is not None:

@@ -91,7 +91,7 @@ def _draw_strip(axis: Any, log: Log, base: float, *, period: float = 0.5) -> Non
     axis.set_ylabel("left [m]", fontsize=TEXT.tiny)
     names = ["ego", *(user.id for user in log.scenario.road_users)]
     palette = {"ego": COLORS.ego, **assign_colors(names[1:])}
-    rows = np.arange(len(log.t) - 1, -1, -round(period / (log.t[1] - log.t[0])))
+    rows = np.arange(len(log.t) - 1, -1, -max(round(period / (log.t[1] - log.t[0])), 1))
     corners = frenet_corners(log) - (base, 0.0)
     for i, name in enumerate(names):
         s = log.user_frenet[log.present[:, i - 1], i - 1, 0]

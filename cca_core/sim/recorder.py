@@ -3,17 +3,19 @@
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from cca_core._checks import Array, check_real, shown
 from cca_core.errors import InputError, Status
+from cca_core.follow import SpeedSettings
 from cca_core.frenet import CROSSING_SINE
 from cca_core.frenet.convert import valid_vehicles
 from cca_core.path import Path, Road, interpolate_path
 from cca_core.planner.command import Command
 from cca_core.planner.inputs import first_station
+from cca_core.planner.settings import EvasionSettings
 from cca_core.sim.log import Log
 from cca_core.sim.log_builder import EventRecorder, TrackingError, find_collision
 from cca_core.sim.scenarios.road_user import RoadUser
@@ -75,13 +77,18 @@ class Recorder:
     def __init__(
         self, planner: Planned, *, name: str = "own run", case: str | None = None, ego_type: str = "v2v"
     ) -> None:
-        missing = [each for each in ("vehicle", "road", "cruise_speed") if not hasattr(planner, each)]
-        if missing or not isinstance(planner.road, Road):
+        kinds: dict[str, type] = {"vehicle": VehicleParams, "road": Road}
+        wrong = [each for each, kind in kinds.items() if not isinstance(getattr(planner, each, None), kind)]
+        if wrong or not hasattr(planner, "cruise_speed"):
             raise InputError(
-                f"planner must have vehicle, road and cruise_speed, {shown(planner)} has no "
-                f"{' and '.join(missing) or 'Road as road'}"
+                "planner must have vehicle, road and cruise_speed as a Planner has, "
+                f"{shown(planner)} has no such {' and '.join(wrong) or 'cruise_speed'}"
             )
-        settings = {each: getattr(planner, each) for each in ("evasion", "speed") if hasattr(planner, each)}
+        settings: dict[str, Any] = {
+            each: getattr(planner, each)
+            for each, kind in (("evasion", EvasionSettings), ("speed", SpeedSettings))
+            if isinstance(getattr(planner, each, None), kind)
+        }
         path = planner.road.path
         self._scenario = Scenario(
             name=str(name), case=case, road=planner.road, vehicle=planner.vehicle, start=path.start, v_x=0.0,

@@ -75,7 +75,7 @@ FIGURES: dict[str, Callable[[Log], object]] = {
     "passing": lambda log: plot_passing([log], "van"),
     "time series": plot_time_series,
     "traffic": plot_traffic,
-    "traffic at times": lambda log: plot_traffic(log, times=log.t[[0, 100, 199]].tolist()),
+    "traffic at times": lambda log: plot_traffic(log, times=log.t[[0, len(log.t) // 2, -1]].tolist()),
     "report": lambda log: list(report_figures([log])),
     "animation": lambda log: animate([log]),
 }
@@ -85,6 +85,22 @@ FIGURES: dict[str, Callable[[Log], object]] = {
 def test_recorded_run_has_each_figure(passed: Log, collided: Log, name: str) -> None:
     for log in (passed, collided):
         assert FIGURES[name](log)
+
+
+@pytest.mark.parametrize(
+    "steps", [[1.5] * 6, [0.3, 0.01, 2.0, 0.1], [0.02]], ids=["slow", "irregular", "two"]
+)
+def test_slow_and_irregular_loop_has_each_figure(steps: list[float]) -> None:
+    road = Road(interpolate_path([[0.0, 0.0], [500.0, 0.0]]), [Lane(d=0.0), Lane(d=3.5)])
+    planner = Planner(CAR, road, cruise_speed=10.0)
+    recorder = Recorder(planner, name="a/b <c>", case="1")
+    van = RemoteVehicle(id="van", x=110.0, y=-1.0, psi=0.0, v_x=0.0)
+    for k, t in enumerate(np.cumsum([1.7e9, *steps]).tolist()):
+        state = State(x=20.0 + 10.0 * (t - 1.7e9), y=0.0, psi=0.0, v_x=10.0)
+        remotes = [van] if k else []
+        recorder.add(t, state, remotes, planner.step(t, state, remotes))
+    for draw in FIGURES.values():
+        assert draw(recorder.log())
 
 
 def test_texts_of_a_run_name_the_vehicles_that_took_part(passed: Log) -> None:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from cca_core import EvasionSettings, InputError, Lane, Planner, RemoteVehicle, Road, VehicleParams
 from cca_core import VehicleState as State
+from cca_core.follow import SpeedSettings
 from cca_core.path import Path
 from cca_core.sim import (
     Log,
@@ -179,6 +181,15 @@ def test_collision_is_recorded_and_the_run_goes_on(route: Path) -> None:
     assert log.summary()["closing_speed_mps"] == 20.0
 
 
+def test_any_object_with_vehicle_and_road_is_recorded(route: Path) -> None:
+    own = SimpleNamespace(vehicle=CAR, road=Road(route), cruise_speed=9.0, speed=3.0)
+    planner, recorder = planner_on(route), Recorder(own)
+    for k in range(3):
+        recorder.add(1.5 * k, STATE, [], planner.step(1.5 * k, STATE, []))
+    scenario = recorder.log().scenario
+    assert (scenario.cruise_speed, scenario.speed) == (9.0, SpeedSettings())
+
+
 def test_invalid_vehicles_are_left_out(route: Path) -> None:
     planner, recorder = planner_on(route), Recorder(planner_on(route))
     good = RemoteVehicle(id="good", x=80.0, y=0.0, psi=0.0, v_x=10.0)
@@ -249,6 +260,7 @@ def test_command_without_numbers_raises(route: Path) -> None:
     [
         ({"planner": None}, "planner must have vehicle, road and cruise_speed"),
         ({"planner": STATE}, "planner must have vehicle, road and cruise_speed"),
+        ({"planner": SimpleNamespace(vehicle=CAR, road=3.0, cruise_speed=1.0)}, "has no such road"),
         ({"ego_type": "pilot"}, "ego_type must be one of"),
     ],
 )
