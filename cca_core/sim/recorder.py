@@ -40,7 +40,7 @@ class Recorder:
     ----------
     planner : Planner
         The planner of the run, or any object with its `vehicle`, `road` and `cruise_speed`. They are read
-        once, and so are `evasion` and `speed`, if it has them.
+        once, and so are `evasion` and `speed`, if it has them; a run on a new route is a new record.
     name, case : str, optional
         Name and case of the run in figures and reports.
     ego_type : {"v2v", "driver", "sensor"}
