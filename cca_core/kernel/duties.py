@@ -73,8 +73,8 @@ def is_established(w: Scene, j: Int) -> Flag:
     """Whether a vehicle follows an ego outside its lane, in one of the lanes that the ego is in."""
     if w.established == 0 or w.crosses[j] != 0 or not w.v_o[j, 0] >= ONCOMING:
         return False
-    if not w.s_o[j, 0] + w.half_l[j] < w.s_0 + w.offset - w.half_length:
-        return False
+    if not w.high[j, 0] < w.s_0 + w.offset - w.half_length:
+        return False  # it may be alongside
     if w.established == 1:
         return is_surely_in(w, j, w.lane_right if w.leaves else w.lane_left, w.edge_left)
     return is_surely_in(w, j, w.edge_right, w.lane_left if w.leaves else w.lane_right)

@@ -91,7 +91,8 @@ def _columns(n: FrenetVehicle, road: Road, settings: EvasionSettings, base: int)
         n.s - base, n.d, n.v_s, n.half_length, n.half_width, *extents, rate, nominal_rate, remote.age,
         math.cos(n.angle), side_speed, side_range, crosses,
         remote.x, remote.y, remote.psi, remote.v_x, remote.a_x, remote.r, *_half_body(n),
-        0.125 * remote.length**2, n.added_width, n.half_width - 4.0 * remote.sigma_across,
+        0.125 * remote.length**2, n.added_width,
+        0.5 * remote.width - 2.0 * remote.sigma_across,  # a corner in a lane does not make it drive there
     )  # fmt: skip
 
 

@@ -99,6 +99,16 @@ def test_long_vehicle_that_leaves_its_lane_in_a_bend_is_seen() -> None:
     assert min_gap(decided, np.random.default_rng(1)) > 0.0 or not certificate.keeps_worst_case
 
 
+@pytest.mark.parametrize(("block", "index"), [(86, 8), (66, 331)])
+def test_vehicle_that_may_be_alongside_is_seen(block: int, index: int) -> None:
+    """Behind by its old report but perhaps not now; with a corner in the ego's lane while it turns."""
+    decided = decide(sample_case(np.random.default_rng((block, index))), DEFAULT)
+    certificate = decided.command.certificate
+    assert certificate is not None
+    gap = min_gap(decided, np.random.default_rng((block, index, 1)))
+    assert gap > 0.0 or not certificate.keeps_worst_case
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(1, 101))
 def test_certified_safe_stop_is_not_touched_in_many(block: int) -> None:

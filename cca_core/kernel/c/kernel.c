@@ -3816,7 +3816,7 @@ bool cca_is_established(const Scene *w, int j)
     if (w->established == 0 || w->crosses[j] != 0 || !(w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING)) {
         return false;
     }
-    if (!(w->s_o[j * w->steps + 0] + w->half_l[j] < w->s_0 + w->offset - w->half_length)) {
+    if (!(w->high[j * w->steps + 0] < w->s_0 + w->offset - w->half_length)) {
         return false;
     }
     if (w->established == 1) {
