@@ -6,7 +6,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from cca_core.plot import plot_study
-from cca_core.sim import EGO_TYPES, ParameterRanges, Study, run_study
+from cca_core.sim import ParameterRanges, Study, run_study
 
 # on many machines: run_study(study, path, executor=Client(...).get_executor()) with Dask's Client
 
@@ -27,10 +27,7 @@ def main() -> None:
 
         table = run_study(study, args.out / f"study_{args.scenario}.db", progress=progress)
     table.write_csv(args.out / f"study_{args.scenario}.csv")
-    for ego_type in EGO_TYPES:
-        rate = table.rate(ego_type)
-        interval = f"{rate.ci_low:.1%} to {rate.ci_high:.1%}"
-        print(f"{ego_type:6} collides in {rate.n_events} of {rate.n} avoidable runs: {interval}")
+    print(table)
     plot_study([table], bins=3).savefig(args.out / f"study_{args.scenario}.png", dpi=120)
 
 
