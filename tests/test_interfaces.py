@@ -108,6 +108,9 @@ def test_planner_runs_in_other_processes() -> None:
 
 
 def test_library_never_prints_or_configures_logging() -> None:
-    for file in FilePath(cca_core.__file__).parent.rglob("*.py"):
+    folder = FilePath(cca_core.__file__).parent
+    for file in folder.rglob("*.py"):
+        if file.is_relative_to(folder / "cli"):
+            continue  # a command line prints
         calls = [n for n in ast.walk(ast.parse(file.read_text(encoding="utf-8"))) if isinstance(n, ast.Call)]
         assert not {"print", "logging.basicConfig"} & {ast.unparse(call.func) for call in calls}, file

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from cca_core._checks import check_real
+from cca_core._checks import check_real, formula
 from cca_core.adapters.conversions import flip_axes, shift_point
 from cca_core.geometry import wrap_angle
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -91,6 +91,7 @@ def from_carla_transform(transform: Any) -> tuple[float, float, float]:
     return x, y, wrap_angle(psi)
 
 
+@formula
 def to_carla_pose(x: float, y: float, psi: float) -> tuple[float, float, float]:
     """Location and yaw of CARLA from a pose.
 
@@ -154,6 +155,7 @@ def carla_remote(actor: Any) -> RemoteVehicle:
     )  # fmt: skip
 
 
+@formula
 def to_carla_control(delta: float, a_x: float, v_x: float, pedals: CarlaPedals | None = None) -> CarlaControl:
     """Control from a command of the planner.
 

@@ -123,6 +123,7 @@ def heading_to_compass(psi: float) -> float:
     return 0.0 if compass == 360.0 else compass  # the remainder of a tiny negative angle
 
 
+@formula
 def flip_axes(x: float, y: float, angle: float) -> tuple[float, float, float]:
     """Convert between left-handed axes (y to the right, or down on a screen) and those of ISO 8855.
 

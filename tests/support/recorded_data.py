@@ -22,6 +22,7 @@ from cca_core import (
     choose_action,
     fit_path,
 )  # fmt: skip
+from cca_core.adapters import CarlaPedals
 from cca_core.band import BandSettings, BandStiffness, CurvatureBounds
 from cca_core.decide import (
     RSS_EGO,
@@ -153,6 +154,7 @@ def examples() -> dict[str, Any]:
         Certificate(grade=Grade.FULL, braking=4.0, gap=2.5, vehicle_id="A", passed=frozenset({"B"})),
         rejection, CertificateSettings(), CostSettings(),
         AbortSettings(), ActuationSettings(), DecisionSettings(), LastResortSettings(), LaneChangeSettings(),
+        CarlaPedals(),
         LeadSettings(), ReplanSettings(), YieldSettings(),
         ego, frenet_vehicle,
         PositionalAccuracy(), PositionErrorModel(), BrakeStatus(wheels=(True, False)),
