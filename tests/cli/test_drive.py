@@ -76,7 +76,7 @@ def test_template_drives_and_passes(
 def test_invalid_scenario_has_code_2(scenario: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scenario.write_text(BRAKING.replace("s = 90.0", "s = 90.0\nwidth = -3"))
     assert main(["drive", str(scenario)]) == 2
-    assert capsys.readouterr().err == "cca drive: road_users[0].width must be greater than 0, was -3\n"
+    assert capsys.readouterr().err == "cca drive: road_users[0].width must be at least 0.01, was -3\n"
     assert not (scenario.parent / "out").exists()
 
 
