@@ -9,6 +9,9 @@ from cca_core.path import LocalFrame
 from cca_core.v2x import Channel, Sender, SenderSettings, Tracker
 from cca_core.vehicle import GRAVITY, RemoteVehicle, VehicleState
 
+_MAX_YAW_RATE = 5.7  # of a message [rad/s]
+_MAX_ACCELERATION = 20.0  # [m/s^2]
+
 
 class RadioLink:
     """Messages of other vehicles, as bytes through a channel into a tracker.
@@ -83,7 +86,11 @@ class RadioLink:
         InputError
             If a value of a vehicle cannot be encoded.
         """
-        for vehicle in vehicles:
+        for given in vehicles:
+            vehicle = replace(  # what a message cannot say of motion that jumps is cut off
+                given, r=min(max(given.r, -_MAX_YAW_RATE), _MAX_YAW_RATE),
+                a_x=min(max(given.a_x, -_MAX_ACCELERATION), _MAX_ACCELERATION),
+            )  # fmt: skip
             if vehicle.a_x <= -0.4 * GRAVITY:  # SAE J2735
                 vehicle = replace(vehicle, events=vehicle.events | {"hard_braking"})
             data = self._sender(vehicle.id).poll(t, vehicle)
