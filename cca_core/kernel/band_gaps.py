@@ -264,8 +264,10 @@ def refine_between(w: BandWork) -> None:
         if w.pair_node[k + 1] - i != 1:
             continue
         min_at_nodes = min(sampled[k], sampled[k + 1])
-        decisive = w.clearance  # where nodes fall short, bounds are moved by the shortfall between them
-        if min_at_nodes < w.clearance:
+        decisive = w.clearance
+        if min_at_nodes < w.clearance:  # the shortfall between nodes moves bounds; only motion adds to it
+            if not w.max_step[o] > 0.0:
+                continue
             decisive = min_at_nodes - LOOSE
         elif w.max_step[o] == 0.0:
             decisive = max(decisive, min(min_sample - LOOSE, w.clearance + DECISIVE))

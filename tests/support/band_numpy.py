@@ -175,8 +175,12 @@ class NumpyBand:
                 bound -= 0.5 * moves
             low = min(sampled[i], sampled[i + 1])
             decisive = clearance if low >= clearance else low - LOOSE
-            if low >= clearance and self.max_step[o] == 0.0:
-                decisive = max(clearance, min(floor - LOOSE, clearance + DECISIVE))
+            if self.max_step[o] == 0.0:
+                decisive = (
+                    max(clearance, min(floor - LOOSE, clearance + DECISIVE))
+                    if low >= clearance
+                    else -math.inf
+                )
             if bound < decisive:
                 bent = self.h * np.abs(kappa[i : i + 2]).max()
                 bound = self.between(o, nodes, along, int(i), 0.6 * car.length * bent)

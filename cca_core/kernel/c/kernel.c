@@ -605,6 +605,9 @@ static void band_gaps_refine_between(BandWork *w)
         double min_at_nodes = real_min(sampled[k], sampled[k + 1]);
         double decisive = w->clearance;
         if (min_at_nodes < w->clearance) {
+            if (!(w->max_step[o] > 0.0)) {
+                continue;
+            }
             decisive = min_at_nodes - BAND_GAPS_LOOSE;
         } else if (w->max_step[o] == 0.0) {
             decisive = real_max(decisive, real_min(min_sample - BAND_GAPS_LOOSE, w->clearance

@@ -2403,7 +2403,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "defb973131994afba8d4e0bcdd254a2ff02f87f558b95d17c0a85597b25f15f5") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "d1d0dd33f0f6676cbd2afeda19543a420b3e3f62d164ee13170e978ad48868c1") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
