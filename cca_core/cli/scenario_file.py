@@ -51,7 +51,7 @@ _EGO = ("type", "start", "v_x", "cruise_speed", "vehicle", "fixed_gap", *_EGO_RE
 _USER = tuple(field.name for field in fields(RoadUser))
 # what a message can hold, and a road vehicle can do
 _LIMITS = {
-    "v_x": (0.0, 160.0), "cruise_speed": (0.0, 160.0), "length": (0.01, 40.95), "width": (0.01, 10.23),
+    "v_x": (0.0, 160.0), "cruise_speed": (-math.inf, 160.0), "length": (0.01, 40.95), "width": (0.01, 10.23),
     "deceleration": (0.0, 20.0), "acceleration": (0.0, 20.0),
 }  # fmt: skip
 _START = 20.0  # from the begin of the road [m]

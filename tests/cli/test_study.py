@@ -114,7 +114,7 @@ WRONG = [
     ('scenario = "eebl"\n[ranges]\nfriction = [0.9, 0.5]\n', "ranges.friction must be in increasing order"),
     ('scenario = "eebl"\n[ranges]\nfriction = ["a", 1]\n', "ranges.friction must be a real number, was 'a'"),
     (HEAD + '"ego.cruise_sped" = [1.0, 2.0]\n', "ego.cruise_sped is unknown; did you mean cruise_speed?"),
-    (HEAD + '"ego.cruise_speed" = [-1.0, 2.0]\n', "ego.cruise_speed must be at least 0, was -1"),
+    (HEAD + '"ego.cruise_speed" = [-1.0, 2.0]\n', "ego.cruise_speed must be greater than 0, was -1"),
     (HEAD + '"ego.cruise_speed.x" = [1.0, 2.0]\n', "ranges.'ego.cruise_speed.x' must be a key"),
     (HEAD + '"road_users[1].v_x" = [1.0, 2.0]\n', "ranges.'road_users[1].v_x' must be a key of the scenario"),
     (HEAD + '"road_users.v_x" = [1.0, 2.0]\n', "ranges.'road_users.v_x' must be a key of the scenario"),
