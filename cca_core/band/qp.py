@@ -5,6 +5,7 @@ import warnings
 from copy import copy
 from dataclasses import dataclass, field
 from functools import lru_cache
+from importlib.util import find_spec
 from typing import Any, Literal
 
 import numpy as np
@@ -19,6 +20,7 @@ SOLVER_OPTIONS: dict[str, dict[str, Any]] = {
     "piqp": {"max_iter": 100, "preconditioner_iter": 2},  # 8 to 15 iterations are usual
     "osqp": {"max_iter": 4000, "eps_abs": 1e-5, "eps_rel": 1e-5, "polishing": True},
 }
+_NO_BAND = "no band within these bounds"
 _UNITS_PER_BAND = 10.0  # the unit of length is a tenth of the band, so that all numbers are near 1
 
 
@@ -68,11 +70,10 @@ def solve_smoothing_qp(
     if solver not in SOLVER_OPTIONS:
         raise InputError(f"solver must be 'piqp' or 'osqp', was {solver!r}")
     n = len(lower)
-    u = np.zeros(n)
     ends = [0, 1, -2, -1]
     if not ((lower <= upper).all() and lower[ends].max() <= 0.0 <= upper[ends].min()):
-        return QpSolution(u=u, solved=False, message="the bounds leave no feasible displacement")
-    qpsolvers = require_extra("qpsolvers", "qp")
+        return QpSolution(u=np.zeros(n), solved=False, message="the bounds leave no feasible displacement")
+    require_extra("qpsolvers", "qp")
     require_extra(solver, "qp")
 
     unit = (n - 1) / _UNITS_PER_BAND * spacing
@@ -80,7 +81,18 @@ def solve_smoothing_qp(
         unit, spacing, route_curvature, curvature_error, lower[2:-2], upper[2:-2], curvature_limit,
         curvature_rate_limit, weights,
     )  # fmt: skip
-    guess = None
+    result = _solution(problem, unit, solver, start)
+    is_undecided = not result.solved and result.message != _NO_BAND  # such as bounds that miss by a hair
+    if is_undecided and solver == "piqp" and find_spec("osqp"):
+        result = _solution(problem, unit, "osqp", start)
+    return result
+
+
+def _solution(problem: Any, unit: float, solver: QPSolver, start: Array | None) -> QpSolution:
+    """Return what a solver finds."""
+    qpsolvers = require_extra("qpsolvers", "qp")
+    n = len(problem.b)
+    u, guess = np.zeros(n), None
     if start is not None and solver == "osqp":
         guess = np.concatenate((start[2:-2], problem.A[:, : n - 4] @ start[2:-2]))
     with warnings.catch_warnings():
@@ -139,7 +151,7 @@ def _scaled_problem(
 def _words(solver: QPSolver, status: str) -> str:
     """Return the result of a solver in words."""
     words = status.lower().removeprefix("piqp_").replace("_", " ")
-    return "no band within these bounds" if "primal infeasible" in words else f"{solver}: {words}"
+    return _NO_BAND if "primal infeasible" in words else f"{solver}: {words}"
 
 
 @lru_cache(maxsize=32)

@@ -10,6 +10,7 @@ from cca_core.errors import InputError
 from cca_core.rig.settings import parse_address
 
 _MAX_BYTES = 65_536
+_QUEUE_BYTES = 1 << 20  # of the operating system, for some thousand datagrams
 
 
 class UdpLink:
@@ -42,6 +43,8 @@ class UdpLink:
             # multicast stays on this machine: another one is named by its own address
             self._socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
             if own is not None:
+                # a full queue refuses the newest: it must hold a cycle of a flood
+                self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _QUEUE_BYTES)
                 self._bind(*own)
             self._socket.setblocking(False)
         except OSError as error:
@@ -72,7 +75,7 @@ class UdpLink:
             except OSError:  # no receiver, no network, or a full buffer
                 self.counts["not_sent"] += 1
 
-    def drain(self, limit: int = 500) -> list[bytes]:
+    def drain(self, limit: int = 2000) -> list[bytes]:
         """Return the datagrams that have arrived, without waiting.
 
         Parameters

@@ -155,11 +155,18 @@ def test_infeasible_problem_is_reported(problem: dict[str, Any], solver: Any) ->
 
 @both
 def test_iteration_limit_is_reported(solver: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(quadratic.SOLVER_OPTIONS[solver], "max_iter", 3)
+    for options in quadratic.SOLVER_OPTIONS.values():
+        monkeypatch.setitem(options, "max_iter", 3)
     band = solve_smoothing_qp(**passing(60), solver=solver)
     assert not band.solved
     assert "max" in band.message.lower()
     np.testing.assert_array_equal(band.u, 0.0)
+
+
+def test_bounds_that_miss_each_other_by_a_hair_are_infeasible() -> None:
+    band = solve_smoothing_qp(**passing(5, h=0.25, at=1e-4, curvature_limit=0.05, curvature_rate_limit=0.01))
+    assert not band.solved
+    assert band.message == "no band within these bounds"
 
 
 def test_warm_start_needs_no_more_iterations() -> None:
