@@ -39,6 +39,23 @@ def test_result_counts_until_sources_change(tmp_path: Path, monkeypatch: pytest.
     assert again.missing[0] == name  # its time is known
 
 
+def test_only_what_a_file_uses_counts() -> None:
+    def used(name: str) -> set[str]:
+        files = validate.inputs(validate.ROOT / name)
+        return {"/".join(file.relative_to(validate.ROOT).parts[:2]) for file in files}
+
+    band, planner = used("tests/band/test_qp.py"), used("tests/planner/test_work.py")
+    assert {"cca_core/band", "cca_core/kernel", "cca_core/errors.py", "tests/conftest.py"} <= band
+    assert not {"cca_core/planner", "cca_core/sim", "cca_core/plot"} & band
+    assert {"cca_core/planner", "cca_core/band", "tests/support"} <= planner
+    assert {"cca_core/cli", "cca_core/sim", "cca_core/report"} <= used("tests/cli/test_drive.py")
+
+
+def test_chosen_folder_alone_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(validate, "STATE", tmp_path)
+    assert all(name.startswith("tests/band/") for name in validate.Suite(("tests/band/",)).missing)
+
+
 def test_unknown_part_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         validate.main(["nothing"])

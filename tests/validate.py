@@ -1,22 +1,25 @@
 """Run all tests with the full number of random cases, and the studies; write docs/validation.md.
 
-    python tests/validate.py [tests | studies | eebl | ...]
+    python tests/validate.py [tests | tests/planner | tests/planner/test_work.py | studies | eebl | ...]
 
 Without a part it runs everything. It resumes where it was stopped: test files that passed with the same
 sources are not run again, nor are runs of a study. Called by `make validate`.
 """
 
 import argparse
+import ast
 import datetime
 import hashlib
 import json
 import os
+import re
 import subprocess
 import sys
 import time
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +44,12 @@ SEED = 29  # definitions and the planner were changed after looking at runs of s
 MAX_RATE = 0.002  # of avoidable collisions with V2V, one-sided at 95 %
 STUDY_TIME = 2400.0  # of one processor for each study [s]
 NUMBERS = "v2v_speed", "latency", "loss", "radio_range"  # of a collision, on the page
+PUBLIC = {
+    alias.name: node.module
+    for node in ast.parse((ROOT / "cca_core" / "__init__.py").read_text(encoding="utf-8")).body
+    if isinstance(node, ast.ImportFrom)
+    for alias in node.names
+}
 HEAD = """\
 # Validation: the last full run
 
@@ -52,17 +61,22 @@ is a whole drive or a fit. The name of a property fixes its seed. Written by `ma
 def main(arguments: list[str] | None = None) -> int:
     """Run the parts that have not passed yet; return 1 if anything fails."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("part", nargs="*", help=f"tests, studies, or one study: {', '.join(STUDY_SCENARIOS)}")
+    parser.add_argument(
+        "part",
+        nargs="*",
+        help=f"tests, a folder or file of them, studies, or {', '.join(STUDY_SCENARIOS)}",
+    )
     parts = parser.parse_args(arguments).part or ["tests", "studies"]
-    if unknown := set(parts) - {"tests", "studies", *STUDY_SCENARIOS}:
+    folders = tuple(part for part in parts if (ROOT / part).exists() and part.startswith("tests"))
+    if unknown := set(parts) - {"studies", *folders, *STUDY_SCENARIOS}:
         parser.error(f"no such part: {', '.join(sorted(unknown))}")
     STATE.mkdir(exist_ok=True)
-    suite = Suite()
+    suite = Suite(folders)
     studies = [name for name in STUDY_SCENARIOS if {name, "studies"} & set(parts)]
-    print_plan(suite, "tests" in parts, studies)
+    print_plan(suite, bool(folders), studies)
     problems: list[str] = []
     try:
-        if "tests" in parts:
+        if folders:
             problems = [f"{name} failed" for name in suite.run()]
         if not problems:
             problems = [problem for name in studies for problem in drive_study(name)]
@@ -87,10 +101,10 @@ def print_plan(suite: "Suite", with_tests: bool, studies: list[str]) -> None:
 class Suite:
     """Test files, what they depend on, and results of those that passed with the present sources."""
 
-    def __init__(self) -> None:
+    def __init__(self, wanted: tuple[str, ...] = ("tests",)) -> None:
         files = sorted(p for p in TESTS.rglob("test_*.py") if "bench" not in p.parts)
-        shared = digest([*library_files(), *(TESTS / "support").rglob("*.py"), *TESTS.rglob("conftest.py")])
-        self.files = {p.relative_to(ROOT).as_posix(): f"{shared} {digest([p, *inputs(p)])}" for p in files}
+        self.files = {p.relative_to(ROOT).as_posix(): digest(inputs(p)) for p in files}
+        self.wanted = wanted
         self.memory = STATE / "passed.json"
         self.rows = json.loads(self.memory.read_text()) if self.memory.exists() else {}
         self.seconds = {name: row["seconds"] for name, row in self.rows.items()}
@@ -102,8 +116,9 @@ class Suite:
 
     @property
     def missing(self) -> list[str]:
-        """Files that have not passed, the slowest of an earlier run first."""
-        return sorted(self.files.keys() - self.passed.keys(), key=lambda name: -self.seconds.get(name, 0.0))
+        """Files wanted that have not passed, the slowest of an earlier run first."""
+        names = [name for name in self.files.keys() - self.passed.keys() if name.startswith(self.wanted)]
+        return sorted(names, key=lambda name: -self.seconds.get(name, 0.0))
 
     def expected_time(self) -> str:
         """Text: expected time of the missing files, from their last run."""
@@ -137,17 +152,43 @@ class Suite:
         draft.replace(self.memory)
 
 
-def library_files() -> list[Path]:
-    """Sources and data files of the library."""
-    return [p for p in (ROOT / "cca_core").rglob("*") if p.is_file() and "__pycache__" not in p.parts]
+def inputs(file: Path) -> set[Path]:
+    """What a test file depends on: its package, what these import, directly or not, and files beside that."""
+    if file.parent == TESTS:  # it may look at everything
+        return {ROOT / name for name in git("ls-files").split()} - {PAGE, FIGURE}
+    found: set[Path] = set()
+    package = ROOT / "cca_core" / file.relative_to(TESTS).parts[0]
+    waiting = {file, *package.rglob("*.py"), *(p / "conftest.py" for p in (TESTS, file.parent))}
+    waiting = {p for p in waiting if p.is_file()}
+    while waiting:
+        found |= waiting
+        waiting = {used for one in waiting if one.suffix == ".py" for used in uses(one)} - found
+    folders = {p.parent for p in found} - {ROOT / "cca_core", TESTS, TESTS / "support"}
+    return found | {p for folder in folders for p in folder.iterdir() if p.is_file() and p.suffix != ".py"}
 
 
-def inputs(file: Path) -> list[Path]:
-    """What a test file reads besides library, tests/support and conftest files."""
-    if file.parent != TESTS:
-        return [p for p in file.parent.rglob("*.py") if not p.name.startswith("test_")]
-    tracked = git("ls-files", "docs", "examples", "tests/bench", "*.md", "Makefile", "pyproject.toml").split()
-    return [ROOT / name for name in tracked if ROOT / name not in (PAGE, FIGURE)]
+@cache
+def uses(file: Path) -> set[Path]:
+    """Modules of library and tests that a file imports, or names as a text of its own."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            # the top package imports everything: only what is taken from it counts
+            homes = PUBLIC if node.module == "cca_core" else {}
+            names |= {f"{homes.get(alias.name, node.module)}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            names |= set(re.findall(r"^(?:cca_core|tests)(?:\.\w+)+$", node.value))
+    found = set()
+    for name in names:
+        parts = name.split(".")
+        for end in range(2, len(parts) + 1):
+            stem = "/".join(parts[:end])
+            found |= {ROOT / f"{stem}.py", ROOT / f"{stem}/__init__.py"}
+    if file.parts[-2] in ("band", "follow", "path", "v2x", "planner", "sim"):  # a figure in Jupyter alone
+        found = {p for p in found if "plot" not in p.parts}
+    return {p for p in found if p.is_file() and p.relative_to(ROOT).parts[0] in ("cca_core", "tests")}
 
 
 def digest(files: Iterable[Path]) -> str:

@@ -19,6 +19,9 @@ from cca_core.sim.study.source import check_definition, definition, source_diges
 from cca_core.sim.study.statistics import StudyTable
 from cca_core.sim.study.store import Store
 
+# no run depends on these packages
+_ABOVE = ("__main__.py", "cli", "rig", "adapters", "report", "fmi", "codegen", "plot", "baselines")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Study:
@@ -80,7 +83,7 @@ class Study:
         del content["runs"], content["avoidable"]
         if is_dataclass(self.parameters.scenario):
             content["definition"] = definition(type(self.parameters.scenario))
-        content["source"] = source_digest(without=("plot", "report", "baselines"))
+        content["source"] = source_digest(without=_ABOVE)
         return json.dumps(content, sort_keys=True, default=definition)
 
     def table(self, rows: Mapping[int | str, dict[str, Any]]) -> tuple[int, StudyTable | None]:
