@@ -42,6 +42,7 @@ BODY_W = 21
 BULGE = 22  # width that a bend of curvature 1 adds to the straight body; of a bend of the route [m^2]
 BEND_W = 23  # part of the half extent across that the bend adds in which it is now
 SURE_W = 24  # half extent across that is covered for certain; negative if nothing is
+NOMINAL_D = 25  # offset if it has followed the road since it was measured
 
 
 def travel(w: Scene, v: Real, a: Real, lasts: Real, t: Real) -> tuple[Real, Real]:
@@ -73,7 +74,7 @@ def locate_along(w: Scene, j: Int) -> None:
         w.s_o[j, k] = w.seen[j, S] + sign * distance
         w.v_o[j, k] = sign * now
         across = math.copysign(min(abs(side) * w.t[k], w.seen[j, SIDE_RANGE]), side)
-        w.d_o[j, k] = w.seen[j, D] + across
+        w.d_o[j, k] = w.seen[j, NOMINAL_D] + across
         w.right[j, k] = w.seen[j, D] - w.seen[j, HALF_W] + min(across, 0.0)
         w.left[j, k] = w.seen[j, D] + w.seen[j, HALF_W] + max(across, 0.0)
     set_adjacent(w, j, w.seen[j, D] - w.seen[j, HALF_W], w.seen[j, D] + w.seen[j, HALF_W])

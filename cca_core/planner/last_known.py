@@ -20,12 +20,18 @@ _SAME_BODY = 0.3  # gap to a dead-reckoned body below which another id is that o
 
 
 class Known(NamedTuple):
-    """Last report of a vehicle, since when it is known, and whether it was once in a complete list."""
+    """Last report of a vehicle, since when it is known, and whether it was once in a complete list.
+
+    And where it was across the route when last measured: what is dead-reckoned since then nobody has seen.
+    """
 
     remote: RemoteVehicle
     t: float
     since: float
     confirmed: bool
+    d: float
+    angle: float
+    measured: float  # time of `d` and `angle`
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +69,13 @@ def recall(
     for n in vehicles:
         last = known.get(n.id)
         confirmed = not blind or (last is not None and last.confirmed)
-        now[n.id] = Known(remote=n.remote, t=t, since=last.since if last else t, confirmed=confirmed)
+        new = Known(
+            remote=n.remote, t=t, since=last.since if last else t, confirmed=confirmed, d=n.d, angle=n.angle,
+            measured=t,
+        )  # fmt: skip
+        if last and n.remote.age > last.remote.age + 0.5 * (t - last.t):  # it has only grown older
+            new = new._replace(d=last.d, angle=last.angle, measured=last.measured)
+        now[n.id] = new
     faults = []
     if not blind and memory.is_listening(t):
         faults.append("other vehicles may be unknown: just heard again; awareness range 0 m")

@@ -118,6 +118,9 @@ class CertificateSettings:
         Time constant of brakes and engine [s].
     side_speed, side_angle : float
         Lateral speed [m/s], or angle to the route [rad], above which a vehicle is expected to change lanes.
+    side_offset : float
+        Distance from the middle of its lane [m] up to which lateral speed is no lane change, because drivers
+        correct their course within a lane, and a heading is known to one or two degrees.
     acceleration_time, braking_time : float
         Time for which a reported acceleration or deceleration is expected to last [s].
 
@@ -140,6 +143,7 @@ class CertificateSettings:
     lag: float = 0.15
     side_speed: float = 0.3
     side_angle: float = 0.1
+    side_offset: float = 0.25
     acceleration_time: float = 1.0
     braking_time: float = 4.0
 

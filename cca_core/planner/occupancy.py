@@ -20,6 +20,7 @@ N_STOPS = 6
 _BEHIND, _AHEAD = 200.0, 700.0  # part of the route around the ego in which vehicles are relevant [m]
 _HARD_BRAKING = 4.0  # least deceleration of a vehicle that reports hard braking [m/s^2]
 _MAX_VEHICLES = 600
+_MAX_DRIFT = 5.0  # of an offset that is dead-reckoned; more is another branch of the route [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -63,7 +64,7 @@ def predict_vehicles(
 ) -> Traffic:
     """Predict the vehicles and put them into a scene."""
     vehicles = relevant_vehicles(observation, settings)[:_MAX_VEHICLES]
-    seen = [_columns(n, road, settings, base) for n in vehicles]
+    seen = [_columns(n, observation, road, settings, base) for n in vehicles]
     n = len(seen)
     seen += _assumed_vehicles(observation, road, settings, base)
     scene = scenes.for_vehicles(len(seen))
@@ -79,20 +80,23 @@ def predict_vehicles(
     )  # fmt: skip
 
 
-def _columns(n: FrenetVehicle, road: Road, settings: EvasionSettings, base: int) -> tuple[float, ...]:
+def _columns(
+    n: FrenetVehicle, observation: Observation, road: Road, settings: EvasionSettings, base: int
+) -> tuple[float, ...]:
     """Return what the kernel sees of a vehicle, in the order of its columns."""
     remote, rate = n.remote, n.speed_rate
     crosses = is_crossing(n)
     nominal = n.nominal() if n.is_stale else n
     extents = _half_body(nominal) if crosses else (nominal.half_length, nominal.half_width)
     nominal_rate = min(rate, -_HARD_BRAKING) if "hard_braking" in remote.events else rate
-    side_speed, side_range = _lateral_motion(n, road, settings)
+    d, side_speed, side_range = _lateral_motion(n, observation, road, settings)
     return (
         n.s - base, n.d, n.v_s, n.half_length, n.half_width, *extents, rate, nominal_rate, remote.age,
         math.cos(n.angle), side_speed, side_range, crosses,
         remote.x, remote.y, remote.psi, remote.v_x, remote.a_x, remote.r, *_half_body(n),
         0.125 * remote.length**2, n.added_width,
         0.5 * remote.width - 2.0 * remote.sigma_across,  # a corner in a lane does not make it drive there
+        d,
     )  # fmt: skip
 
 
@@ -102,17 +106,31 @@ def _half_body(n: FrenetVehicle) -> tuple[float, float]:
     return 0.5 * remote.length + 2.0 * remote.sigma_along, 0.5 * remote.width + 2.0 * remote.sigma_across
 
 
-def _lateral_motion(n: FrenetVehicle, road: Road, settings: EvasionSettings) -> tuple[float, float]:
-    """Return lateral speed and range: a vehicle that moves sideways does so up to the middle of a lane."""
-    v_d, certificate = n.remote.v_x * math.sin(n.angle), settings.certificate
-    turned = abs(math.sin(n.angle)) >= certificate.side_angle and abs(n.remote.v_x) > STANDSTILL_SPEED
+def _lateral_motion(
+    n: FrenetVehicle, observation: Observation, road: Road, settings: EvasionSettings
+) -> tuple[float, float, float]:
+    """Return nominal offset, lateral speed and range: what leaves its lane moves up to the middle of another.
+
+    A vehicle is expected to follow the road since it was measured.
+    """
+    certificate, known = settings.certificate, observation.memory.known.get(n.id)
+    angle, d, elapsed = n.angle, n.d, 0.0
+    if known is not None and abs(known.d - n.d) < _MAX_DRIFT:
+        angle, d, elapsed = known.angle, known.d, observation.t - known.measured
+    v_d = n.remote.v_x * math.sin(angle)
+    turned = abs(math.sin(angle)) >= certificate.side_angle and abs(n.remote.v_x) > STANDSTILL_SPEED
     if abs(v_d) < certificate.side_speed and not turned:
-        return 0.0, 0.0
+        return d, 0.0, 0.0
     side = math.copysign(1.0, v_d)
     lanes = [lane for lane in road.lanes if lane.start <= n.s <= lane.end]
+    beyond = [(d - lane.d) * side for lane in lanes if abs(d - lane.d) <= 0.5 * lane.width]
+    if not turned and beyond and min(beyond) < certificate.side_offset:  # it keeps to its lane
+        return d, 0.0, 0.0
     # the center of the body may be so far from that of what it covers, which is compared
-    ahead = [x + n.added_width for lane in lanes if (x := (lane.d - n.d) * side) > 0.2 + n.added_width]
-    return v_d, min(ahead) if ahead else 1.5 * abs(v_d)
+    ahead = [x + n.added_width for lane in lanes if (x := (lane.d - d) * side) > 0.2 + n.added_width]
+    reach = min(ahead) if ahead else 1.5 * abs(v_d)
+    moved = min(abs(v_d) * elapsed, reach)
+    return d + side * moved, v_d, reach - moved
 
 
 def _assumed_vehicles(
@@ -125,7 +143,7 @@ def _assumed_vehicles(
     at, size = observation.s - base, (0.0, 0.0, 1.0, 1.0)
     fastest = highest_speed(road, observation.s, known)
     return [
-        (at - lane.direction * known, lane.d, lane.direction * fastest, *size, *[0.0] * 18)
+        (at - lane.direction * known, lane.d, lane.direction * fastest, *size, *[0.0] * 19)
         for lane in road.lanes if lane is not road.ego_lane
         and lane.start < observation.s + known and lane.end > observation.s - known
     ]  # fmt: skip

@@ -232,7 +232,11 @@ def coasting(
 ) -> tuple[Memory, list[RemoteVehicle]]:
     """Memory and recalled vehicles if a complete list lacks one that was reported from a time until 10 s."""
     remote = car(50.0, v_x=10.0, a_x=-5.0, id="old")
-    memory = Memory(known={"old": Known(remote=remote, t=10.0, since=since, confirmed=True)})
+    memory = Memory(
+        known={
+            "old": Known(remote=remote, t=10.0, since=since, confirmed=True, d=0.0, angle=0.0, measured=10.0)
+        }
+    )
     found = recall(memory, 10.0 + elapsed, vehicles, (), DecisionSettings(), lost=False, blind=False)
     assert found[2] == ()
     return found[:2]

@@ -2403,7 +2403,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "d1d0dd33f0f6676cbd2afeda19543a420b3e3f62d164ee13170e978ad48868c1") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "e1bff8a7aa24069a355cda0e15adb7932e8202dfa06bb760de2fc19e3dbf4f00") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
