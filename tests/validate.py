@@ -90,8 +90,10 @@ def main(arguments: list[str] | None = None) -> int:
 def print_plan(suite: "Suite", with_tests: bool, studies: list[str]) -> None:
     """Print for each part what has passed already and how long the rest takes."""
     if with_tests:
-        passed = len(suite.files) - len(suite.missing)
-        print(f"tests: {passed} of {len(suite.files)} files have passed; {suite.expected_time()}")
+        print(
+            f"tests: {len(suite.passed)} of {len(suite.files)} files have passed, {len(suite.missing)} are to"
+            f" run; {suite.expected_time()}"
+        )
     for name in studies:
         done, _ = progress_of(name)
         rest = STUDY_TIME * (1.0 - done / AVOIDABLE_RUNS) / (os.cpu_count() or 1)
