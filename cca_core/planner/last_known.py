@@ -42,6 +42,10 @@ class Memory:
     blind_since: float | None = None
     listen_until: float = -math.inf
 
+    def on_other_route(self) -> "Memory":
+        """Return what is still true on another route: not the offsets."""
+        return replace(self, known={name: last._replace(d=math.nan) for name, last in self.known.items()})
+
     def is_listening(self, t: float) -> bool:
         """Return whether vehicles may be unknown, also because the ego has not heard for long enough."""
         return self.blind_since is not None or t < self.listen_until

@@ -187,7 +187,8 @@ class Planner:
 
     def _drive_along(self, setup: Setup, *, goes_on: bool) -> None:
         """Change the route that is driven along, under way."""
-        last, state, self._setup = self._setup.road, self._state, setup
+        last, self._setup = self._setup.road, setup
+        state = self._state = self._state._replace(memory=self._state.memory.on_other_route())
         self._last_s = {}
         if state.s is not None and state.estimate is not None:
             s, plan = station_on(setup.road.path, state.estimate, state.s), state.plan

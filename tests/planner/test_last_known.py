@@ -267,3 +267,16 @@ def test_reported_vehicle_is_not_doubled() -> None:
     memory, moved = coasting(0.0, 0.1, [frenet_car(31.0, 0.0, 10.0, "old")])
     assert moved == []
     assert memory.known["old"].t == 10.1
+
+
+def test_measured_offset_of_a_vehicle_is_not_kept_on_another_route() -> None:
+    def seen(memory: Memory, t: float, age: float, d: float) -> Memory:
+        vehicle = FrenetVehicle.from_remote(car(50.0, age=age, id="old"), 50.0, d, 0.0, 0.0)
+        return recall(memory, t, [vehicle], (), DecisionSettings(), lost=False, blind=False)[0]
+
+    memory = seen(Memory(), 10.0, 0.0, 3.5)
+    assert seen(memory, 10.3, 0.3, 3.2).known["old"].d == 3.5  # it was only dead-reckoned
+    assert seen(memory, 10.3, 0.1, 3.2).known["old"].d == 3.2
+    memory = memory.on_other_route()
+    assert math.isnan(seen(memory, 10.3, 0.3, 0.1).known["old"].d)
+    assert seen(memory, 10.3, 0.1, 0.1).known["old"].d == 0.1
