@@ -9,6 +9,7 @@ from cca_core._checks import Array, check_real, shown
 from cca_core.adapters.conversions import flip_axes
 from cca_core.adapters.highway_net import read_highway_road
 from cca_core.errors import InputError
+from cca_core.follow import PreviewController, shipped_gains
 from cca_core.planner.command import Command
 from cca_core.planner.planner import Planner
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -102,7 +103,10 @@ class HighwayAgent:
         self._ranges: list[tuple[float, float]] = [getattr(action, name) for name in names]
         road = read_highway_road(env, length=length)
         speed = road.speed_limit if cruise_speed is None else cruise_speed
-        self.planner = Planner(highway_vehicle(world.vehicle), road, cruise_speed=speed, **planner)
+        vehicle = highway_vehicle(world.vehicle)
+        # without slip and lag it needs no gains of its own
+        planner.setdefault("controller", PreviewController(vehicle, shipped_gains(vehicle)))
+        self.planner = Planner(vehicle, road, cruise_speed=speed, **planner)
         self.command: Command | None = None
         self._names: dict[int, str] = {}  # of vehicles, in the order in which they appear
 

@@ -1,5 +1,6 @@
 """Follow a path: single-track model, preview steering, speed."""
 
+from cca_core.follow.advice import NoGainsError
 from cca_core.follow.bicycle import (
     SingleTrack,
     discretized,
@@ -18,10 +19,10 @@ from cca_core.follow.car_following import (
 )
 from cca_core.follow.estimate import PoseEstimator
 from cca_core.follow.feedforward import InverseSteering
-from cca_core.follow.gains import GainRegion, StabilityRegion, design_gains, gain_region
+from cca_core.follow.gains import design_gains
 from cca_core.follow.margins import Margins, stability_margins
 from cca_core.follow.preview import PreviewController
-from cca_core.follow.schedule import PreviewGains, shipped_gains
+from cca_core.follow.schedule import PreviewGains, has_shipped_gains, shipped_gains
 from cca_core.follow.speed import (
     SpeedSettings,
     arrival_times,
@@ -32,11 +33,13 @@ from cca_core.follow.speed import (
     squared_speed_limit,
     stop_acceleration,
 )
+from cca_core.follow.stability_region import GainRegion, StabilityRegion, gain_region
 
 __all__ = [
     "GainRegion",
     "InverseSteering",
     "Margins",
+    "NoGainsError",
     "PoseEstimator",
     "PreviewController",
     "PreviewGains",
@@ -51,6 +54,7 @@ __all__ = [
     "follow_acceleration",
     "friction_limited",
     "gain_region",
+    "has_shipped_gains",
     "idm_acceleration",
     "jerk_limited",
     "kinematic_rates",

@@ -105,13 +105,14 @@ def steering_loop(
 ) -> tuple[Array, Array, Array, Array]:
     """Return A, B, C_p, C_d from steering command to the error at the preview point and its rate."""
     model = single_track(vehicle, v_x, l_s)
-    n = 7 if delay > 0.0 else 5
+    delayed = delay > 1e-3  # [s]: a shorter one has no effect, and poles that overflow
+    n = 7 if delayed else 5
     A, B = np.zeros((n, n)), np.zeros(n)
     A[:4, :4], A[:4, 4] = model.A, model.B
     lag = max(vehicle.steering_lag, 1e-3)  # [s]: an ideal actuator is a fast one
     A[4, 4] = -1.0 / lag
     B[4] = 1.0 / lag
-    if delay > 0.0:  # (s^2 - 6 s/T + 12/T^2) / (s^2 + 6 s/T + 12/T^2)
+    if delayed:  # (s^2 - 6 s/T + 12/T^2) / (s^2 + 6 s/T + 12/T^2)
         A[5, 6] = 1.0
         A[6, 5], A[6, 6] = -12.0 / delay**2, -6.0 / delay
         A[4, 6] = -12.0 / delay / lag

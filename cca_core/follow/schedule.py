@@ -1,6 +1,7 @@
 """Schedules of the preview gains over speed, and those that ship with the library."""
 
 from bisect import bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from cca_core._checks import check_array, check_real
@@ -90,10 +91,29 @@ def shipped_gains(vehicle: VehicleParams) -> PreviewGains:
         Result of `design_gains` for the presets of `VehicleParams`. Any other vehicle gets the schedule of
         the BMW 320i; use `design_gains` for it.
     """
-    dynamics = _dynamics(vehicle)
-    preset = next((preset for preset in _SHIPPED if _dynamics(preset()) == dynamics), VehicleParams.bmw_320i)
-    k_p, k_d = _SHIPPED[preset]
+    k_p, k_d = _SHIPPED[_preset(vehicle) or VehicleParams.bmw_320i]
     return PreviewGains(speeds=SPEEDS, k_p=k_p, k_d=k_d, l_s=tuple(max(1.1 * v, 4.4) for v in SPEEDS))
+
+
+def has_shipped_gains(vehicle: VehicleParams) -> bool:
+    """Whether the schedule of `shipped_gains` was designed for a vehicle.
+
+    Parameters
+    ----------
+    vehicle : VehicleParams
+        The vehicle; inertia, axles, tires and steering lag count.
+
+    Returns
+    -------
+    shipped : bool
+        False if it is no preset, or its steering is slower than that of the preset.
+    """
+    preset = _preset(vehicle)
+    return preset is not None and vehicle.steering_lag <= preset().steering_lag
+
+
+def _preset(vehicle: VehicleParams) -> Callable[[], VehicleParams] | None:
+    return next((preset for preset in _SHIPPED if _dynamics(preset()) == _dynamics(vehicle)), None)
 
 
 def _dynamics(vehicle: VehicleParams) -> tuple[float, ...]:

@@ -3,13 +3,14 @@
 import math
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from types import NoneType
 from typing import Protocol
 
 import numpy as np
 
 from cca_core.errors import InputError
-from cca_core.follow import PreviewController, SpeedSettings
+from cca_core.follow import PreviewController, SpeedSettings, has_shipped_gains
 from cca_core.frenet import FrenetVehicle
 from cca_core.path import Path, Road
 from cca_core.planner.settings import EvasionSettings
@@ -35,6 +36,7 @@ __all__ = [
     "is_list",
     "usable_range",
     "vehicles_on_level",
+    "warn_of_foreign_gains",
     "warn_of_tight_bend",
 ]
 
@@ -131,6 +133,22 @@ def warn_of_tight_bend(path: Path, vehicle: VehicleParams) -> None:
             f"the vehicle turns with {radius:.2g} m at least; fit_path with curvature_limit widens it",
             stacklevel=3,
         )  # fmt: skip
+
+
+def warn_of_foreign_gains(vehicle: VehicleParams) -> None:
+    """Warn of a vehicle that no gains were designed for, once for each vehicle."""
+    if not has_shipped_gains(vehicle):
+        numbers = vehicle.m, vehicle.I_z, vehicle.l_f, vehicle.l_r, vehicle.C_f, vehicle.C_r
+        _warn_once_of_gains(*map(float, numbers), float(vehicle.steering_lag))
+
+
+@lru_cache
+def _warn_once_of_gains(*_: float) -> None:
+    warnings.warn(
+        "no steering gains were designed for this vehicle, so the shipped ones of a preset steer it (the "
+        "feedforward is its own); pass controller=PreviewController(vehicle, design_gains(vehicle))",
+        stacklevel=4,
+    )
 
 
 def _as_time(t: object) -> float:

@@ -26,6 +26,7 @@ from cca_core.planner.inputs import (
     is_list,
     usable_range,
     vehicles_on_level,
+    warn_of_foreign_gains,
     warn_of_tight_bend,
 )
 from cca_core.planner.lanes import LaneChoice
@@ -66,7 +67,9 @@ class Planner:
     speed : SpeedSettings, optional
         How the ego accelerates, follows and brakes.
     controller : PreviewController, optional
-        Steering law; the default is made for `vehicle`.
+        Steering law; the default uses the shipped gains of a preset. Any other vehicle is steered with those
+        of the BMW 320i, and the planner warns of it: pass
+        ``PreviewController(vehicle, design_gains(vehicle))``.
 
     Raises
     ------
@@ -94,6 +97,8 @@ class Planner:
         self._setup = Setup.make(vehicle, self.road, self.evasion, self.speed)
         self._setup.warm_up()
         self._limits = self._setup.limits
+        if controller is None:
+            warn_of_foreign_gains(vehicle)
         self._controller = controller or PreviewController(vehicle)
         self._lanes = LaneChoice(self._setup)
         self._last_s: dict[str, float] = {}
