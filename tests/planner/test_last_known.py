@@ -269,7 +269,7 @@ def test_reported_vehicle_is_not_doubled() -> None:
     assert memory.known["old"].t == 10.1
 
 
-def test_measured_offset_of_a_vehicle_is_not_kept_on_another_route() -> None:
+def test_measured_offset_is_not_kept_on_another_route() -> None:
     def seen(memory: Memory, t: float, age: float, d: float) -> Memory:
         vehicle = FrenetVehicle.from_remote(car(50.0, age=age, id="old"), 50.0, d, 0.0, 0.0)
         return recall(memory, t, [vehicle], (), DecisionSettings(), lost=False, blind=False)[0]
