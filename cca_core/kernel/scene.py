@@ -17,7 +17,7 @@ RunMarks = Annotated[Ints, "max_rows"]
 Terms = Annotated[Grid, "max_rows", 9]
 Stops = Annotated[Reals, 8]
 OtherLanes = Annotated[Grid, "max_lanes", 2]
-Seen = Annotated[Grid, "max_m", 26]
+Seen = Annotated[Grid, "max_m", 27]
 
 TOLERANCE = 0.05  # beyond a lane boundary, up to which the body is in its lane [m]
 

@@ -28,7 +28,7 @@ RATE = 7  # reported, of the magnitude of the speed
 NOMINAL_RATE = 8  # the same with the events of the vehicle
 AGE = 9
 AHEAD = 10  # cosine of the heading to the route
-SIDE_SPEED = 11  # with which it is expected to move sideways
+SIDE_SPEED = 11  # with which it may move sideways
 SIDE_RANGE = 12  # and how far
 CROSSES = 13
 X = 14
@@ -43,6 +43,7 @@ BULGE = 22  # width that a bend of curvature 1 adds to the straight body; of a b
 BEND_W = 23  # part of the half extent across that the bend adds in which it is now
 SURE_W = 24  # half extent across that is covered for certain; negative if nothing is
 NOMINAL_D = 25  # offset if it has followed the road since it was measured
+LEAVES = 26  # whether it is expected to move sideways
 
 
 def travel(w: Scene, v: Real, a: Real, lasts: Real, t: Real) -> tuple[Real, Real]:
@@ -74,7 +75,7 @@ def locate_along(w: Scene, j: Int) -> None:
         w.s_o[j, k] = w.seen[j, S] + sign * distance
         w.v_o[j, k] = sign * now
         across = math.copysign(min(abs(side) * w.t[k], w.seen[j, SIDE_RANGE]), side)
-        w.d_o[j, k] = w.seen[j, NOMINAL_D] + across
+        w.d_o[j, k] = w.seen[j, NOMINAL_D] + (across if w.seen[j, LEAVES] != 0.0 else 0.0)
         w.right[j, k] = w.seen[j, D] - w.seen[j, HALF_W] + min(across, 0.0)
         w.left[j, k] = w.seen[j, D] + w.seen[j, HALF_W] + max(across, 0.0)
     set_adjacent(w, j, w.seen[j, D] - w.seen[j, HALF_W], w.seen[j, D] + w.seen[j, HALF_W])

@@ -89,14 +89,14 @@ def _columns(
     nominal = n.nominal() if n.is_stale else n
     extents = _half_body(nominal) if crosses else (nominal.half_length, nominal.half_width)
     nominal_rate = min(rate, -_HARD_BRAKING) if "hard_braking" in remote.events else rate
-    d, side_speed, side_range = _lateral_motion(n, observation, road, settings)
+    d, side_speed, side_range, leaves = _lateral_motion(n, observation, road, settings)
     return (
         n.s - base, n.d, n.v_s, n.half_length, n.half_width, *extents, rate, nominal_rate, remote.age,
         math.cos(n.angle), side_speed, side_range, crosses,
         remote.x, remote.y, remote.psi, remote.v_x, remote.a_x, remote.r, *_half_body(n),
         0.125 * remote.length**2, n.added_width,
         0.5 * remote.width - 2.0 * remote.sigma_across,  # a corner in a lane does not make it drive there
-        d,
+        d, leaves,
     )  # fmt: skip
 
 
@@ -108,29 +108,28 @@ def _half_body(n: FrenetVehicle) -> tuple[float, float]:
 
 def _lateral_motion(
     n: FrenetVehicle, observation: Observation, road: Road, settings: EvasionSettings
-) -> tuple[float, float, float]:
-    """Return nominal offset, lateral speed and range: what leaves its lane moves up to the middle of another.
+) -> tuple[float, float, float, bool]:
+    """Return nominal offset, lateral speed and range, and whether it is expected to move so far.
 
-    A vehicle is expected to follow the road since it was measured.
+    A vehicle with lateral speed may move up to the middle of another lane. It is expected to do so once it
+    has left the middle of its own, and to follow the road since it was measured.
     """
     certificate, known = settings.certificate, observation.memory.known.get(n.id)
-    angle, d, elapsed = n.angle, n.d, 0.0
+    d, angle = n.d, n.angle
     if known is not None and abs(known.d - n.d) < _MAX_DRIFT:
-        angle, d, elapsed = known.angle, known.d, observation.t - known.measured
+        d, angle = known.d, known.angle  # nobody has seen what is dead-reckoned since
     v_d = n.remote.v_x * math.sin(angle)
     turned = abs(math.sin(angle)) >= certificate.side_angle and abs(n.remote.v_x) > STANDSTILL_SPEED
     if abs(v_d) < certificate.side_speed and not turned:
-        return d, 0.0, 0.0
+        return d, 0.0, 0.0, False
     side = math.copysign(1.0, v_d)
     lanes = [lane for lane in road.lanes if lane.start <= n.s <= lane.end]
-    beyond = [(d - lane.d) * side for lane in lanes if abs(d - lane.d) <= 0.5 * lane.width]
-    if not turned and beyond and min(beyond) < certificate.side_offset:  # it keeps to its lane
-        return d, 0.0, 0.0
     # the center of the body may be so far from that of what it covers, which is compared
-    ahead = [x + n.added_width for lane in lanes if (x := (lane.d - d) * side) > 0.2 + n.added_width]
+    ahead = [x + n.added_width for lane in lanes if (x := (lane.d - n.d) * side) > 0.2 + n.added_width]
     reach = min(ahead) if ahead else 1.5 * abs(v_d)
-    moved = min(abs(v_d) * elapsed, reach)
-    return d + side * moved, v_d, reach - moved
+    beyond = [(d - lane.d) * side for lane in lanes if abs(d - lane.d) <= 0.5 * lane.width]
+    keeps = not turned and bool(beyond) and min(beyond) < certificate.side_offset
+    return (d if keeps else n.d), v_d, reach, not keeps
 
 
 def _assumed_vehicles(
@@ -143,7 +142,7 @@ def _assumed_vehicles(
     at, size = observation.s - base, (0.0, 0.0, 1.0, 1.0)
     fastest = highest_speed(road, observation.s, known)
     return [
-        (at - lane.direction * known, lane.d, lane.direction * fastest, *size, *[0.0] * 19)
+        (at - lane.direction * known, lane.d, lane.direction * fastest, *size, *[0.0] * 20)
         for lane in road.lanes if lane is not road.ego_lane
         and lane.start < observation.s + known and lane.end > observation.s - known
     ]  # fmt: skip

@@ -56,7 +56,7 @@ def numbers(random: Random) -> dict[str, Any]:
 
 def seen(random: Random) -> np.ndarray:
     """Columns of vehicles near the ego, some of which cross, stand, come or are wide of the road."""
-    rows = np.zeros((VEHICLES, 26))
+    rows = np.zeros((VEHICLES, 27))
     crosses = random.integers(0, 3, VEHICLES) == 0
     rows[:, 0] = random.uniform(-10.0, N, VEHICLES)
     rows[:, 1] = random.normal(0.0, 3.0, VEHICLES)
@@ -73,6 +73,7 @@ def seen(random: Random) -> np.ndarray:
     rows[:, 20:22] = random.uniform(1.0, 3.0, (VEHICLES, 2))
     rows[:, 22:25] = random.uniform((0.0, 0.0, -1.0), (30.0, 0.3, 1.5), (VEHICLES, 3))
     rows[:, 25] = rows[:, 1] + random.normal(0.0, 0.5, VEHICLES)
+    rows[:, 26] = random.integers(0, 2, VEHICLES)
     return rows
 
 
@@ -163,7 +164,7 @@ def test_scene_in_c_equals_python(name: str, count: int) -> None:
 def locate_one(**columns: float) -> dict[str, Any]:
     """Place a vehicle of some columns; return the arrays of the scene."""
     names = "s d v half_l half_w nominal_l nominal_w rate nominal_rate age ahead side range crosses"
-    names += " x y psi v_x a_x r body_l body_w bulge bend_w sure_w nominal_d"
+    names += " x y psi v_x a_x r body_l body_w bulge bend_w sure_w nominal_d leaves"
     lent = lend(Scene, "python", **SIZES)
     work: Any = lent.workspace
     for name, value in given(np.random.default_rng(0)).items():

@@ -3449,6 +3449,7 @@ void cca_vehicle_boxes(const Curve *curve, int vehicles, int times, const double
 #define TRAFFIC_BEND_W 23
 #define TRAFFIC_SURE_W 24
 #define TRAFFIC_NOMINAL_D 25
+#define TRAFFIC_LEAVES 26
 
 /* Nominal distance and speed without sign; a reported acceleration lasts for a bounded time. */
 static cca_dd traffic_travel(const Scene *w, double v, double a, double lasts, double t)
@@ -3478,43 +3479,44 @@ static void traffic_set_adjacent(Scene *w, int j, double right, double left)
 /* Motion of a vehicle along the route. */
 static void traffic_locate_along(Scene *w, int j)
 {
-    double v = w->seen[j * 26 + TRAFFIC_SPEED];
+    double v = w->seen[j * 27 + TRAFFIC_SPEED];
     double speed = fabs(v);
-    double side = w->seen[j * 26 + TRAFFIC_SIDE_SPEED];
+    double side = w->seen[j * 27 + TRAFFIC_SIDE_SPEED];
     double sign = copysign(1.0, v);
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        const cca_dd result1_ = traffic_travel(w, speed, w->seen[j * 26 + TRAFFIC_NOMINAL_RATE],
+        const cca_dd result1_ = traffic_travel(w, speed, w->seen[j * 27 + TRAFFIC_NOMINAL_RATE],
             w->acceleration_time, w->t[k]);
         double distance = result1_.item0;
         double now = result1_.item1;
-        w->s_o[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_S] + sign * distance;
+        w->s_o[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_S] + sign * distance;
         w->v_o[j * w->steps + k] = sign * now;
-        double across = copysign(real_min(fabs(side) * w->t[k], w->seen[j * 26 + TRAFFIC_SIDE_RANGE]), side);
-        w->d_o[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_NOMINAL_D] + across;
-        w->right[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_D] - w->seen[j * 26 + TRAFFIC_HALF_W]
+        double across = copysign(real_min(fabs(side) * w->t[k], w->seen[j * 27 + TRAFFIC_SIDE_RANGE]), side);
+        w->d_o[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_NOMINAL_D] + (w->seen[j * 27
+            + TRAFFIC_LEAVES] != 0.0 ? across : 0.0);
+        w->right[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_D] - w->seen[j * 27 + TRAFFIC_HALF_W]
             + real_min(across, 0.0);
-        w->left[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_D] + w->seen[j * 26 + TRAFFIC_HALF_W]
+        w->left[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_D] + w->seen[j * 27 + TRAFFIC_HALF_W]
             + real_max(across, 0.0);
     }
-    traffic_set_adjacent(w, j, w->seen[j * 26 + TRAFFIC_D] - w->seen[j * 26 + TRAFFIC_HALF_W], w->seen[j
-        * 26 + TRAFFIC_D] + w->seen[j * 26 + TRAFFIC_HALF_W]);
+    traffic_set_adjacent(w, j, w->seen[j * 27 + TRAFFIC_D] - w->seen[j * 27 + TRAFFIC_HALF_W], w->seen[j
+        * 27 + TRAFFIC_D] + w->seen[j * 27 + TRAFFIC_HALF_W]);
 }
 
 /* Worst case along the route of a vehicle that is overtaken, or of one that is not. */
 static void traffic_reach_along(Scene *w, int j, bool passed)
 {
-    double v = w->seen[j * 26 + TRAFFIC_SPEED];
-    double rate = w->seen[j * 26 + TRAFFIC_RATE];
-    double nominal = w->seen[j * 26 + TRAFFIC_NOMINAL_RATE];
+    double v = w->seen[j * 27 + TRAFFIC_SPEED];
+    double rate = w->seen[j * 27 + TRAFFIC_RATE];
+    double nominal = w->seen[j * 27 + TRAFFIC_NOMINAL_RATE];
     if (passed && rate > 0.0) {
         rate = 0.0;
         nominal = real_min(nominal, 0.0);
     }
     double braking = real_max(w->b_other, -rate);
     double acceleration = real_max(passed ? w->a_passed : w->a_other, rate);
-    double rear = w->seen[j * 26 + TRAFFIC_S] - w->seen[j * 26 + TRAFFIC_HALF_L];
-    double front = w->seen[j * 26 + TRAFFIC_S] + w->seen[j * 26 + TRAFFIC_HALF_L];
-    const cca_ddd result1_ = reach_measured_motion(v, w->seen[j * 26 + TRAFFIC_AGE], rate, braking);
+    double rear = w->seen[j * 27 + TRAFFIC_S] - w->seen[j * 27 + TRAFFIC_HALF_L];
+    double front = w->seen[j * 27 + TRAFFIC_S] + w->seen[j * 27 + TRAFFIC_HALF_L];
+    const cca_ddd result1_ = reach_measured_motion(v, w->seen[j * 27 + TRAFFIC_AGE], rate, braking);
     double measured = result1_.item0;
     double counted = result1_.item1;
     double stops = result1_.item2;
@@ -3534,7 +3536,7 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
             low = copysign(1.0, v) * distance;
             high = low;
         } else {
-            const cca_dd result3_ = reach_reach(v, w->t[k], w->seen[j * 26 + TRAFFIC_AGE], braking,
+            const cca_dd result3_ = reach_reach(v, w->t[k], w->seen[j * 27 + TRAFFIC_AGE], braking,
                 acceleration, measured, counted, stops);
             low = result3_.item0;
             high = result3_.item1;
@@ -3551,7 +3553,7 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
             low = low_0 + sum_low;
             high = high_0 + sum_high;
             if (fabs(v) < CONSTANTS_STANDSTILL_SPEED) {
-                if (w->seen[j * 26 + TRAFFIC_AHEAD] > 0.0) {
+                if (w->seen[j * 27 + TRAFFIC_AHEAD] > 0.0) {
                     low = real_max(low, 0.0);
                 } else {
                     high = real_min(high, 0.0);
@@ -3560,7 +3562,7 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
         }
         if (passed) {
             if (v >= 0.0) {
-                const cca_dd result4_ = traffic_travel(w, fabs(v), w->seen[j * 26 + TRAFFIC_NOMINAL_RATE],
+                const cca_dd result4_ = traffic_travel(w, fabs(v), w->seen[j * 27 + TRAFFIC_NOMINAL_RATE],
                     w->acceleration_time, w->t[k]);
                 double distance = result4_.item0;
                 high = real_max(high, distance);
@@ -3579,33 +3581,33 @@ static cca_ddd traffic_on_arc(const Scene *w, int j, double s, double turn)
 {
     double half = 0.5 * turn;
     double chord = fabs(half) > 1e-12 ? s * (sin(half) / half) : s;
-    double heading = w->seen[j * 26 + TRAFFIC_PSI] + half;
-    double x = w->seen[j * 26 + TRAFFIC_X] + chord * cos(heading);
-    return (cca_ddd){x, w->seen[j * 26 + TRAFFIC_Y] + chord * sin(heading), w->seen[j * 26 + TRAFFIC_PSI]
+    double heading = w->seen[j * 27 + TRAFFIC_PSI] + half;
+    double x = w->seen[j * 27 + TRAFFIC_X] + chord * cos(heading);
+    return (cca_ddd){x, w->seen[j * 27 + TRAFFIC_Y] + chord * sin(heading), w->seen[j * 27 + TRAFFIC_PSI]
         + turn};
 }
 
 /* Motion of a vehicle in the plane: on its circle nominally, and where it can be within a time. */
 static void traffic_locate_crossing(Scene *w, int j)
 {
-    double v = w->seen[j * 26 + TRAFFIC_V_X];
+    double v = w->seen[j * 27 + TRAFFIC_V_X];
     double speed = fabs(v);
     double sign = copysign(1.0, v);
-    double rate = sign * w->seen[j * 26 + TRAFFIC_A_X];
-    double kappa = speed > CONSTANTS_STANDSTILL_SPEED ? w->seen[j * 26 + TRAFFIC_TURN_RATE] / v : 0.0;
+    double rate = sign * w->seen[j * 27 + TRAFFIC_A_X];
+    double kappa = speed > CONSTANTS_STANDSTILL_SPEED ? w->seen[j * 27 + TRAFFIC_TURN_RATE] / v : 0.0;
     double braking = w->keeps ? 0.0 : real_max(w->b_crossing, -rate);
     double acceleration = w->keeps ? 0.0 : real_max(w->a_crossing, rate);
-    double age = w->seen[j * 26 + TRAFFIC_AGE];
+    double age = w->seen[j * 27 + TRAFFIC_AGE];
     const cca_ddd result1_ = reach_measured_motion(speed, age, 0.0, braking);
     double measured = result1_.item0;
     double counted = result1_.item1;
     double still = result1_.item2;
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        w->s_o[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_S];
+        w->s_o[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_S];
         const cca_dd result2_ = traffic_travel(w, speed, rate, w->crossing_time, w->t[k]);
         double distance = result2_.item0;
         w->v_o[j * w->steps + k] = result2_.item1;
-        w->d_o[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_D];
+        w->d_o[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_D];
         double s = sign * distance;
         const cca_ddd result3_ = traffic_on_arc(w, j, s, kappa * s);
         w->x_o[j * w->steps + k] = result3_.item0;
@@ -3627,8 +3629,8 @@ static void traffic_locate_crossing(Scene *w, int j)
         w->x_w[j * w->steps + k] = result6_.item0;
         w->y_w[j * w->steps + k] = result6_.item1;
         w->psi_w[j * w->steps + k] = result6_.item2;
-        w->half_l_w[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_BODY_L] + extent;
-        w->half_w_w[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_BODY_W] + real_min(0.25 * fabs(kappa)
+        w->half_l_w[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_BODY_L] + extent;
+        w->half_w_w[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_BODY_W] + real_min(0.25 * fabs(kappa)
             * extent * extent, extent);
     }
     w->adjacent[j] = 0;
@@ -3638,7 +3640,7 @@ static void traffic_locate_crossing(Scene *w, int j)
 static void traffic_locate_assumed(Scene *w, int j)
 {
     for (int k = 0, k_end_ = w->steps; k < k_end_; k += 1) {
-        double at = w->seen[j * 26 + TRAFFIC_S] + w->seen[j * 26 + TRAFFIC_SPEED] * w->t[k];
+        double at = w->seen[j * 27 + TRAFFIC_S] + w->seen[j * 27 + TRAFFIC_SPEED] * w->t[k];
         w->s_o[j * w->steps + k] = TRAFFIC_GONE;
         w->v_o[j * w->steps + k] = 0.0;
         w->d_o[j * w->steps + k] = 0.0;
@@ -3646,29 +3648,29 @@ static void traffic_locate_assumed(Scene *w, int j)
         w->high[j * w->steps + k] = at;
         w->low_passed[j * w->steps + k] = at;
         w->high_passed[j * w->steps + k] = at;
-        w->right[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH;
-        w->left[j * w->steps + k] = w->seen[j * 26 + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH;
+        w->right[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH;
+        w->left[j * w->steps + k] = w->seen[j * 27 + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH;
     }
-    traffic_set_adjacent(w, j, w->seen[j * 26 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH, w->seen[j * 26
+    traffic_set_adjacent(w, j, w->seen[j * 27 + TRAFFIC_D] - TRAFFIC_ASSUMED_HALF_WIDTH, w->seen[j * 27
         + TRAFFIC_D] + TRAFFIC_ASSUMED_HALF_WIDTH);
 }
 
 /* Whether a body is at least in part in a lane. */
 static bool traffic_is_in(const Scene *w, int j, double right, double left)
 {
-    return w->seen[j * 26 + TRAFFIC_D] - w->seen[j * 26 + TRAFFIC_HALF_W] <= left && w->seen[j * 26
-        + TRAFFIC_D] + w->seen[j * 26 + TRAFFIC_HALF_W] >= right;
+    return w->seen[j * 27 + TRAFFIC_D] - w->seen[j * 27 + TRAFFIC_HALF_W] <= left && w->seen[j * 27
+        + TRAFFIC_D] + w->seen[j * 27 + TRAFFIC_HALF_W] >= right;
 }
 
 /* Whether no stationary vehicle is in a lane next to a vehicle or a little ahead. */
 static bool traffic_is_clear(const Scene *w, int j, int n, double right, double left)
 {
-    double rear = w->seen[j * 26 + TRAFFIC_S] - w->seen[j * 26 + TRAFFIC_HALF_L];
-    double end = w->seen[j * 26 + TRAFFIC_S] + w->seen[j * 26 + TRAFFIC_HALF_L] + w->queue_gap;
+    double rear = w->seen[j * 27 + TRAFFIC_S] - w->seen[j * 27 + TRAFFIC_HALF_L];
+    double end = w->seen[j * 27 + TRAFFIC_S] + w->seen[j * 27 + TRAFFIC_HALF_L] + w->queue_gap;
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        bool stands = fabs(w->seen[i * 26 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED;
-        bool near = w->seen[i * 26 + TRAFFIC_S] - w->seen[i * 26 + TRAFFIC_HALF_L] < end && w->seen[i * 26
-            + TRAFFIC_S] + w->seen[i * 26 + TRAFFIC_HALF_L] > rear;
+        bool stands = fabs(w->seen[i * 27 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED;
+        bool near = w->seen[i * 27 + TRAFFIC_S] - w->seen[i * 27 + TRAFFIC_HALF_L] < end && w->seen[i * 27
+            + TRAFFIC_S] + w->seen[i * 27 + TRAFFIC_HALF_L] > rear;
         if (i != j && stands && near && traffic_is_in(w, i, right, left)) {
             return false;
         }
@@ -3679,17 +3681,17 @@ static bool traffic_is_clear(const Scene *w, int j, int n, double right, double 
 /* Distance kept behind a single stationary vehicle next to a clear lane, for a later maneuver. */
 static double traffic_distance_to_pass(const Scene *w, int j, int n)
 {
-    if (!(fabs(w->seen[j * 26 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED) || w->crosses[j] != 0) {
+    if (!(fabs(w->seen[j * 27 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED) || w->crosses[j] != 0) {
         return 0.0;
     }
     if (!traffic_is_in(w, j, w->lane_right, w->lane_left)) {
         return 0.0;
     }
     for (int i = 0, i_end_ = n; i < i_end_; i += 1) {
-        double gap = w->seen[i * 26 + TRAFFIC_S] - w->seen[i * 26 + TRAFFIC_HALF_L] - (w->seen[j * 26
-            + TRAFFIC_S] + w->seen[j * 26 + TRAFFIC_HALF_L]);
-        if (i != j && (0.0 < gap && gap < w->queue_gap) && fabs(w->seen[i * 26 + TRAFFIC_D] - w->seen[j
-            * 26 + TRAFFIC_D]) < TRAFFIC_ABREAST) {
+        double gap = w->seen[i * 27 + TRAFFIC_S] - w->seen[i * 27 + TRAFFIC_HALF_L] - (w->seen[j * 27
+            + TRAFFIC_S] + w->seen[j * 27 + TRAFFIC_HALF_L]);
+        if (i != j && (0.0 < gap && gap < w->queue_gap) && fabs(w->seen[i * 27 + TRAFFIC_D] - w->seen[j
+            * 27 + TRAFFIC_D]) < TRAFFIC_ABREAST) {
             return 0.0;
         }
     }
@@ -3706,9 +3708,9 @@ void cca_locate_vehicles(Scene *w, int seen)
 {
     w->crossing = 0;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        w->half_l[j] = w->seen[j * 26 + TRAFFIC_NOMINAL_L];
-        w->half_w[j] = w->seen[j * 26 + TRAFFIC_NOMINAL_W];
-        w->crosses[j] = j < seen && w->seen[j * 26 + TRAFFIC_CROSSES] != 0.0 ? 1 : 0;
+        w->half_l[j] = w->seen[j * 27 + TRAFFIC_NOMINAL_L];
+        w->half_w[j] = w->seen[j * 27 + TRAFFIC_NOMINAL_W];
+        w->crosses[j] = j < seen && w->seen[j * 27 + TRAFFIC_CROSSES] != 0.0 ? 1 : 0;
         w->assumed[j] = j >= seen ? 1 : 0;
         w->passing_distance[j] = 0.0;
         if (j >= seen) {
@@ -3801,7 +3803,7 @@ bool cca_is_behind(const Scene *w, int row, int p, int j, int back)
 {
     double high = w->overtakes[p * w->max_m + j] != 0.0 ? w->high_passed[j * w->steps + back] : w->high[j
         * w->steps + back];
-    double in_lane = w->half_width + real_min(w->seen[j * 26 + TRAFFIC_SURE_W], 0.0);
+    double in_lane = w->half_width + real_min(w->seen[j * 27 + TRAFFIC_SURE_W], 0.0);
     return high < w->rear || fabs(w->d_o[j * w->steps + back] - w->offset_at[row * w->steps + back])
         < in_lane;
 }
@@ -3809,8 +3811,8 @@ bool cca_is_behind(const Scene *w, int row, int p, int j, int back)
 /* Whether a body is at least in part in a lane, wherever it is within its bounds. */
 static bool duties_is_surely_in(const Scene *w, int j, double right, double left)
 {
-    double low = w->seen[j * 26 + TRAFFIC_D] - w->seen[j * 26 + TRAFFIC_SURE_W];
-    double high = w->seen[j * 26 + TRAFFIC_D] + w->seen[j * 26 + TRAFFIC_SURE_W];
+    double low = w->seen[j * 27 + TRAFFIC_D] - w->seen[j * 27 + TRAFFIC_SURE_W];
+    double high = w->seen[j * 27 + TRAFFIC_D] + w->seen[j * 27 + TRAFFIC_SURE_W];
     return low < left - w->entry_tolerance && high > right + w->entry_tolerance;
 }
 
@@ -3850,12 +3852,12 @@ bool cca_is_in_zone_lane(const Scene *w, int j)
 /* Whether a vehicle is for certain in the adjacent lane that the maneuver enters, not in the ego's. */
 bool cca_keeps_zone(const Scene *w, int j)
 {
-    double half = 0.5 * (w->seen[j * 26 + TRAFFIC_HALF_W] + w->seen[j * 26 + TRAFFIC_SURE_W]);
+    double half = 0.5 * (w->seen[j * 27 + TRAFFIC_HALF_W] + w->seen[j * 27 + TRAFFIC_SURE_W]);
     if (w->zone_side == 1) {
-        bool outside = w->seen[j * 26 + TRAFFIC_D] - half > w->lane_left - w->entry_tolerance;
+        bool outside = w->seen[j * 27 + TRAFFIC_D] - half > w->lane_left - w->entry_tolerance;
         return outside && duties_is_surely_in(w, j, w->lane_left, w->edge_left);
     }
-    bool outside = w->seen[j * 26 + TRAFFIC_D] + half < w->lane_right + w->entry_tolerance;
+    bool outside = w->seen[j * 27 + TRAFFIC_D] + half < w->lane_right + w->entry_tolerance;
     return outside && duties_is_surely_in(w, j, w->edge_right, w->lane_right);
 }
 
@@ -4058,7 +4060,7 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k,
     bool passed = w->overtakes[p * w->max_m + j] != 0.0;
     double low = passed ? w->low_passed[j * w->steps + k] : w->low[j * w->steps + k];
     double high = passed ? w->high_passed[j * w->steps + k] : w->high[j * w->steps + k];
-    double bulge = real_max(w->seen[j * 26 + TRAFFIC_BULGE] * w->bends[k] - w->seen[j * 26
+    double bulge = real_max(w->seen[j * 27 + TRAFFIC_BULGE] * w->bends[k] - w->seen[j * 27
         + TRAFFIC_BEND_W], 0.0);
     return gap_checks_ego_gap(w, row, k, low - w->margin, high + w->margin, w->right[j * w->steps + k]
         - bulge, w->left[j * w->steps + k] + bulge, enough);
@@ -4368,7 +4370,7 @@ cca_ddd cca_find_span(const Scene *w, int row, int j, double clearance, double t
     double begin = result1_.item0;
     double end = result1_.item1;
     double v = result1_.item2;
-    double lead = begin < HUGE_VAL ? ttc * real_max(v - w->seen[j * 26 + TRAFFIC_SPEED], 0.0) : 0.0;
+    double lead = begin < HUGE_VAL ? ttc * real_max(v - w->seen[j * 27 + TRAFFIC_SPEED], 0.0) : 0.0;
     const cca_ddd result2_ = obstacles_span(w, row, j, reach, lead);
     begin = result2_.item0;
     end = result2_.item1;
@@ -4393,12 +4395,12 @@ static int obstacles_step_at(const Scene *w, double t, int k)
 static bool obstacles_is_obstacle(const Scene *w, double base, int n, const double *s, const double *t,
     int j, double rear)
 {
-    if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(w->seen[j * 26 + TRAFFIC_S] + w->seen[j * 26
+    if (w->crosses[j] != 0 || w->assumed[j] != 0 || !(w->seen[j * 27 + TRAFFIC_S] + w->seen[j * 27
         + TRAFFIC_HALF_L] >= rear)) {
         return false;
     }
-    double d = w->seen[j * 26 + TRAFFIC_D];
-    if (!(d - w->seen[j * 26 + TRAFFIC_HALF_W] <= w->lane_left && d + w->seen[j * 26 + TRAFFIC_HALF_W]
+    double d = w->seen[j * 27 + TRAFFIC_D];
+    if (!(d - w->seen[j * 27 + TRAFFIC_HALF_W] <= w->lane_left && d + w->seen[j * 27 + TRAFFIC_HALF_W]
         >= w->lane_right)) {
         return false;
     }

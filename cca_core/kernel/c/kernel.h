@@ -235,7 +235,7 @@ typedef struct Scene {
     double *overtakes; /* [max_paths][max_m] */
     double *t; /* [steps] */
     int m;
-    double *seen; /* [max_m][26] */
+    double *seen; /* [max_m][27] */
     double *s_o; /* [max_m][steps] */
     double *v_o; /* [max_m][steps] */
     double *d_o; /* [max_m][steps] */

@@ -2403,7 +2403,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "e1bff8a7aa24069a355cda0e15adb7932e8202dfa06bb760de2fc19e3dbf4f00") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "ae4174274e4ff59d7980da6d663073b024d3bd780b4611bff960395eb0e6c118") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
