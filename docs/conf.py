@@ -8,6 +8,7 @@ from re import findall
 from shutil import rmtree
 from types import ModuleType
 
+from numpydoc.xref import DEFAULT_LINKS
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 from sphinx.pycode import ModuleAnalyzer
@@ -51,11 +52,14 @@ myst_heading_anchors = 3
 nb_execution_mode = "auto"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 180
+nb_merge_streams = True
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # numpydoc says it, with shape and unit
 numpydoc_show_class_members = False
+numpydoc_xref_param_type = True
+numpydoc_xref_ignore = "all"
 
 
 def check_offline(app: Sphinx, failure: Exception | None) -> None:
@@ -72,6 +76,14 @@ def check_offline(app: Sphinx, failure: Exception | None) -> None:
 public = {
     package: getattr(package, "__all__", [])
     for package in (import_module(f"cca_core.{m.name}") for m in iter_modules(cca_core.__path__) if m.ispkg)
+}
+
+# Types of arguments and results link to their class; those of Python and NumPy have no page here.
+numpydoc_xref_aliases = {word: word for word in DEFAULT_LINKS} | {
+    name: f"{module.__name__}.{name}"
+    for module in (import_module(f"cca_core.{m.name}") for m in iter_modules(cca_core.__path__))
+    for name in getattr(module, "__all__", [])
+    if isinstance(getattr(module, name), type)
 }
 
 
