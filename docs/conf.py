@@ -37,9 +37,10 @@ mathjax_path = "tex-svg.js"
 notebooks = Path(__file__).parent / "generated" / "notebooks"
 rmtree(notebooks, ignore_errors=True)
 notebooks.mkdir(parents=True)
-for notebook in (Path(__file__).parents[1] / "examples" / "notebooks").glob("*.ipynb"):
-    text = notebook.read_text(encoding="utf-8").replace("](../../docs/", "](../../")
-    (notebooks / notebook.name).write_text(text, encoding="utf-8")
+for source in (Path(__file__).parents[1] / "examples" / "notebooks").iterdir():
+    if source.suffix in {".ipynb", ".gpx"}:
+        text = source.read_text(encoding="utf-8").replace("](../../docs/", "](../../")
+        (notebooks / source.name).write_text(text, encoding="utf-8")
 
 html_theme = "furo"
 html_title = f"{project} {version}"

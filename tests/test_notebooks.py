@@ -48,6 +48,14 @@ def test_notebook_has_one_parameter_cell(notebook: Path) -> None:
     assert everything[heads[0] + 1]["cell_type"] == "code"
 
 
+def test_notebook_begins_with_picture(notebook: Path) -> None:
+    assert re.search(r"^# .+\n\n!\[.{20,}\]\(.+\.svg\)", "".join(cells(notebook)[0]["source"]))
+
+
+def test_notebooks_begin_with_the_reader() -> None:
+    assert [path.stem for path in NOTEBOOKS][:2] == ["1_your_own_road", "2_your_own_simulator"]
+
+
 def test_notebook_figures_are_svg(notebook: Path) -> None:
     assert '%config InlineBackend.figure_formats = ["svg"]' in text(notebook)
 
