@@ -149,6 +149,20 @@ def test_pages_are_in_table_of_contents() -> None:
     assert set(PAGES) - listed == set()
 
 
+ASKED = {
+    "end of the route": "questions", "not overtake": "questions", "clock": "questions", "GPX": "questions",
+    "SUMO": "adapters", "CARLA": "adapters", "CAN": "rig", "ROS 2": "rig", "installation": "quickstart",
+    "own vehicle": "quickstart", "OpenDRIVE": "maps", "left-hand traffic": "questions",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("words", "page"), ASKED.items())
+def test_headings_hold_what_users_search(words: str, page: str) -> None:
+    """The search of the site ranks headings first."""
+    headings = re.findall(r"^#{1,3} +(.+)$", FENCE.sub("", (DOCS / f"{page}.md").read_text("utf-8")), re.M)
+    assert [heading for heading in headings if words.lower() in heading.lower()]
+
+
 # --- offline ------------------------------------------------------------------------------------------
 
 
@@ -208,7 +222,7 @@ def test_quickstart_runs(
 
 
 @pytest.mark.requires("matplotlib", "mcap")
-@pytest.mark.parametrize("name", ["own_scenario", "own_plant", "maps"])
+@pytest.mark.parametrize("name", ["own_scenario", "own_plant", "maps", "adapters"])
 def test_page_is_a_program(name: str, tmp_path: Path) -> None:
     script = tmp_path / f"{name}.py"  # studies need the source in a file
     script.write_text(blocks(DOCS / f"{name}.md"), encoding="utf-8")
