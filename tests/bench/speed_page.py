@@ -38,22 +38,31 @@ TITLES = {
 }
 HEAD = """# Run times
 
+The planner has 20 ms for each cycle. Most cycles follow the last decision; ten times a second the planner
+makes a new one.
+
+| question | section |
+|---|---|
+| How long does a cycle take? | [Cycle](#cycle) |
+| How long does a decision take? | [Decisions among twenty vehicles](#decisions-among-twenty-vehicles) |
+| How long does a band take? | [Band](#band) |
+| How long do the messages of 100 vehicles take? | [Tracks](#tracks) |
+| How long do other methods take? | [Methods](#methods-of-table-1), and [their comparison](table1.md) |
+
 `make bench` measures these times on one thread, with reference computations in the same run. The last
 column compares the value with its budget; "-" means that there is none.
 
-**A missed budget is no fault of a result.** It means that the code has become slower than promised, or that
-the machine was busy during the measurement. The command then fails, and the page marks the row as
-**missed**. Run it again on an idle machine: a row that is missed again is a slowdown to find.
+**A missed budget is no fault of a result.** The results are right, but later than promised: the code has
+become slower, or the machine was busy during the measurement. The command then fails, and the page marks
+the row as **missed**. Run it again on an idle machine: a row that is missed again is a slowdown to find.
 
-What counts on the road is the cycle of 20 ms; [Cycle](#cycle) shows how much of it the planner needs. The
-rig and [`simulate(real_time=True)`](simulation.md) count the cycles that end late. If commands stay away,
-the drive-by-wire kit drives the last [safe stop](rig.md#safe-stop).
+**A missed cycle is another thing.** The rig and [`simulate(real_time=True)`](simulation.md#real-time) count
+the cycles that end late. The car then drives on with the last command. If commands stay away, the
+drive-by-wire kit drives the last [safe stop](rig.md#safe-stop).
 
 Budgets hold for a machine that solves a banded system of 100 rows in 16.6 µs (`scipy.linalg.solve_banded`,
 two right-hand sides). On a slower machine they grow in proportion. This reference is timed once, before all
 tests. Compare ratios between machines, not times.
-
-More measured times: [Table 1's methods](table1.md), [steering laws](steering.md).
 """
 
 
