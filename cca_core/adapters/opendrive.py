@@ -96,15 +96,21 @@ class OpenDriveMap:
         road = self._road("road_ids", road_ids[0])
         is_forward = road.is_forward(lane_id)
         section = 0 if is_forward else len(road.sections) - 1
+        if lane_id not in road.sections[section][1]:
+            lanes = sorted(road.sections[section][1])
+            raise InputError(f"lane_id must be one of {lanes} of road {road.id!r}, was {shown(lane_id)}")
         start = 0.0 if is_forward else road.length
         pieces = [self._piece("lane_id", (road.id, start, lane_id), section)[0]]
         for id_ in road_ids[1:]:
             self._road("road_ids", id_)
             pieces += self._rest_of_road(pieces[-1])
-            onward = [piece for piece in self._successors(pieces[-1]) if piece.road == id_]
+            after = list(self._successors(pieces[-1]))
+            onward = [piece for piece in after if piece.road == id_]
             if not onward:
+                there = ", ".join(sorted({repr(piece.road) for piece in after})) or "no road"
                 raise InputError(
-                    f"lane {pieces[-1].lane} of road {pieces[-1].road!r} must lead to road {id_!r}"
+                    f"lane {pieces[-1].lane} of road {pieces[-1].road!r} must lead to road {id_!r}, "
+                    f"leads to {there}"
                 )
             pieces.append(onward[0])
         pieces += self._rest_of_road(pieces[-1])

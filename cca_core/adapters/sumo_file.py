@@ -1,6 +1,7 @@
 """Files of SUMO's nets: edges, lanes and connections."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path as FilePath
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
@@ -184,12 +185,33 @@ class SumoNet:
             index = check_real("lane", lane, ge=0.0, le=len(lanes) - 1.0)
             lanes = lanes[int(index) : int(index) + 1]
         usable = [own for own in lanes if self._net.may_use(own, vehicle_class)]
-        chains = [find_chain(self._net, own, edge_ids) for own in usable]
-        best = max(chains, key=len, default=[])
+        if not usable:
+            which = f"edge {edge_ids[0]!r}" if lane is None else f"lane {lanes[0]!r}"
+            raise InputError(f"vehicle_class must be allowed on {which}, was {vehicle_class!r}")
+        self._check_order(edge_ids)
+        best = max((find_chain(self._net, own, edge_ids) for own in usable), key=len)
         if len(best) < len(edge_ids):
-            end = edge_ids[max(len(best) - 1, 0)]
-            raise InputError(f"edge_ids must be reachable without a lane change, was not behind {end!r}")
+            whole = [
+                str(i)
+                for i, own in enumerate(self._net.lanes_of(edge_ids[0]))
+                if len(find_chain(self._net, own, edge_ids)) == len(edge_ids)
+            ]
+            raise InputError(
+                f"edge_ids must be reachable without a lane change, was not behind "
+                f"{edge_ids[len(best) - 1]!r}; lanes that lead along: {', '.join(whole) or 'none'}"
+            )
         return road_along(self._net, best, vehicle_class)
+
+    def _check_order(self, edge_ids: Sequence[str]) -> None:
+        """Raise unless each edge follows the one before, from any of its lanes."""
+        for before, after in pairwise(edge_ids):
+            links = (link for lane in self._net.lanes_of(before) for link in self._net.links(lane))
+            there = sorted({self._net.edge_of(link.lane) for link in links})
+            if after not in there:
+                names = ", ".join(map(repr, there)) or "no edge"
+                raise InputError(
+                    f"edge_ids must follow each other, {before!r} leads to {names}, not {after!r}"
+                )
 
 
 def read_sumo_net(file: str | FilePath) -> SumoNet:

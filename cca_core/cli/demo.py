@@ -16,17 +16,17 @@ from cca_core.sim import demo_route, longest_stretch, paper_scenarios
 
 __all__ = ["run"]
 
+_NAMES = "eebl", "ima", "curbside", "maneuver"
 _MIN_RADIUS = 200.0  # of the fourth scenario's road [m]
 _MARGIN = 220.0  # road behind the ego's start, for the fast car of case 2 [m]
 
 
 def run(given: argparse.Namespace) -> int:
     """Drive, write and print; return the exit code."""
+    if given.only not in (None, *_NAMES):
+        raise InputError(f"--only must be one of {', '.join(_NAMES)}, was {given.only!r}")
     road = _fit_road(demo_route() if given.route is None else read_waypoints(given.route), given.km)
     scenarios = paper_scenarios(road, start=road.start + _MARGIN)
-    names = list(dict.fromkeys(scenario.name for scenario in scenarios))
-    if given.only not in (None, *names):
-        raise InputError(f"--only must be one of {', '.join(names)}, was {given.only!r}")
     chosen = [scenario for scenario in scenarios if given.only in (None, scenario.name)]
     runs = [("single_track", scenario) for scenario in chosen]
     if find_spec("vehiclemodels"):

@@ -17,6 +17,7 @@ from cca_core.plot.svg import to_svg
 __all__ = ["run"]
 
 _DEFAULT_LIMIT = 36.0  # where a map has none [m/s]
+_OTHER_MAPS = ".xml", ".osm"
 _STRAIGHT = 1e4  # radius from which a road is called straight [m]
 
 
@@ -28,6 +29,11 @@ def run(given: argparse.Namespace) -> int:
         return _show_map(given)
     if given.along is not None or given.lane is not None:
         raise InputError("--along and --lane must be given with a map (.xodr, .net.xml) alone")
+    if given.route.suffix.lower() in _OTHER_MAPS:
+        raise InputError(
+            f"route must be a track or a map (.xodr, .net.xml), was {given.route.name!r}; a net of SUMO ends "
+            "in .net.xml, a CommonRoad scenario is read by cca_core.sim.read_commonroad, Lanelet2 is not read"
+        )
     limits = {} if given.tolerance is None else {"tolerance": given.tolerance}
     with warnings.catch_warnings(record=True) as noted:
         warnings.simplefilter("always")
@@ -46,8 +52,14 @@ def run(given: argparse.Namespace) -> int:
 
 def _show_map(given: argparse.Namespace) -> int:
     """Print and draw a road of a map; return the exit code."""
+    if given.part is not None or given.tolerance is not None:
+        raise InputError("--part and --tolerance must be given with a track alone, not with a map")
     along = [each for each in (given.along or "").split(",") if each]
-    road = read_map_road(given.route, along, given.lane, _DEFAULT_LIMIT, "--along")
+    try:
+        road = read_map_road(given.route, along, given.lane, _DEFAULT_LIMIT, "--along")
+    except InputError as error:
+        text = str(error)
+        raise InputError(text if text.startswith("--") else f"{given.route.name}: {text}") from None
     _print("map", f"{given.route.name}: {', '.join(along)}")
     _print("length", f"{road.path.length:.1f} m")
     _print("tightest curve", _tightest(road.path))

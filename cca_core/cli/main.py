@@ -32,7 +32,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     SystemExit
         With code 0 after ``--help``, and 2 if the words cannot be parsed.
     """
-    given = make_parser().parse_args(arguments)
+    parser = make_parser()
+    if not (sys.argv[1:] if arguments is None else arguments):
+        parser.print_help(sys.stderr)
+        raise SystemExit(2)
+    given = parser.parse_args(arguments)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal may not have all signs

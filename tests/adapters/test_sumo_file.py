@@ -60,14 +60,15 @@ def test_lane_of_other_vehicles_is_no_lane(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("edges", "lane", "words"),
     [
-        (["in", "end"], None, "^edge_ids must be reachable without a lane change, was not behind 'in'"),
+        (["in", "end"], None, "^edge_ids must follow each other, 'in' leads to 'on', 'up', not 'end'"),
+        (["in", "up"], 0, r"behind 'in'; lanes that lead along: 1$"),
         (["in", "up"], 0, "^edge_ids must be reachable without a lane change, was not behind 'in'"),
         (["in", "on", "end"], 0, "^edge_ids must be reachable without a lane change, was not behind 'on'"),
         (["no"], None, "^edge_ids must be edges of the net, one was 'no'"),
         ("in", None, "^edge_ids must be a sequence of ids"),
         ([], None, "^edge_ids must be a sequence of ids"),
         (["in"], 3, "^lane must be at most 2, was 3"),
-        (["in"], 2, "^edge_ids must be reachable"),
+        (["in"], 2, "^vehicle_class must be allowed on lane 'in_2', was 'passenger'"),
     ],
 )
 def test_invalid_route_raises(tmp_path: Path, edges: list[str], lane: int | None, words: str) -> None:

@@ -106,6 +106,10 @@ def test_road_of_a_map_of_opendrive(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "--along must list the ids of roads or edges in driving order; the map has 1, 2, 3, 5, 6" in error
     assert main(["fit", str(file), "--along", "1,4"]) == 2
     assert "--along must be ids of the map, had '4'" in capsys.readouterr().err
+    assert main(["fit", str(file), "--along", "1", "--lane", "9"]) == 2
+    assert f"{file.name}: lane_id must be one of [-1, 1] of road '1', was 9" in capsys.readouterr().err
+    assert main(["fit", str(file), "--along", "1", "--part", "0"]) == 2
+    assert "--part and --tolerance must be given with a track alone" in capsys.readouterr().err
 
 
 def test_road_of_a_net_of_sumo(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -119,3 +123,13 @@ def test_road_of_a_net_of_sumo(tmp_path: Path, capsys: pytest.CaptureFixture[str
 def test_words_for_maps_need_a_map(circle: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["fit", str(circle), "--along", "1"]) == 2
     assert "--along and --lane must be given with a map" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["town.xml", "town.osm"])
+def test_map_of_another_kind_names_its_reader(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["fit", str(tmp_path / name)]) == 2
+    error = capsys.readouterr().err
+    assert ".net.xml" in error
+    assert "read_commonroad" in error

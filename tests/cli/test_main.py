@@ -108,6 +108,27 @@ def test_missing_file_is_one_line_and_code_2(
     assert error.count("\n") == 1
 
 
+def test_no_command_shows_the_help(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main([])
+    error = capsys.readouterr().err
+    assert "commands:" in error
+    assert "cca COMMAND --help" in error
+
+
+@pytest.mark.parametrize("name", ["no.npz", "text.npz", "empty"])
+def test_log_that_is_none_is_named_as_given(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "text.npz").write_text("no log")
+    (tmp_path / "empty").mkdir()
+    assert main(["report", name]) == 2
+    error = capsys.readouterr().err
+    assert repr(name) in error
+    assert "Path(" not in error
+
+
 def test_folder_that_cannot_be_written_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     route = tmp_path / "route.csv"
     route.write_text("x,y\n0,0\n50,0\n100,0\n")
@@ -153,7 +174,9 @@ def test_progress_is_silent_without_terminal(capsys: pytest.CaptureFixture[str],
 
 def test_unknown_scenario_of_demo_lists_names(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["demo", "--only", "eeble"]) == 2
-    assert "eebl, ima, curbside, maneuver" in capsys.readouterr().err
+    output = capsys.readouterr()
+    assert "eebl, ima, curbside, maneuver" in output.err
+    assert output.out == ""
 
 
 def test_version_is_that_of_the_library() -> None:
