@@ -195,9 +195,10 @@ class Certifier:
             plan.grade = Grade.NOMINAL
 
     def _is_ahead(self, name: str) -> bool:
-        """Whether a vehicle is ahead of the ego: braking is no response to what comes from behind."""
-        j = self._around.traffic.index(name)
-        return j < 0 or bool(self._around.traffic.s[j, 0] > self._around.s)
+        """Whether a vehicle drives ahead: braking is no response to what comes from behind or the side."""
+        traffic = self._around.traffic
+        j = traffic.index(name)
+        return j < 0 or bool(traffic.s[j, 0] > self._around.s and not traffic.crosses[j])
 
     def _responds(self, plan: Plan, urgency: float) -> bool:
         """Whether a plan brakes soon and stays at it: in comfort, or up to fully where it is urgent."""

@@ -76,15 +76,17 @@ def test_no_collision_with_v2v_multi_body(name: str, case: str) -> None:
 @pytest.mark.parametrize("index", [328, pytest.param(553, marks=pytest.mark.slow)])
 def test_lead_braking_harder_than_downstream_vehicle(index: int) -> None:
     """Red brakes with 4 to 5 m/s^2, and yellow, late, with 7."""
-    scenario, _, _ = sample_scenario(ParameterRanges(scenario="eebl"), 2, index)
-    assert simulate(scenario).gaps().min() > 0.0
+    scenario, nominal, _ = sample_scenario(ParameterRanges(scenario="eebl"), 2, index)
+    planner = make_planner(replace(scenario, vehicle=nominal))
+    assert simulate(scenario, planner=planner).gaps().min() > 0.0
 
 
 @pytest.mark.parametrize("index", [347, pytest.param(1594, marks=pytest.mark.slow)])
 def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
     """The first message leaves just the distance for full braking."""
-    scenario, _, _ = sample_scenario(ParameterRanges(scenario="ima"), 2, index)
-    log = simulate(scenario)
+    scenario, nominal, _ = sample_scenario(ParameterRanges(scenario="ima"), 2, index)
+    planner = make_planner(replace(scenario, vehicle=nominal))
+    log = simulate(scenario, planner=planner)
     assert log.gaps().min() > 0.0
     assert "BRAKE" in log.actions
 

@@ -33,6 +33,12 @@ def test_traffic_that_reacts_is_not_hit(seed: int) -> None:
     assert "error" not in result
 
 
+@pytest.mark.parametrize(("family", "seed"), [("pedestrian", 313), ("crossing", 552)])
+def test_slow_crossing_road_user_is_not_hit(family: str, seed: int) -> None:
+    """They slow down, or start, where only the certified stop still clears them: comfort is no response."""
+    assert Episode(seed, family).run()["collision"] is None
+
+
 @pytest.mark.parametrize("name", CONTROLS)
 def test_control_holds(name: str) -> None:
     result = outcome(TABLE.cases[name].checks)
