@@ -7,9 +7,10 @@ from enum import Enum
 
 from cca_core._checks import check_real
 from cca_core._repr import short_repr
-from cca_core.decide.rejection import Rejection
+from cca_core.decide.rejection import Rejection, located, not_passing
 
 _BRAKE_RELEASE_FRACTION = 0.7  # of the brake threshold: below it braking ends, so that it does not chatter
+_NO_BRAKES = 20.0  # deceleration that no brakes give [m/s^2]
 
 
 class Action(Enum):
@@ -103,10 +104,11 @@ class Decision:
     action : Action
         What the ego does.
     reason : str
-        Why, with numbers and limits.
+        Why, with numbers and limits: ``<activity>: <what is measured>; <cause>``, such as "following R1: gap
+        21 m, wants 24 m; not passing on the left: no lane".
     activity, cause : str
-        The reason in two parts, without the numbers of the activity, such as "following R2" and "no left
-        lane"; empty if the reason has only one.
+        Its first and last part, such as "following R1" and "not passing on the left: no lane"; empty if the
+        reason has none.
     lead_id : str, optional
         Id of the lead vehicle.
     danger_zone : tuple of float, optional
@@ -177,7 +179,7 @@ def choose_action(
     'KEEP'
     """
     if lead is None:
-        return Decision(action=Action.KEEP, reason="keeping lane: no blocking vehicle")
+        return Decision(action=Action.KEEP, reason="keeping lane: no vehicle ahead")
     limit = check_real("brake_threshold", brake_threshold, allow_inf=True) * (
         _BRAKE_RELEASE_FRACTION if previous is Action.BRAKE else 1.0
     )
@@ -190,45 +192,42 @@ def choose_action(
             action = Action.KEEP
             ahead = best.available_distance - best.required_distance
             activity = f"approaching {lead.id}"
-            cause = f"{best.side} maneuver feasible, starts in {ahead:.0f} m"
+            cause = f"passing on the {best.side} starts in {ahead:.0f} m"
         else:
             action = Action.EVADE_LEFT if best.side == "left" else Action.EVADE_RIGHT
             activity = f"passing {lead.id} on the {best.side}"
             cause = _start(lead, best, waited, limit)
         return explained(action, activity, cause, lead_id=lead.id, danger_zone=best.danger_zone)
-    why = _why_not_passing(lead, candidates)
-    need, numbers = lead.required_deceleration, ""
+    why, position = _why_not_passing(lead, candidates), f"{located(lead.gap)} at {lead.v_x:.1f} m/s"
     if hard:
-        action = Action.BRAKE
-        if need < 20.0:  # no brakes give more
-            activity = f"braking for {lead.id}"
-            cause = f"needs {need:.1f} m/s² (limit {limit:.1f} m/s²); {why}"
-        else:
-            activity, cause = f"full braking for {lead.id}", f"braking insufficient; {why}"
+        action, need = Action.BRAKE, lead.required_deceleration
+        activity = f"braking for {lead.id}"
+        numbers = (
+            f"needs {need:.1f} m/s², {position}" if need < _NO_BRAKES else f"more than the brakes, {position}"
+        )
     elif stops:
-        action, comfort = Action.BRAKE, lead.comfort_stop_deceleration
-        activity, numbers = f"stopping behind {lead.id}", f" ({lead.gap:.0f} m)"
-        cause = f"{comfort:.1f} m/s² (comfort limit {comfort_deceleration:.1f} m/s²)"
-    elif lead.kind == "crossing" and (waited or lead.follow_acceleration < follow_threshold):
-        action, cause = Action.FOLLOW, why
-        activity, numbers = f"yielding to {lead.id}", f" ({lead.gap:.0f} m ahead)"
-    elif waited or lead.follow_acceleration < follow_threshold:
-        action, cause = Action.FOLLOW, why
-        activity, numbers = f"following {lead.id}", f" (gap {lead.gap:.0f} m, {lead.v_x:.1f} m/s)"
+        action, activity = Action.BRAKE, f"stopping behind {lead.id}"
+        numbers, why = f"{lead.comfort_stop_deceleration:.1f} m/s², gap {lead.gap:.0f} m", ""
+    elif not (waited or lead.follow_acceleration < follow_threshold):
+        action, activity, numbers = Action.KEEP, "keeping lane", f"{lead.id} {position}"
+        why = why if candidates else ""
+    elif lead.kind == "crossing":
+        action, activity, numbers = Action.FOLLOW, f"yielding to {lead.id}", located(lead.gap)
     else:
-        action, activity = Action.KEEP, "keeping lane"
-        cause = f"{lead.id} {lead.gap:.0f} m ahead, no action needed yet{f'; {why}' if candidates else ''}"
+        action, activity = Action.FOLLOW, f"following {lead.id}"
+        numbers = f"gap {lead.gap:.0f} m, it drives {lead.v_x:.1f} m/s"
     zone = candidates[0].danger_zone if candidates else None
-    return explained(action, activity, cause, numbers=numbers, lead_id=lead.id, danger_zone=zone)
+    return explained(action, activity, why, numbers=numbers, lead_id=lead.id, danger_zone=zone)
 
 
 def explained(
-    action: Action, activity: str, cause: str, *, numbers: str = "", lead_id: str | None = None,
+    action: Action, activity: str, cause: str = "", *, numbers: str = "", lead_id: str | None = None,
     danger_zone: tuple[float, float] | None = None,
 ) -> Decision:  # fmt: skip
-    """Make a decision whose reason is an activity, its numbers and its cause."""
+    """Make a decision whose reason is an activity, what is measured, and its cause."""
+    parts = "; ".join(filter(None, (numbers, cause)))
     return Decision(
-        action=action, reason=f"{activity}{numbers}: {cause}", activity=activity, cause=cause,
+        action=action, reason=f"{activity}: {parts}" if parts else activity, activity=activity, cause=cause,
         lead_id=lead_id, danger_zone=danger_zone,
     )  # fmt: skip
 
@@ -239,18 +238,16 @@ def _start(lead: LeadVehicle, best: Candidate, waited: bool, limit: float) -> st
     if waited:
         return clear
     if best.available_distance <= best.required_distance:
-        numbers = f"available {best.available_distance:.0f} m, required {best.required_distance:.0f} m"
-        return f"latest comfort start reached ({numbers}); {clear}"
+        numbers = f"needs {best.required_distance:.0f} m, {best.available_distance:.0f} m left"
+        return f"latest comfortable start ({numbers}); {clear}"
     need = lead.required_deceleration
-    needs = f"{need:.1f} m/s²" if need < 20.0 else "all brakes"
-    return f"following needs {needs} (limit {limit:.1f} m/s²); {clear}"
+    needs_braking = f"{need:.1f} m/s²" if need < _NO_BRAKES else "all brakes"
+    return f"following needs {needs_braking} (limit {limit:.1f} m/s²); {clear}"
 
 
 def _why_not_passing(lead: LeadVehicle, candidates: Sequence[Candidate]) -> str:
     """Rejections of all candidates."""
     if lead.kind == "crossing":
         return "it crosses the route"
-    return (
-        "; ".join(str(c.rejection) for c in candidates if c.rejection is not None)
-        or "no maneuver was planned"
-    )
+    rejections = [c.rejection for c in candidates if c.rejection is not None]
+    return not_passing(rejections) or "not passing: no maneuver was planned"

@@ -234,6 +234,10 @@ class Deliberation:
         return ("" if row == -1 else "curve"), ""
 
     def _cause_of(self, best: Plan) -> str:
-        """Return the vehicle because of which the cheapest plan is not driven; empty if it is."""
-        refused = [p for p in self._plans if p.is_certified and p.impact_id and p.cost < best.cost]
+        """Return the vehicle because of which the cheapest plan along the same way is not driven."""
+        passes = best.path.kind.is_evasive
+        refused = [
+            p for p in self._plans
+            if p.is_certified and p.impact_id and p.cost < best.cost and p.path.kind.is_evasive is passes
+        ]  # fmt: skip
         return min(refused, key=lambda p: p.cost).impact_id if refused else ""

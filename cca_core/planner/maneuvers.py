@@ -62,11 +62,18 @@ def _bend_path(
     state, path, ongoing = around.lateral, around.road.path, last is not None or not around.lateral.on_route
     spacing = max(1, math.ceil((window.end - window.start) / _MAX_NODES))
     stations, start = _nodes(around, window, spacing, ongoing=ongoing)
-    if stations[-1] > min(path.end, state.base + len(state.d) - 2):
+    if stations[-1] > path.end:
         return Rejection(
             kind=RejectionKind.ROUTE_ENDS, side=side, value=float(stations[-1] - around.s),
             limit=path.end - around.s,
         )  # fmt: skip
+    if stations[-1] > state.base + len(state.d) - 2:
+        return Rejection(
+            kind=RejectionKind.TOO_LONG,
+            side=side,
+            vehicle_id=around.traffic.ids[group[0]],
+            limit=float(AHEAD),
+        )
     t = np.interp(stations, around.free_s, TIMES)
     v = np.maximum(np.interp(stations, around.free_s, around.free_v), _MIN_SPEED)
     limit = around.limits.a_y_limit if level is Level.COMFORT else around.limits.a_y_max

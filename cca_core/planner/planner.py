@@ -344,7 +344,7 @@ class Planner:
             delta=delta, estimate=state, memory=observation.memory,
         )  # fmt: skip
         mode = self._state.mode
-        decision = explain(mode, plan, observation, a_x, self.vehicle, self._speed_profile)
+        decision = explain(mode, plan, observation, a_x, self._setup, self._speed_profile, self._command)
         beyond_comfort = plan.grade >= Grade.NOMINAL or plan.path.level is not Level.COMFORT
         degraded = beyond_comfort and plan.path.kind is not PathKind.ROUTE
         return self._emit(Command(

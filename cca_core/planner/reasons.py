@@ -1,19 +1,39 @@
-"""Reasons: what the ego does and why, from the plan that it drives; made anew in every cycle."""
+"""Reasons: what the ego does and why, from the plan that it drives; made anew in every cycle.
+
+Every text is ``<activity> [<vehicle>]: <what is measured>[, <what is wanted>][; <why not otherwise>]``:
+
+- following R1: gap 21 m, wants 24 m; not passing on the left: R2 12 m behind at 25.0 m/s
+- slowing to 18.3 m/s: curve in 20 m
+
+Figures of the ego and of named vehicles are those of the cycle, figures of rejections those of the decision.
+"""
 
 import math
+from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.decide import Decision
+from cca_core.decide import Decision, RejectionKind
 from cca_core.decide.action import explained
+from cca_core.decide.rejection import located, not_passing
 from cca_core.frenet import FrenetVehicle
+from cca_core.planner.command import Command
 from cca_core.planner.modes import ACTIONS
 from cca_core.planner.records import DrivenPlan, Mode, Observation, PathKind
+from cca_core.planner.route_limit import RouteLimit, limit_ahead
 from cca_core.planner.scene import TIMES
-from cca_core.vehicle import VehicleParams
+from cca_core.planner.setup import Setup
+
+__all__ = ["explain"]
 
 _NOISE = 0.1  # a smaller acceleration needs no explanation [m/s^2]
+_UNEXPLAINED = 0.5  # a harder braking needs one in any case [m/s^2]
+_FIRM = 1.0  # a harder braking is named within every activity [m/s^2]
+_STANDS = 0.1  # speed below which the ego stands [m/s]
+_PARKED = 0.5  # and another vehicle [m/s]
+_SIDES = {Mode.EVADE_LEFT: "left", Mode.EVADE_RIGHT: "right"}
 
 
 def explain(
@@ -21,123 +41,260 @@ def explain(
     plan: DrivenPlan,
     observation: Observation,
     a_x: float,
-    vehicle: VehicleParams,
-    cap: tuple[Array, Array],
+    setup: Setup,
+    profile: tuple[Array, Array],
+    last: Command | None = None,
 ) -> Decision:
-    """Return the decision that a mode, its plan and its acceleration mean."""
-    vehicles = {n.id: n for n in observation.vehicles}
-    action = ACTIONS[mode]
-    lead = vehicles.get(plan.limited_by)
-    if mode in (Mode.EVADE_LEFT, Mode.EVADE_RIGHT):
-        side = "left" if mode is Mode.EVADE_LEFT else "right"
-        if plan.path.change:
-            arrival = _time_at(plan, plan.path.end) - (observation.t - plan.t)
-            cause = f"there in {max(arrival, 0.0):.1f} s" if math.isfinite(arrival) else "the lane is clear"
-            if lead is not None:
-                cause = f"behind {lead.id}, {cause}"
-            return explained(
-                action, f"changing to the {plan.path.change} lane", cause, lead_id=plan.limited_by or None
-            )
-        name = ", ".join(sorted(plan.path.overtaken)) or "the vehicle"
-        back = _time_at(plan, plan.path.end) - (observation.t - plan.t)
-        until = f"back in ego lane in {max(back, 0.0):.1f} s" if math.isfinite(back) else "returning"
-        if a_x < -1.0 and lead is not None:
-            until = f"braking for {lead.id}; {until}"
-        return explained(action, f"passing {name} on the {side}", until, lead_id=_first(plan))
-    if mode is Mode.RETURN:
-        return explained(
-            action,
-            "returning to the ego lane",
-            _why(plan) or "the maneuver ended",
-            lead_id=plan.limited_by or None,
-        )
-    if plan.yields_to and plan.limited_by.startswith("yield"):
-        n = vehicles.get(plan.yields_to)
-        away = "" if n is None else f" ({abs(n.s - observation.s):.0f} m ahead)"
-        return explained(
-            action,
-            f"yielding to {plan.yields_to}",
-            "it crosses the route",
-            numbers=away,
-            lead_id=plan.yields_to,
-        )
-    if mode is Mode.BRAKE or (mode is Mode.FOLLOW and lead is None):
-        named = (plan.impact_id, plan.limited_by, plan.yields_to)
-        cause_id = next((each for each in named if each in vehicles), None)
-        limit = _limit_ahead(observation, cap) if cause_id is None and a_x < -_NOISE else None
-        if limit:
-            return explained(action, *limit)
-        verb = "braking" if a_x < -_NOISE else "releasing the brakes" if a_x < 0.0 else "following"
-        activity = verb if cause_id is None else f"{verb} {'' if verb == 'following' else 'for '}{cause_id}"
-        needs = f"needs {-a_x:.1f} m/s²" if a_x < -_NOISE else f"drives {observation.v:.1f} m/s"
-        cause = f"{needs}; {_why(plan) or 'no faster plan is certified'}"
-        return explained(action, activity, cause, lead_id=cause_id)
-    if lead is not None and (mode is Mode.FOLLOW or a_x < -0.2):
-        gap = lead.rear - observation.s - vehicle.front
-        stands = abs(float(lead.v_s)) < 0.5
-        activity = f"stopping behind {lead.id}" if stands else f"following {lead.id}"
-        numbers = f" ({'stationary' if stands else f'{lead.v_s:.1f} m/s'}, gap {gap:.0f} m)"
-        return explained(
-            action, activity, _why(plan) or "its speed limits the ego's", numbers=numbers, lead_id=lead.id
-        )
-    if plan.waiting is not None:
-        return explained(action, str(plan.waiting), plan.waiting.cause)
-    if plan.path.kind.is_evasive and observation.s < plan.path.begin:
-        side = "left" if plan.path.kind is PathKind.LEFT else "right"
-        cause = f"{side} maneuver feasible, starts in {plan.path.begin - observation.s:.0f} m"
-        return explained(action, f"approaching {_first(plan)}", cause, lead_id=_first(plan))
-    limit = _limit_ahead(observation, cap) if a_x < -_NOISE else None
-    if limit:
-        return explained(action, *limit)
-    if lead is not None:
-        gap = lead.rear - observation.s - vehicle.front
-        return explained(
-            action, "keeping lane", f"{lead.id} {gap:.0f} m ahead, no action needed yet", lead_id=lead.id
-        )
-    nearest = _ahead(observation, vehicle)
-    if nearest is not None or a_x < -_NOISE:
-        cause = "releasing the brakes" if a_x < -_NOISE else "no action needed for the vehicles around"
-        return explained(action, f"keeping lane at {observation.v:.1f} m/s", cause)
-    return explained(action, f"keeping lane at {observation.v:.1f} m/s", "no blocking vehicle")
+    """Return the decision that a mode, its plan and its acceleration mean; `last` is the last command."""
+    cycle = _Cycle(mode, plan, observation, a_x, setup, profile, last)
+    found = (rule(cycle) for rule in _RULES)
+    return next(decision for decision in found if decision is not None)
 
 
-def _why(plan: DrivenPlan) -> str:
-    """Text of the rejections of other plans."""
-    if plan.waiting is not None:
-        return f"{plan.waiting}: {plan.waiting.cause}"
-    return "; ".join(dict.fromkeys(str(r) for r in plan.rejections))
+class _Cycle:
+    """What a reason is made of."""
+
+    def __init__(
+        self, mode: Mode, plan: DrivenPlan, observation: Observation, a_x: float, setup: Setup,
+        profile: tuple[Array, Array], last: Command | None,
+    ) -> None:  # fmt: skip
+        self.mode, self.plan, self.observation, self.a_x = mode, plan, observation, a_x
+        self.setup, self.profile, self.last = setup, profile, last
+        self.s, self.v = observation.s, observation.v
+        self.vehicles = {n.id: n for n in observation.vehicles}
+        self.lead = self.vehicles.get(plan.limited_by)
+        self.stands = self.v < _STANDS and a_x <= 0.0
+        self.brakes = a_x < -_NOISE and not self.stands
+
+    def decision(
+        self, activity: str, numbers: str = "", cause: str = "", vehicle: str | None = None
+    ) -> Decision:
+        return explained(ACTIONS[self.mode], activity, cause, numbers=numbers, lead_id=vehicle)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether vehicles slow the ego now, beyond its route."""
+        return self.plan.free_a - float(self.plan.a[3]) > self.setup.settings.decision.follow_threshold
+
+    @property
+    def is_releasing(self) -> bool:
+        """Whether the ego brakes less than in the last cycle."""
+        return self.brakes and self.last is not None and self.a_x > self.last.a_x + 1e-6
+
+    @cached_property
+    def holder(self) -> FrenetVehicle | None:
+        """The vehicle because of which the ego drives no faster plan."""
+        plan = self.plan
+        ids = [plan.limited_by, plan.impact_id]
+        if plan.profile.braking > 0.0:  # it does not follow
+            ids.reverse()
+        ids.append(plan.certificate.vehicle_id)
+        return next((self.vehicles[each] for each in ids if each in self.vehicles), None)
+
+    @property
+    def force(self) -> str:
+        """How much it brakes, if it does so hard."""
+        return f"{-self.a_x:.1f} m/s², " if _brakes_hard(self) else ""
+
+    def gap(self, n: FrenetVehicle) -> float:
+        """Gap to a vehicle ahead [m]."""
+        return n.rear - self.s - self.setup.vehicle.front
+
+    def position(self, n: FrenetVehicle) -> str:
+        """Where a vehicle is, and its speed."""
+        behind = self.s + self.setup.vehicle.rear - n.front
+        where = located(self.gap(n) if self.gap(n) > 0.0 else -max(behind, 0.0))
+        if abs(n.remote.v_x) < _PARKED:
+            return f"{where}, stationary"
+        crosses, meets = abs(math.sin(n.angle)) > 0.5, n.v_s < -_PARKED
+        how = "crossing at" if crosses else "oncoming at" if meets else "at"
+        return f"{where} {how} {abs(n.remote.v_x):.1f} m/s"
+
+    def arrival(self) -> str:
+        """In which time the path ends."""
+        elapsed = self.observation.t - self.plan.t
+        t = float(np.interp(self.plan.path.end, self.plan.s, TIMES, right=math.inf)) - elapsed
+        return f"in {max(t, 0.0):.1f} s" if math.isfinite(t) else f"in more than {TIMES[-1] - elapsed:.0f} s"
+
+    def braking(self) -> str:
+        """For what the ego brakes within another activity; empty if it does not."""
+        if self.stands:
+            return "stopped, " if self.holder is None else f"stopped for {self.holder.id}, "
+        if self.a_x > -_FIRM:
+            return ""
+        if self.is_releasing:
+            return "releasing the brakes, "
+        n, limit = self.holder, self.route_limit
+        what = n.id if n is not None else limit.why if limit else "no faster plan is certified"
+        return f"braking {-self.a_x:.1f} m/s²{' for ' if n is not None or limit else ', '}{what}, "
+
+    @cached_property
+    def route_limit(self) -> RouteLimit | None:
+        """What slows the ego on its route."""
+        return limit_ahead(self.setup, self.profile, self.s, self.v)
 
 
-def _first(plan: DrivenPlan) -> str | None:
-    return min(plan.path.overtaken, default=None)
-
-
-def _ahead(observation: Observation, vehicle: VehicleParams) -> FrenetVehicle | None:
-    return next(
-        (n for n in observation.vehicles if abs(n.d) < 2.0 and n.rear > observation.s + vehicle.front), None
-    )
-
-
-def _time_at(plan: DrivenPlan, s: float) -> float:
-    """Time from the decision on at which the plan reaches a station [s]."""
-    return float(np.interp(s, plan.s, TIMES, right=math.inf))
-
-
-def _limit_ahead(observation: Observation, cap: tuple[Array, Array]) -> tuple[str, str] | None:
-    """Return what slows the ego on the route: a curve, the end or the cruise speed."""
-    stations, squared = cap
-    v = observation.v
-    reach = observation.s + v * v / 2.0 + 30.0
-    ahead = slice(*np.searchsorted(stations, (observation.s, reach)))
-    if ahead.start >= ahead.stop:
-        return f"slowing to {v:.1f} m/s", "the route ends"
-    x, limit = stations[ahead] - observation.s, squared[ahead]
-    need = (v * v - limit) / (2.0 * np.maximum(x, 1.0))
-    i = int(np.argmax(need))
-    if need[i] < 0.05:
+def _change_lane(c: _Cycle) -> Decision | None:
+    if c.mode not in _SIDES or not c.plan.path.change:
         return None
-    end = float(stations[-1]) - 200.0
-    low = int(np.argmin(limit))
-    if limit[low] <= 0.01:
-        return "stopping", f"route ends in {max(end - observation.s, 0.0):.0f} m"
-    return f"slowing to {math.sqrt(limit[low]):.1f} m/s", f"curve or speed limit in {x[low]:.0f} m"
+    behind = "" if c.lead is None or c.braking() else f"behind {c.lead.id}, "
+    return c.decision(
+        f"changing to the {c.plan.path.change} lane", f"{c.braking()}{behind}there {c.arrival()}",
+        vehicle=None if c.lead is None else c.lead.id,
+    )  # fmt: skip
+
+
+def _pass(c: _Cycle) -> Decision | None:
+    if c.mode not in _SIDES:
+        return None
+    passed = sorted(c.plan.path.overtaken & c.vehicles.keys())
+    return c.decision(
+        f"passing {', '.join(passed)}{' ' if passed else ''}on the {_SIDES[c.mode]}",
+        f"{c.braking()}back in the ego lane {c.arrival()}", vehicle=next(iter(passed), None),
+    )  # fmt: skip
+
+
+def _return(c: _Cycle) -> Decision | None:
+    if c.mode is not Mode.RETURN:
+        return None
+    return c.decision(
+        "returning to the ego lane", f"{c.braking()}there {c.arrival()}", _why_not_passing(c),
+        None if c.lead is None else c.lead.id,
+    )  # fmt: skip
+
+
+def _yield(c: _Cycle) -> Decision | None:
+    n = c.vehicles.get(c.plan.yields_to)
+    if n is None:
+        return None
+    verb = "stopped for" if c.stands else "braking for" if _brakes_hard(c) else "yielding to"
+    gap = c.gap(n)
+    where = f"it crosses the route{f' {gap:.0f} m ahead' if gap > 0.0 else ''}"
+    return c.decision(f"{verb} {n.id}", f"{c.force}{where}", vehicle=n.id)
+
+
+def _follow(c: _Cycle) -> Decision | None:
+    n = c.lead
+    if n is None or not (c.mode in (Mode.FOLLOW, Mode.BRAKE) or c.brakes or c.stands) or c.holder is not n:
+        return None
+    gap, is_parked = f"gap {c.gap(n):.0f} m", abs(n.v_s) < _PARKED
+    if c.stands:
+        return c.decision(f"stopped behind {n.id}", gap, _alternative(c), n.id)
+    if _brakes_hard(c):
+        return c.decision(f"braking for {n.id}", f"{c.force}{c.position(n)}", _alternative(c), n.id)
+    if is_parked:
+        activity = f"approaching {n.id}" if c.a_x > 0.0 else f"stopping behind {n.id}"
+        return c.decision(activity, f"{gap}, stationary", _alternative(c), n.id)
+    wanted = c.setup.speed.standstill_gap + c.setup.speed.time_gap * c.v
+    closing = f", closing at {c.v - n.v_s:.1f} m/s" if c.v - n.v_s > 1.0 else ""
+    return c.decision(f"following {n.id}", f"{gap}, wants {wanted:.0f} m{closing}", _alternative(c), n.id)
+
+
+def _hold(c: _Cycle) -> Decision | None:
+    """Drive slower because of a vehicle that is not followed."""
+    return _slow_for(c, c.holder) if c.is_held and c.mode is not Mode.KEEP and c.holder else None
+
+
+def _slow_for(c: _Cycle, n: FrenetVehicle) -> Decision:
+    if not c.brakes:
+        return c.decision(
+            f"{'stopped' if c.stands else 'holding back'} for {n.id}", c.position(n), vehicle=n.id
+        )
+    verb = "braking" if _brakes_hard(c) else "slowing"
+    return c.decision(f"{verb} for {n.id}", f"{-c.a_x:.1f} m/s², {c.position(n)}", vehicle=n.id)
+
+
+def _wait_for_lane(c: _Cycle) -> Decision | None:
+    waiting = c.plan.waiting
+    if waiting is None or c.a_x < -_FIRM or c.stands:
+        return None
+    return c.decision(str(waiting), cause=waiting.cause)
+
+
+def _approach(c: _Cycle) -> Decision | None:
+    first = min(c.plan.path.overtaken & c.vehicles.keys(), default=None)
+    if first is None or not _starts_later(c) or c.brakes:
+        return None
+    return c.decision(f"approaching {first}", cause=_alternative(c), vehicle=first)
+
+
+def _slow_for_route(c: _Cycle) -> Decision | None:
+    limit = c.route_limit if c.brakes or c.stands else None
+    if limit is None:
+        return None
+    target, why = limit
+    if target == 0.0:
+        return c.decision("stopped" if c.stands else "stopping", why)
+    return c.decision(f"slowing to {target:.1f} m/s", why) if c.brakes and target < c.v else None
+
+
+def _release(c: _Cycle) -> Decision | None:
+    if not c.is_releasing:
+        return None
+    n = None if c.last is None else c.vehicles.get(c.last.decision.lead_id or "")
+    name = "no vehicle" if n is None else n.id
+    tail = "limits the speed" if n is None else "no longer limits the speed"
+    return c.decision("releasing the brakes", f"{name} {tail}", vehicle=None if n is None else n.id)
+
+
+def _brake(c: _Cycle) -> Decision | None:
+    """Brake without a limit now: for a vehicle that is not followed, or for want of a better plan."""
+    if c.a_x > -_UNEXPLAINED or c.stands:
+        return None
+    if c.holder is not None:
+        return _slow_for(c, c.holder)
+    return c.decision("braking", f"{-c.a_x:.1f} m/s²", "no faster plan is certified")
+
+
+def _keep(c: _Cycle) -> Decision:
+    n = _ahead(c)
+    numbers, vehicle = "no vehicle ahead", None
+    if n is not None:
+        numbers, vehicle = f"{n.id} {c.position(n)}", n.id if n is c.lead else None
+    wanted = math.sqrt(max(float(np.interp(c.s, *c.profile)), 0.0))
+    if c.a_x > (0.0 if c.v < _STANDS else 3.0 * _NOISE) and wanted > c.v + _UNEXPLAINED:
+        return c.decision(f"speeding up to {wanted:.1f} m/s", numbers, vehicle=vehicle)
+    return c.decision("standing" if c.stands else f"keeping lane at {c.v:.1f} m/s", numbers, vehicle=vehicle)
+
+
+_RULES: tuple[Callable[[_Cycle], Decision | None], ...] = (
+    _change_lane, _pass, _return, _yield, _follow, _hold, _wait_for_lane, _approach, _slow_for_route,
+    _release, _brake, _keep,
+)  # fmt: skip
+"""The first one that applies gives the reason."""
+
+
+def _brakes_hard(c: _Cycle) -> bool:
+    return c.brakes and (c.mode is Mode.BRAKE or c.a_x < -c.setup.limits.b_comfort - _NOISE)
+
+
+def _starts_later(c: _Cycle) -> bool:
+    return c.plan.path.kind.is_evasive and c.s < c.plan.path.begin
+
+
+def _alternative(c: _Cycle) -> str:
+    """When vehicles are passed, or why they are not."""
+    path = c.plan.path
+    if _starts_later(c):
+        side = "left" if path.kind is PathKind.LEFT else "right"
+        return f"passing on the {side} starts in {path.begin - c.s:.0f} m"
+    if c.plan.waiting is not None:
+        return f"{c.plan.waiting}: {c.plan.waiting.cause}"
+    return _why_not_passing(c)
+
+
+def _why_not_passing(c: _Cycle) -> str:
+    """Why vehicles are not passed; nothing if all that is known is that a side has no lane."""
+    causes = {(r.side, r.kind) for r in c.plan.rejections}
+    is_known = len(causes) > 1 or any(kind is not RejectionKind.NO_LANE for _, kind in causes)
+    return not_passing(c.plan.rejections) if is_known else ""
+
+
+def _ahead(c: _Cycle) -> FrenetVehicle | None:
+    """Return the next vehicle ahead in the ego lane."""
+    lane = c.setup.road.ego_lane
+    in_lane = (
+        n for n in c.observation.vehicles
+        if lane.right < n.d + n.half_width and n.d - n.half_width < lane.left and c.gap(n) > 0.0
+    )  # fmt: skip
+    return min(in_lane, key=lambda n: n.rear, default=None)

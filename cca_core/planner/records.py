@@ -127,9 +127,7 @@ class Waiting(NamedTuple):
             return "no comfortable change is certified"
         if rejection.kind is RejectionKind.NO_LANE:
             return "it is not there yet"
-        if rejection.kind is RejectionKind.LANE_BLOCKED:
-            return f"{rejection.vehicle_id} {rejection.where}"
-        return str(rejection)
+        return rejection.why
 
 
 class Costs(NamedTuple):

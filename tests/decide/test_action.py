@@ -86,12 +86,13 @@ def test_rejected_side_is_not_chosen_at_any_cost() -> None:
 
 
 def test_reason_names_lead_and_every_rejection() -> None:
-    two = [BLOCKED, Candidate(side="right", rejection=NO_LANE)]
+    two = [BLOCKED, Candidate(side="right", rejection=Rejection(kind=RejectionKind.INNER_SIDE, side="right"))]
     for ahead in (CALM, SLOWING, HARD):
         reason = choose_action(ahead, two).reason
         assert "R1" in reason
-        assert "left lane blocked by A (12 m behind, 25.0 m/s)" in reason
-        assert "no right lane" in reason
+        assert reason.endswith(
+            "; not passing on the left: A 12 m behind at 25.0 m/s; on the right: not allowed"
+        )
 
 
 def test_reason_without_candidates_mentions_missing_maneuver() -> None:

@@ -85,7 +85,7 @@ def test_unknown_lane_is_refused() -> None:
     blind = EvasionSettings(awareness_range=0.0)
     plan = decide([car(S + 60.0, v_x=8.0)], lanes=TWO_LANES, settings=blind)
     assert plan.path.kind is PathKind.ROUTE
-    assert "left lane not confirmed clear (awareness range is 0 m)" in map(str, plan.rejections)
+    assert "on the left: lane not confirmed clear (awareness range 0 m)" in map(str, plan.rejections)
 
 
 @pytest.mark.parametrize("mu", [0.1, 0.2, 0.5, 1.0])

@@ -106,7 +106,8 @@ def test_vehicle_alongside_is_waited_for(gap: float, v: float) -> None:
     assert change.y[-1] == pytest.approx(3.5, abs=0.05)
     waiting = {re.sub(r"\b\d+", "n", reason) for reason in change.reasons if reason.startswith("waiting")}
     assert waiting <= {
-        f"waiting for the left lane: R2 {where}" for where in ("alongside", "n m ahead", "n m behind")
+        f"waiting for the left lane: R2 {where} at n.n m/s"
+        for where in ("alongside", "n m ahead", "n m behind")
     }
     assert waiting
     assert min(change.run.v) > 14.0
@@ -118,7 +119,7 @@ def test_fast_follower_passes_first() -> None:
     change.assert_smooth()
     assert REQUEST + 1.0 < change.began < 8.0
     assert change.y[-1] == pytest.approx(3.5, abs=0.05)
-    assert "waiting for the left lane: R2 24 m behind" in change.reasons
+    assert "waiting for the left lane: R2 24 m behind at 32.0 m/s" in change.reasons
 
 
 def test_distant_follower_is_not_waited_for() -> None:
@@ -211,7 +212,7 @@ def test_mirrored_world_gives_mirrored_change(traffic: Callable[[], list[Scripte
 def test_unknown_lane_is_not_entered() -> None:
     change = Change(evasion=EvasionSettings(awareness_range=0.0))
     assert change.began == math.inf
-    assert "waiting for the left lane: left lane not confirmed clear" in change.reasons[-1]
+    assert "waiting for the left lane: lane not confirmed clear" in change.reasons[-1]
     assert max(map(abs, change.y)) < 0.01
 
 

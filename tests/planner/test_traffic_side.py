@@ -78,7 +78,7 @@ class TestInnerPassing:
         settings = EvasionSettings(awareness_range=ALL, traffic_side=side, inner_passing=False)
         run = ClosedLoop(make_planner(lanes, evasion=settings), [ScriptedVehicle("R", 60.0, 0.0, 10.0)], 20.0)
         assert run.actions == ["FOLLOW"]
-        assert f"passing on the {side} is not allowed" in run.commands[-1].decision.reason
+        assert f"not passing on the {side}: not allowed" in run.commands[-1].decision.reason
 
     def test_ego_passes_within_its_lane_on_the_inner_side(self) -> None:
         """A bicycle at the left edge leaves room inside the lane."""

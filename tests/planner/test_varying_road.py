@@ -68,9 +68,12 @@ def test_parked_car_is_passed_where_the_lane_is_long_enough() -> None:
 @pytest.mark.parametrize(
     ("lane", "words"),
     [
-        (ending(0.0, 210.0), "left lane ends before the maneuver"),
-        (ending(215.0, 900.0), "no left lane"),
-        (Lane.from_boundaries([(0.0, 1.75, 3.0), (900.0, 1.75, 3.0)]), "no space to pass R on the left"),
+        (ending(0.0, 210.0), "not passing on the left: lane ends too early (in "),
+        (ending(215.0, 900.0), "not passing on the left or right: no lane"),
+        (
+            Lane.from_boundaries([(0.0, 1.75, 3.0), (900.0, 1.75, 3.0)]),
+            "not passing on the left: no space beside R",
+        ),
     ],
     ids=["ends", "begins", "narrow"],
 )

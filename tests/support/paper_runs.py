@@ -48,8 +48,8 @@ def alone() -> Log:
         log, scenario=replace(log.scenario, road_users=()), road_users=log.road_users[:, :0],
         user_motion=log.user_motion[:, :0], user_frenet=log.user_frenet[:, :0],
         visible=log.visible[:, :0], tracked=log.tracked[:, :0],
-        decisions=((0.0, "KEEP", "keeping lane at 20.0 m/s: no blocking vehicle"),),
-        reasons=(("keeping lane at 20.0 m/s", "no blocking vehicle"),),
+        decisions=((0.0, "KEEP", "keeping lane at 20.0 m/s: no vehicle ahead"),),
+        reasons=(("keeping lane at 20.0 m/s", ""),),
     )  # fmt: skip
 
 

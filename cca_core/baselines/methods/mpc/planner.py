@@ -264,7 +264,7 @@ class MpcPlanner:
             action = Action.EVADE_LEFT if left else Action.EVADE_RIGHT
             self._decision = explained(action, "passing", "the trajectory is clear and ends in the ego lane")
         else:
-            self._decision = Decision(action=Action.KEEP, reason="keeping lane: no blocking vehicle")
+            self._decision = Decision(action=Action.KEEP, reason="keeping lane: no vehicle ahead")
 
     def _find_lead(self, others: list[FrenetVehicle], start: FrenetState) -> FrenetVehicle | None:
         """Nearest vehicle ahead that blocks the route or the ego's present offset."""

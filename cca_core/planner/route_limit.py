@@ -1,0 +1,57 @@
+"""What on the route asks for a lower speed: its end, a curve, a speed limit, or the cruise speed."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from cca_core._checks import Array
+from cca_core.planner.setup import Setup
+
+__all__ = ["RouteLimit", "limit_ahead"]
+
+_NEAR = 3.0  # distance of a limit that holds here [m]
+_MARGIN = 30.0  # beyond the way in which a deceleration of 1 m/s^2 stops the ego [m]
+_MIN_DECELERATION = 0.05  # deceleration that slows down [m/s^2]
+_CURVE = 0.5  # part of the lateral acceleration in curves, from which on a curve limits the speed [-]
+_POSTED = 0.85  # part of the speed of a sign, of which the ego drives more [-]
+
+
+class RouteLimit(NamedTuple):
+    """A lower speed, and why."""
+
+    v: float
+    why: str
+
+
+def limit_ahead(setup: Setup, profile: tuple[Array, Array], s: float, v: float) -> RouteLimit | None:
+    """Return what slows the ego most, by the squared speeds along its route; None if nothing does."""
+    stations, squared = profile
+    left = setup.road.path.end - s
+    part = slice(*np.searchsorted(stations, (s, s + 0.5 * v * v + _MARGIN)))
+    at, limits = stations[part], squared[part]
+    if left < 1.0 or not len(at):
+        return RouteLimit(0.0, f"the route ends in {max(left, 0.0):.0f} m")
+    need = (v * v - limits) / (2.0 * np.maximum(at - s, max(0.5 * v, 1.0)))
+    if need.max() < _MIN_DECELERATION:
+        return None
+    i = int(np.flatnonzero(need > 0.9 * need.max())[-1])  # before a slower part all needs are the same
+    if limits[i] <= 0.01:
+        return RouteLimit(0.0, f"the route ends in {left:.0f} m")
+    target, name = math.sqrt(limits[i]), _name(setup, float(at[i]), math.sqrt(limits[i]))
+    if name == "cruise speed":
+        return RouteLimit(target, name)
+    return RouteLimit(target, f"{name} {'here' if at[i] - s < _NEAR else f'in {at[i] - s:.0f} m'}")
+
+
+def _name(setup: Setup, s: float, v: float) -> str:
+    """Return what limits the speed at a station."""
+    road = setup.road
+    if abs(float(road.path.curvature_at(s))) * v * v > _CURVE * setup.limits.curve:
+        return "curve"
+    posted = road.speed_limit
+    if road.speed_limits is not None:
+        at, limits = road.speed_limits.T
+        begin = s + v / setup.speed.approach_rate  # from that time before a sign on the ego is slower
+        posted = float(limits[max(int(np.searchsorted(at, begin)) - 1, 0)])
+    return "speed limit" if v > _POSTED * posted else "cruise speed"
