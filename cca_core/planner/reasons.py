@@ -200,8 +200,8 @@ def _slow_for(c: _Cycle, n: FrenetVehicle) -> Decision:
         return c.decision(
             f"{'stopped' if c.stands else 'holding back'} for {n.id}", c.position(n), vehicle=n.id
         )
-    verb = "braking" if _brakes_hard(c) else "slowing"
-    return c.decision(f"{verb} for {n.id}", f"{-c.a_x:.1f} m/s², {c.position(n)}", vehicle=n.id)
+    verb, why = "braking" if _brakes_hard(c) else "slowing", _alternative(c) if n is _ahead(c) else ""
+    return c.decision(f"{verb} for {n.id}", f"{-c.a_x:.1f} m/s², {c.position(n)}", why, n.id)
 
 
 def _wait_for_lane(c: _Cycle) -> Decision | None:
