@@ -7,8 +7,18 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.errors import InputError
-from cca_core.plot.labels import escape_figure_text, run_heading
-from cca_core.plot.style import COLORS, TEXT, assign_colors, mark_collision, new_figure
+from cca_core.plot.labels import ego_label, escape_figure_text, run_heading
+from cca_core.plot.style import (
+    COLORS,
+    COLUMN_WIDTH,
+    EGO_TYPE_STYLES,
+    TEXT,
+    assign_colors,
+    color_legend,
+    mark_collision,
+    new_figure,
+    set_text_sizes,
+)
 from cca_core.sim import Log
 from cca_core.sim.outcome import MOVING_SPEED, first_collision, row_at
 
@@ -17,20 +27,20 @@ if TYPE_CHECKING:
 
 
 def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figure":
-    """Draw position, speed and deceleration of all vehicles, in runs side by side.
+    """Draw the positions of all vehicles, and the ego's speed and acceleration, in runs one below the other.
 
     Parameters
     ----------
     logs : sequence of Log
-        Runs of one scenario, from left to right; all vehicles on the ego's route.
+        Runs of one scenario, from top to bottom; all vehicles on the ego's route.
     outcomes : sequence of str, optional
-        Second line of each run's title, such as `cca_core.report.summarize_outcome`.
+        Added to each run's title, such as `cca_core.report.summarize_outcome`.
 
     Returns
     -------
     figure : Figure
-        A column for each run; from top to bottom, the interval from the rear to the front bumper of each
-        vehicle, speeds, and decelerations over time. Where two bands meet, the vehicles collide.
+        From top to bottom: for each run the interval from the rear to the front bumper of each vehicle; then
+        the speeds and the accelerations of the ego in all runs. Where two bands meet, the vehicles collide.
 
     Raises
     ------
@@ -41,40 +51,33 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
     """
     if not logs:
         raise InputError("logs must hold at least one run")
-    figure = new_figure(7.6)
-    axes = figure.subplots(
-        3, len(logs), sharex=True, sharey="row", squeeze=False, height_ratios=(2.2, 1.0, 1.0)
-    )
-    for i, (log, column) in enumerate(zip(logs, axes.T, strict=True)):
-        _draw_run(column, log)
-        column[0].set_title(run_heading(log, outcomes, i), fontsize=TEXT.heading, loc="left")
-    position, speed, brake = axes[:, 0]
-    position.set_ylabel("front and rear bumpers,\nfrom the ego's start [m]")
-    speed.set_ylabel("speed [m/s]")
-    brake.set_ylabel("deceleration [m/s²]")
+    n = len(logs)
+    figure = new_figure(1.5 * n + 3.2, COLUMN_WIDTH)
+    axes = figure.subplots(n + 2, 1, sharex=True, squeeze=False, height_ratios=[1.4] * n + [1.0, 1.0])[:, 0]
+    *positions, speed, acceleration = axes
+    palette = assign_colors([user.id for log in logs for user in log.scenario.road_users])
     first, last = _interesting(logs)
-    position.set_xlim(first, last)
-    shown = [_body_centers(log)[(log.t >= first) & (log.t <= last)] for log in logs]
-    position.set_ylim(min(np.nanmin(s) for s in shown) - 10.0, max(np.nanmax(s) for s in shown) + 10.0)
-    position.legend(fontsize=TEXT.legend, loc="upper left")
+    inside = [_body_centers(log)[(log.t >= first) & (log.t <= last)] for log in logs]
+    for i, (log, position) in enumerate(zip(logs, positions, strict=True)):
+        _draw_bands(position, log, palette)
+        position.set_title(run_heading(log, outcomes, i), fontsize=TEXT.heading, loc="left")
+        position.set_ylim(min(map(np.nanmin, inside)) - 10.0, max(map(np.nanmax, inside)) + 10.0)
+        position.set_ylabel("distance\n[m]")
+        if log.t[-1] < last - 0.1:
+            position.axvspan(log.t[-1], last, color=COLORS.road, linewidth=0.0, zorder=0)
+        color, line, _ = EGO_TYPE_STYLES[log.scenario.ego_type]
+        speed.plot(log.t, log.ego[:, 3], line, color=color, label=ego_label(log))
+        acceleration.plot(log.t, log.ego[:, 7], line, color=color)
+    speed.set_ylabel("ego's speed\n[m/s]")
+    acceleration.set(ylabel="ego's accel.\na_x [m/s²]", xlabel="time [s]", xlim=(first, last))
+    color_legend(figure, {"ego": COLORS.ego, **palette}, loc="outside upper left")
+    figure.legend(
+        *speed.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=TEXT.legend,
+        frameon=False, columnspacing=1.0,
+    )  # fmt: skip
+    set_text_sizes(figure)
+    figure.align_ylabels()
     return escape_figure_text(figure)
-
-
-def _draw_run(column: Any, log: Log) -> None:
-    position, speed, brake = column
-    users = log.scenario.road_users
-    palette = assign_colors([user.id for user in users])
-    _draw_bands(position, log, palette)
-    speed.plot(log.t, log.ego[:, 3], color=COLORS.ego)
-    brake.plot(log.t, -log.ego[:, 7], color=COLORS.ego)
-    for i, user in enumerate(users):
-        speed.plot(log.t, log.road_users[:, i, 3], color=palette[user.id])
-        brake.plot(log.t, -log.user_motion[:, i, 0], color=palette[user.id])
-    collision = first_collision(log)
-    if collision is not None:
-        for axis in column:
-            axis.axvline(collision.t, color=COLORS.collision, linewidth=1.0, linestyle=":")
-    brake.set_xlabel("time [s]")
 
 
 def _body_centers(log: Log) -> Array:
@@ -95,8 +98,8 @@ def _draw_bands(axis: Any, log: Log, palette: dict[str, str]) -> None:
         s = _body_centers(log)[row_at(log, collision.t), 0] + 0.5 * ego.length
         mark_collision(axis, collision.t, s)
         axis.annotate(
-            f"{collision.speed:.1f} m/s", (collision.t, s), (9, -3), textcoords="offset points",
-            color=COLORS.collision, weight="bold",
+            f"collision,\n{collision.speed:.1f} m/s", (collision.t, s), (9, 0), textcoords="offset points",
+            color=COLORS.collision, weight="bold", fontsize=TEXT.legend, va="top",
         )  # fmt: skip
 
 

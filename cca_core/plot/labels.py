@@ -1,6 +1,8 @@
 """Texts of figures: names of scenarios, cases, ego types and runs."""
 
+import re
 from collections.abc import Sequence
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from cca_core._optional import require_extra
@@ -29,6 +31,20 @@ NAMES = {
     "sensor": "sensor without V2V",
 }
 """Names of scenarios, of their cases and of ego types."""
+
+
+_ACTIONS = {
+    "KEEP": "keeps its lane",
+    "FOLLOW": "follows",
+    "EVADE_LEFT": "passes on the left",
+    "EVADE_RIGHT": "passes on the right",
+    "BRAKE": "brakes",
+}
+
+
+def action_words(name: str) -> str:
+    """Name of an action in words, such as ``"keeps its lane"``."""
+    return _ACTIONS.get(name, name)
 
 
 def title(log: Log) -> str:
@@ -65,9 +81,14 @@ def ego_label(log: Log) -> str:
     return NAMES[log.scenario.ego_type]
 
 
-def run_heading(log: Log, outcomes: Sequence[str], i: int, separator: str = "\n") -> str:
+def run_heading(log: Log, outcomes: Sequence[str], i: int, separator: str = ": ") -> str:
     """Ego type of the i-th of some runs, and its outcome if it is given."""
-    return separator.join([begin_sentence(ego_label(log)), *outcomes[i : i + 1]])
+    return fill_text(separator.join([begin_sentence(ego_label(log)), *outcomes[i : i + 1]]), 54)
+
+
+def fill_text(text: str, width: int) -> str:
+    """Text on lines of at most some characters, in which numbers and their units stay together."""
+    return fill(re.sub(r"(\d) (m/s²|m/s|m|s)\b", "\\1\N{NO-BREAK SPACE}\\2", text), width)
 
 
 def begin_sentence(text: str) -> str:

@@ -1,16 +1,24 @@
 """Sketch of a scenario before it begins: the counterpart of Figs 5, 8 and 10."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from cca_core._checks import Array
 from cca_core.geometry import boxes
 from cca_core.path import Path
-from cca_core.plot.labels import escape_figure_text, sanitize_text, scenario_name
+from cca_core.plot.labels import escape_figure_text, fill_text, sanitize_text, scenario_name
 from cca_core.plot.road_surface import draw_roads
-from cca_core.plot.style import COLORS, TEXT, assign_colors, draw_lanes, new_figure
+from cca_core.plot.style import (
+    COLORS,
+    COLUMN_WIDTH,
+    TEXT,
+    assign_colors,
+    draw_lanes,
+    new_figure,
+    set_text_sizes,
+)
+from cca_core.plot.text_slots import TextSlots, freeze_layout, offsets_around
 from cca_core.sim import (
     BrakeAction,
     LateralShiftAction,
@@ -40,6 +48,15 @@ class Body:
     text: str
 
 
+class Shape(NamedTuple):
+    """A body in an axis: center and heading."""
+
+    body: Body
+    x: float
+    y: float
+    psi: float
+
+
 def plot_layout(scenario: Scenario) -> "Figure":
     """Sketch the vehicles at the start, and what each is going to do.
 
@@ -52,7 +69,8 @@ def plot_layout(scenario: Scenario) -> "Figure":
     -------
     figure : Figure
         From above. A scenario with other roads is drawn to scale in the plane, any other one along the ego's
-        route with the width drawn larger. Arrows are as long as the distance driven in one second.
+        route with the width drawn larger. Arrows show the directions; vehicles outside of the view are named
+        at its border, with their distance.
 
     Raises
     ------
@@ -60,19 +78,25 @@ def plot_layout(scenario: Scenario) -> "Figure":
         If matplotlib is not installed.
     """
     if scenario.other_roads:
-        figure = new_figure(4.6)
-        _draw_plane(figure.subplots(), scenario)
+        figure = new_figure(3.6, COLUMN_WIDTH)
+        axis = figure.subplots()
+        bodies = _prepare_plane(axis, scenario)
     else:
-        figure = new_figure(2.3)
-        _draw_strip(figure.subplots(), scenario)
-    name = sanitize_text(scenario_name(scenario))
-    figure.suptitle(name, x=0.01, ha="left", weight="bold", fontsize=TEXT.title)
+        figure = new_figure(2.3, COLUMN_WIDTH)
+        axis = figure.subplots()
+        bodies = _prepare_strip(axis, scenario)
+    name = fill_text(sanitize_text(scenario_name(scenario)), 46)
+    figure.suptitle(name, x=0.02, ha="left", weight="bold", fontsize=TEXT.title)
+    set_text_sizes(figure)
+    freeze_layout(figure)
+    road = scenario.road
+    _draw_bodies(axis, bodies, None if scenario.other_roads else (road.right_edge, road.left_edge))
     return escape_figure_text(figure)
 
 
 def _describe_actions(user: RoadUser) -> str:
     """Speed and actions, such as ``"29 m/s, brakes with 7 m/s² at 3 s"``."""
-    parts = ["stationary" if user.v_x == 0.0 else f"{user.v_x:.0f} m/s"]
+    parts = ["stands still" if user.v_x == 0.0 else f"{user.v_x:.0f} m/s"]
     for action in user.actions:
         if isinstance(action, BrakeAction):
             parts.append(f"brakes with {action.deceleration:.0f} m/s² at {action.t:.0f} s")
@@ -104,80 +128,115 @@ def _bodies(scenario: Scenario, digits: int) -> list[Body]:
     ]  # fmt: skip
 
 
-def _draw_plane(axis: Any, scenario: Scenario, *, margin: float = 15.0) -> None:
+def _prepare_plane(
+    axis: Any, scenario: Scenario, *, margin: float = 8.0, max_size: float = 90.0
+) -> list[Shape]:
+    """Draw the roads from above; in view are the ego, its route to the junction and stationary vehicles."""
     draw_roads(axis, scenario)
     axis.set_aspect("equal")
     path, start = scenario.road.path, scenario.start
-    route = path.position(np.linspace(start, min(start + 110.0, path.end), 200))
-    axis.plot(*route.T, color=COLORS.ego, linewidth=1.4, linestyle=":", zorder=1)
-    shown = [route[0], 0.5 * (route[-1] + route[len(route) // 2])]
-    for body in _bodies(scenario, 1):
-        ((x, y),) = body.path.to_cartesian([body.s], [body.d])
-        psi = float(body.path.heading(body.s)) + (0.0 if body.direction > 0 else np.pi)
-        _draw_body(axis, boxes(x, y, psi, body.length, body.width).corners(), body.color)
-        if body.v > 0.0:
-            tip = (x + body.v * np.cos(psi), y + body.v * np.sin(psi))
-            _draw_arrow(axis, (x, y), tip, body.color, 1.4)
-        axis.annotate(
-            body.text, (x, y), (0, 13 if y > -1.0 else -13), textcoords="offset points",
-            ha="center", va="center", fontsize=TEXT.note, color=body.color, weight="bold", zorder=6,
-            bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.8},
-        )  # fmt: skip
-        shown.append((x, y))
-    low, high = np.min(shown, axis=0) - margin, np.max(shown, axis=0) + margin
-    wide, tall = high - low
-    axis.figure.set_figheight(min(5.0, 8.2 * tall / wide + 0.95))
-    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x [m]", ylabel="y [m]")
+    line = start + 50.0 if scenario.stop_line is None else scenario.stop_line
+    route = path.position(np.linspace(start, min(line + 30.0, path.end), 200))
+    axis.plot(
+        *path.position(np.linspace(start, path.end, 400)).T,
+        color=COLORS.ego,
+        linewidth=1.4,
+        linestyle=":",
+        zorder=1,
+    )
+    points = [*route]
+    for user in scenario.road_users:
+        ((x, y),) = (user.route or path).to_cartesian([user.s], [user.d])
+        if user.v_x == 0.0 and np.hypot(x - route[0, 0], y - route[0, 1]) < max_size:
+            points.append(np.array((x, y)))
+    low, high = np.min(points, axis=0) - margin, np.max(points, axis=0) + margin
+    wide, tall = np.minimum(high - low, max_size)
+    x, y = 0.5 * (low + high)
+    axis.figure.set_figheight(min(4.6, 3.8 * max(tall, 0.45 * wide) / wide + 1.0))
+    axis.set(
+        xlim=(x - 0.5 * wide, x + 0.5 * wide), xlabel="x [m]", ylabel="y [m]",
+        ylim=(y - 0.5 * max(tall, 0.45 * wide), y + 0.5 * max(tall, 0.45 * wide)),
+    )  # fmt: skip
+    return [_in_plane(body) for body in _bodies(scenario, 1)]
 
 
-def _draw_strip(axis: Any, scenario: Scenario, *, margin: float = 15.0, max_distance: float = 260.0) -> None:
-    """Draw the vehicles within `max_distance` [m]; the others are named at the border."""
+def _in_plane(body: Body) -> Shape:
+    ((x, y),) = body.path.to_cartesian([body.s], [body.d])
+    psi = float(body.path.heading(body.s)) + (0.0 if body.direction > 0 else np.pi)
+    return Shape(body=body, x=float(x), y=float(y), psi=psi)
+
+
+def _prepare_strip(
+    axis: Any, scenario: Scenario, *, margin: float = 12.0, max_distance: float = 100.0
+) -> list[Shape]:
+    """Draw the road along the route, with the vehicles within `max_distance` [m] in view."""
     road, start = scenario.road, scenario.start
     draw_lanes(axis, road)
     axis.axhline(0.0, color=COLORS.route, linewidth=0.9, linestyle=":", zorder=0.4)
     bodies = _bodies(scenario, 0)
-    near = [body for body in bodies if body.id == "ego" or abs(body.s - start) < max_distance]
-    ends = [x - start for body in near for x in (body.s, body.s + body.direction * body.v)]
-    view = (min(ends) - margin, max(ends) + 2.0 * margin)
-    for i, body in enumerate(sorted(near, key=lambda body: body.s)):
-        x = body.s - start
-        psi = 0.0 if body.direction > 0 else np.pi
-        _draw_body(axis, boxes(x, body.d, psi, body.length, body.width).corners(), body.color)
-        if body.v > 0.0:
-            front = x + body.direction * 0.5 * body.length
-            _draw_arrow(axis, (front, body.d), (front + body.direction * body.v, body.d), body.color, 1.0)
-        y = road.left_edge + 1.6 if i % 2 == 0 else road.right_edge - 1.6
-        side = "left" if x - view[0] < 0.06 * (view[1] - view[0]) else "center"
-        axis.annotate(
-            body.text, (x, body.d), (x, y), ha=side, va="center",
-            fontsize=TEXT.note, color=body.color, weight="bold", annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": body.color, "linewidth": 0.6},
-        )  # fmt: skip
-    for body in bodies:
-        if body not in near:
-            _write_at_border(axis, body, body.s - start, view)
+    ahead = [body.s - start for body in bodies]
+    near = [distance for distance in ahead if abs(distance) < max_distance]
+    right = 3.5 * margin if max(ahead) > max(near) and max(near) > 0.0 else 2.0 * margin  # room for a text
     axis.set(
-        xlim=view, ylim=(road.right_edge - 3.2, road.left_edge + 3.2), ylabel="left of the\nroute [m]",
-        xlabel="distance ahead of the ego at the start [m] (width drawn larger)",
+        xlim=(min(near) - margin, max(near) + right), ylabel="left of the\nroute [m]",
+        ylim=(road.right_edge - 4.5, road.left_edge + 4.5),
+        xlabel="distance ahead of the ego [m] (width drawn larger)",
     )  # fmt: skip
+    return [
+        Shape(body=body, x=body.s - start, y=body.d, psi=0.0 if body.direction > 0 else np.pi)
+        for body in bodies
+    ]
 
 
-def _write_at_border(axis: Any, body: Body, distance: float, view: tuple[float, float]) -> None:
-    is_ahead = distance > 0.0
-    axis.text(
-        view[1] - 1.0 if is_ahead else view[0] + 1.0, body.d,
-        f"{body.text}, {abs(distance):.0f} m {'ahead ▸' if is_ahead else 'behind'}",
-        ha="right" if is_ahead else "left", va="center",
-        fontsize=TEXT.legend, color=body.color, weight="bold",
-        bbox={"facecolor": COLORS.road, "edgecolor": "none", "pad": 1.0}, zorder=6,
-    )  # fmt: skip
+def _draw_bodies(axis: Any, shapes: list[Shape], edges: tuple[float, float] | None) -> None:
+    """Draw bodies with arrows and texts, off the road between `edges` if they are given [m].
 
-
-def _draw_arrow(
-    axis: Any, tail: tuple[float, float], tip: tuple[float, float], color: str, width: float
-) -> None:
-    axis.annotate("", tip, tail, arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": width})
-
-
-def _draw_body(axis: Any, corners: Array, color: str) -> None:
-    axis.fill(*corners.T, facecolor=color, edgecolor="white", linewidth=0.5, zorder=3)
+    Those outside of the view are named at its border.
+    """
+    slots = TextSlots(axis)
+    (x0, x1), (y0, y1) = axis.get_xlim(), axis.get_ylim()
+    inside = [each for each in shapes if x0 < each.x < x1 and y0 < each.y < y1]
+    for each in inside:
+        body = each.body
+        corners = boxes(each.x, each.y, each.psi, body.length, body.width).corners()
+        axis.fill(*corners.T, facecolor=body.color, edgecolor="white", linewidth=0.5, zorder=3)
+        slots.occupy(corners)
+        if body.v > 0.0:
+            ahead = np.array((np.cos(each.psi), np.sin(each.psi)))
+            tail = (each.x, each.y) + 0.5 * body.length * ahead
+            axis.annotate(
+                "", tail + 0.08 * (x1 - x0) * ahead, tail,
+                arrowprops={"arrowstyle": "-|>", "color": body.color, "linewidth": 1.2},
+            )  # fmt: skip
+    scale = 72.0 / axis.figure.dpi
+    for each in inside:
+        around, arrow = offsets_around(10.0), None
+        if edges is not None:
+            pixels = axis.transData.transform([(each.x, edge) for edge in (each.y, *edges)])[:, 1]
+            below, above = scale * (pixels[1:] - pixels[0])
+            around = [
+                (dx, edge + sign * (8.0 + 12.0 * k), side, vertical)
+                for k in range(3)
+                for edge, sign, vertical in ((above, 1.0, "bottom"), (below, -1.0, "top"))
+                for dx, side in ((0.0, "center"), (-12.0, "left"), (12.0, "right"))
+            ]
+            arrow = {"arrowstyle": "-", "color": each.body.color, "linewidth": 0.7}
+        slots.write(
+            each.body.text, (each.x, each.y), each.body.color, around, weight="bold", arrowprops=arrow
+        )
+    ego = shapes[0]
+    for each in shapes:
+        if each not in inside:
+            x, y = float(np.clip(each.x, x0, x1)), float(np.clip(each.y, y0, y1))
+            far = f"{each.body.text}, {np.hypot(each.x - ego.x, each.y - ego.y):.0f} m"
+            right = each.x > x1
+            text = (
+                f"{far} ahead \u25b8" if right else f"\u25c2 {far} behind" if each.x < x0 else f"{far} away"
+            )
+            side = "right" if right else "left"
+            step = -4.0 if right else 4.0
+            slots.write(
+                text, (x, y), each.body.color,
+                [(step, sign * 11.0 * k, side, "center") for k in range(5) for sign in (1, -1)],
+                weight="bold",
+            )  # fmt: skip

@@ -10,22 +10,28 @@ from cca_core.plot.frenet_boxes import frenet_corners
 from cca_core.plot.labels import ego_label, escape_figure_text, run_heading, sanitize_text
 from cca_core.plot.style import (
     COLORS,
+    COLUMN_WIDTH,
     EGO_TYPE_STYLES,
     MIN_A_Y_RANGE,
     TEXT,
     assign_colors,
+    color_legend,
     draw_lanes,
     expand_limits,
+    lighten,
     mark_collision,
     new_figure,
+    set_text_sizes,
 )
+from cca_core.plot.text_slots import TextSlots, freeze_layout
 from cca_core.sim import Log
 from cca_core.sim.outcome import final_station, first_collision, row_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_VIEW = -95.0, 75.0  # of the road, from the middle of the obstacle [m]
+_NEAR = -52.0, 23.0  # of a strip, from the middle of the obstacle [m]
+_VIEW = -95.0, 75.0  # of the paths [m]
 
 
 def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[str] = ()) -> "Figure":
@@ -43,8 +49,8 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
     Returns
     -------
     figure : Figure
-        A strip of road for each run, with the bodies each half second, to scale; below, the paths of the
-        ego's center of gravity in all runs, the width drawn larger, and the lateral accelerations.
+        A strip of road for each run, with the bodies each second, labeled with the time, to scale; below, the
+        paths of the ego's center of gravity in all runs, the width drawn larger, and a_y.
 
     Raises
     ------
@@ -56,24 +62,41 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
     if not logs:
         raise InputError("logs must hold at least one run")
     at = [_index(log, obstacle_id) for log in logs]
-    figure = new_figure(1.05 * len(logs) + 4.6)
-    axes = figure.subplots(len(logs) + 2, 1, height_ratios=[1.0] * len(logs) + [2.2, 1.6])
-    *strips, paths, lateral = axes
-    for k, (axis, log, i) in enumerate(zip(strips, logs, at, strict=True)):
-        _draw_strip(axis, log, final_station(log, i))
-        axis.set_title(run_heading(log, outcomes, k, ": "), fontsize=TEXT.heading, loc="left", pad=3)
+    n = len(logs)
+    figure = new_figure(1.0 * n + 4.6, COLUMN_WIDTH)
+    *strips, paths, lateral = figure.subplots(n + 2, 1, height_ratios=[1.0] * n + [1.7, 1.5])
+    for k, (axis, log) in enumerate(zip(strips, logs, strict=True)):
+        road = log.scenario.road
+        draw_lanes(axis, road)
+        axis.set(aspect="equal", xlim=_NEAR, ylim=(road.right_edge - 2.5, road.left_edge + 2.5), yticks=[])
+        axis.set_title(run_heading(log, outcomes, k), fontsize=TEXT.heading, loc="left", pad=3)
+        if k < n - 1:
+            axis.set_xticklabels([])
     _draw_obstacle(paths, logs[-1], at[-1])
     for log, i in zip(logs, at, strict=True):
         _draw_path(paths, lateral, log, i)
     if logs[-1].scenario.ego_type == "v2v":
         _draw_swept(paths, logs[-1], at[-1])
-    paths.set_title("Paths of the center of gravity, width drawn larger", fontsize=TEXT.heading, loc="left")
-    paths.legend(fontsize=TEXT.legend, loc="upper left")
+    paths.set_title("Paths of the ego's center, width drawn larger", fontsize=TEXT.heading, loc="left")
+    paths.set_xticklabels([])
     lateral.set(xlim=_VIEW, xlabel=f"distance along the route from {sanitize_text(obstacle_id)} [m]")
     lateral.set_ylabel("lateral acc.\na_y [m/s²]")
-    expand_limits(lateral, MIN_A_Y_RANGE, above=0.35)
-    lateral.legend(fontsize=TEXT.legend, loc="upper left", ncols=len(logs))
+    expand_limits(lateral, MIN_A_Y_RANGE)
+    color_legend(figure, _palette(logs[-1]), loc="outside upper left")
+    figure.legend(
+        *lateral.get_legend_handles_labels(), loc="outside lower left", ncols=1, frameon=False,
+        fontsize=TEXT.legend, title="Ego, and its peak lateral acceleration:", title_fontsize=TEXT.legend,
+        alignment="left",
+    )  # fmt: skip
+    set_text_sizes(figure)
+    freeze_layout(figure)
+    for axis, log, i in zip(strips, logs, at, strict=True):
+        _draw_strip(axis, log, final_station(log, i))
     return escape_figure_text(figure)
+
+
+def _palette(log: Log) -> dict[str, str]:
+    return {"ego": COLORS.ego, **assign_colors([user.id for user in log.scenario.road_users])}
 
 
 def _index(log: Log, obstacle_id: str) -> int:
@@ -83,32 +106,35 @@ def _index(log: Log, obstacle_id: str) -> int:
     return names.index(obstacle_id)
 
 
-def _draw_strip(axis: Any, log: Log, base: float, *, period: float = 0.5) -> None:
-    road = log.scenario.road
-    draw_lanes(axis, road)
-    axis.set(aspect="equal", xlim=_VIEW, ylim=(road.right_edge - 0.5, road.left_edge + 0.5))
-    axis.tick_params(labelsize=TEXT.legend)
-    axis.set_ylabel("left [m]", fontsize=TEXT.tiny)
-    names = ["ego", *(user.id for user in log.scenario.road_users)]
-    palette = {"ego": COLORS.ego, **assign_colors(names[1:])}
-    rows = np.arange(len(log.t) - 1, -1, -max(round(period / (log.t[1] - log.t[0])), 1))
+def _draw_strip(axis: Any, log: Log, base: float, *, period: float = 1.0) -> None:
+    collision = first_collision(log)
+    last = len(log.t) - 1 if collision is None else row_at(log, collision.t)
+    rows = np.arange(last, -1, -max(round(period / (log.t[1] - log.t[0])), 1))
     corners = frenet_corners(log) - (base, 0.0)
-    for i, name in enumerate(names):
+    slots, numbers = TextSlots(axis), []
+    for i, (name, color) in enumerate(_palette(log).items()):
         s = log.user_frenet[log.present[:, i - 1], i - 1, 0]
         is_moving = np.ptp(s) > 1.0 if i else True
         seen = [row for row in rows if i == 0 or log.present[row, i - 1]]
         for row in seen if is_moving else seen[:1]:
             box = corners[row, i]
-            if box[:, 0].max() > _VIEW[0] and box[:, 0].min() < _VIEW[1]:
+            if box[:, 0].max() > _NEAR[0] and box[:, 0].min() < _NEAR[1]:
                 solid = not is_moving or (i == 0 and row == rows[0])
                 axis.fill(
-                    *box.T, facecolor=palette[name], edgecolor="white", linewidth=0.4, zorder=2 + (i == 0),
-                    alpha=1.0 if solid else 0.45, gid=f"{name}@{log.t[row]:.2f}",
+                    *box.T, facecolor=color if solid else lighten(color), edgecolor=color, linewidth=0.8,
+                    zorder=2 + (i == 0), gid=f"{name}@{log.t[row]:.2f}",
                 )  # fmt: skip
-    collision = first_collision(log)
+                slots.occupy(box)
+                numbers.append((f"{log.t[row]:.0f} s" if is_moving else name, box, color, i))
+    for text, box, color, i in numbers:
+        up, x = 5.0, float(np.clip(box[:, 0].mean(), _NEAR[0] + 2.5, _NEAR[1] - 2.5))
+        above, below = (0.0, up, "center", "bottom"), (0.0, -up, "center", "top")
+        slots.write(
+            text, (x, box[:, 1].mean()), color, (below, above) if i == 0 else (above, below), must=False,
+            fontsize=TEXT.tiny,
+        )  # fmt: skip
     if collision is not None:
-        row = row_at(log, collision.t)
-        mark_collision(axis, float(corners[row, 0, :, 0].max()), log.ego_frenet[row, 1])
+        mark_collision(axis, float(corners[last, 0, :, 0].max()), log.ego_frenet[last, 1], size=9.0)
 
 
 def _draw_obstacle(axis: Any, log: Log, i: int) -> None:

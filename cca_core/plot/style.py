@@ -1,6 +1,6 @@
 """How figures look: every color, the line styles, the sizes of texts, and the parts that figures share."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -34,11 +34,19 @@ class Colors:
 
 COLORS = Colors()
 
-VEHICLE_COLORS = ("#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56606B")
-"""Colors of road users in the order of their ids; they repeat."""
+ROLE_COLORS = {
+    "red": "#D62F27",
+    "yellow": "#E0A800",
+    "truck": "#56606B",
+    "R1": "#009E73",
+    "R2": "#CC79A7",
+    "R3": "#8C6239",
+    "A": "#D55E00",
+}
+"""Color of each road user of the built-in scenarios, the same in all cases."""
 
-NAMED_COLORS = {"red": "#D62F27", "yellow": "#E0A800"}
-"""Colors of road users whose id is a color."""
+VEHICLE_COLORS = ("#D55E00", "#009E73", "#CC79A7", "#8C6239", "#56606B", "#E69F00")
+"""Colors of other road users in the order of their ids; they repeat."""
 
 ACTION_COLORS = {
     "KEEP": "#EEEEEE",
@@ -78,12 +86,12 @@ DASHES = (0, (8, 6))
 class TextSizes:
     """Sizes of texts [pt]."""
 
-    tiny: float = 7.0
+    tiny: float = 7.5
     legend: float = 8.0
     axis: float = 8.5
     note: float = 9.0
-    heading: float = 10.0
-    title: float = 11.0
+    heading: float = 9.5
+    title: float = 10.5
 
 
 TEXT = TextSizes()
@@ -91,15 +99,20 @@ TEXT = TextSizes()
 PAGE_WIDTH = 9.0
 """Width of a figure [in]."""
 
+COLUMN_WIDTH = 4.6
+"""Width of a figure that is read on a phone, or next to another one [in]."""
+
 MIN_A_Y_RANGE = 1.0
 """Height of a view of lateral acceleration, at least [m/s^2]."""
 
 
 def assign_colors(ids: Sequence[str]) -> dict[str, str]:
     """Color of each road user; the same ids get the same colors."""
-    others = sorted(set(ids) - NAMED_COLORS.keys())
-    palette = {id_: VEHICLE_COLORS[i % len(VEHICLE_COLORS)] for i, id_ in enumerate(others)}
-    return {id_: NAMED_COLORS.get(id_) or palette[id_] for id_ in ids}
+    taken = {ROLE_COLORS[id_] for id_ in ids if id_ in ROLE_COLORS}
+    free = [color for color in VEHICLE_COLORS if color not in taken] or VEHICLE_COLORS
+    others = sorted(set(ids) - ROLE_COLORS.keys())
+    palette = {id_: free[i % len(free)] for i, id_ in enumerate(others)}
+    return {id_: ROLE_COLORS.get(id_) or palette[id_] for id_ in ids}
 
 
 def new_figure(height: float, width: float = PAGE_WIDTH) -> "Figure":
@@ -108,6 +121,36 @@ def new_figure(height: float, width: float = PAGE_WIDTH) -> "Figure":
         figsize=(width, height), layout="constrained"
     )
     return figure
+
+
+def darken(color: str) -> str:
+    """Color for texts: a darker one of the same hue, which is legible on a light background."""
+    r, g, b = (int(color[i : i + 2], 16) for i in (1, 3, 5))
+    factor = min(1.0, 110.0 / (0.3 * r + 0.6 * g + 0.1 * b + 1e-9))
+    return "#" + "".join(f"{round(factor * part):02X}" for part in (r, g, b))
+
+
+def lighten(color: str) -> str:
+    """Color of a body at an earlier time: a lighter one, which is opaque."""
+    return "#" + "".join(f"{round(0.45 * int(color[i : i + 2], 16) + 0.55 * 255):02X}" for i in (1, 3, 5))
+
+
+def color_legend(figure: Any, colors: Mapping[str, str], *, loc: str = "outside lower center") -> None:
+    """Add a legend of colors outside of the axes."""
+    patch = require_extra("matplotlib.patches", "plot").Patch
+    handles = [patch(facecolor=color, label=name) for name, color in colors.items()]
+    figure.legend(
+        handles=handles, loc=loc, ncols=min(len(handles), 4), fontsize=TEXT.legend, frameon=False,
+        handlelength=1.0, handletextpad=0.4, columnspacing=1.2,
+    )  # fmt: skip
+
+
+def set_text_sizes(figure: "Figure") -> None:
+    """Give the axes of a narrow figure texts of one size."""
+    for axis in figure.axes:
+        axis.tick_params(labelsize=TEXT.axis)
+        axis.xaxis.label.set_fontsize(TEXT.axis)
+        axis.yaxis.label.set_fontsize(TEXT.axis)
 
 
 def draw_lanes(axis: Any, road: Road) -> None:

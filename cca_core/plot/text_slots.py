@@ -1,63 +1,100 @@
-"""Texts in a strip of road that overlap neither vehicles nor each other."""
+"""Texts in an axis that overlap neither bodies nor each other nor its border."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.plot.style import COLORS, TEXT
+from cca_core.plot.labels import escape_figure_text, sanitize_text
+from cca_core.plot.style import TEXT, darken
+
+Offset = tuple[float, float, str, str]
+"""Offset of a text from its point [pt], and its horizontal and vertical alignment."""
+
+
+def offsets_around(distance: float = 5.0, *, rows: int = 4, step: float = 11.0) -> list[Offset]:
+    """Offsets above and below, then to the right and to the left, then farther above and below."""
+    found: list[Offset] = []
+    for row in range(rows):
+        up = distance + step * row
+        for dx, side in ((0.0, "center"), (-6.0, "left"), (6.0, "right")):
+            found += [(dx, up, side, "bottom"), (dx, -up, side, "top")]
+        if row == 0:
+            found += [(distance, 0.0, "left", "center"), (-distance, 0.0, "right", "center")]
+    return found
 
 
 class TextSlots:
-    """Occupied parts of a strip, from which each text takes another."""
+    """Occupied parts of an axis, from which each text takes another; the layout of the figure is final."""
 
-    def __init__(
-        self,
-        axis: Any,
-        view: tuple[float, float],
-        *,
-        short: float = 15.0,  # length of an id and a speed [m]
-        long: float = 36.0,  # with a distance [m]
-        step: float = 2.0,  # between the stations that are tried [m]
-    ) -> None:
-        self._axis, self._view, self._short, self._long, self._step = axis, view, short, long, step
-        self._occupied: list[tuple[float, float, float]] = []  # from, to, lateral [m]
+    def __init__(self, axis: Any, *, padding: float = 1.0) -> None:
+        self._axis, self._padding = axis, padding  # padding around texts [px]
+        self._occupied: list[Array] = []  # left, bottom, right, top [px]
 
-    def occupy(self, box: Array) -> None:
-        """Keep texts off a body."""
-        self._occupied.append((box[:, 0].min(), box[:, 0].max(), box[:, 1].mean()))
+    def occupy(self, points: Array) -> None:
+        """Keep texts off the box around points of the axis."""
+        pixels = self._axis.transData.transform(points)
+        self._occupied.append(np.concatenate((pixels.min(axis=0), pixels.max(axis=0))))
 
-    def write_at_border(self, box: Array, text: str, color: str) -> None:
-        """Write the text of a body outside of the view, with its distance."""
-        ahead, d = box.mean(axis=0).tolist()
-        first, last = self._view
-        text += f", {abs(ahead):.0f} m"
-        if ahead > 0.0:
-            slots = [(x, "right") for x in np.arange(last - 1.0, first + self._long, -self._step).tolist()]
-            self._write(slots, d, f"{text} ahead \u25b8", color, self._long)
-        else:
-            slots = [(x, "left") for x in np.arange(first + 4.0, last - self._long, self._step).tolist()]
-            self._write(slots, d, f"\u25c2 {text} behind", color, self._long)
+    def write(
+        self, text: str, xy: Sequence[float], color: str, offsets: Iterable[Offset], *, must: bool = True,
+        **options: Any,
+    ) -> bool:  # fmt: skip
+        """Write a text at the first offset that is free; without one at the least occupied one if it must be.
 
-    def write_next_to(self, box: Array, text: str, color: str, *, behind_first: bool) -> None:
-        """Write the text of a body ahead of it or behind it."""
-        slots = [(box[:, 0].max() + 1.0, "left"), (box[:, 0].min() - 1.0, "right")]
-        self._write(slots[::-1] if behind_first else slots, box[:, 1].mean(), text, color, self._short)
-
-    def _write(
-        self, slots: Iterable[tuple[float, str]], d: float, text: str, color: str, width: float
-    ) -> None:
-        for x, align in slots:
-            left = x if align == "left" else x - width
-            if self._is_free(left, left + width, d):
-                break
-        self._occupied.append((left, left + width, d))
-        self._axis.text(
-            x, d, text, color=color, fontsize=TEXT.legend, ha=align, va="center_baseline",
-            bbox={"facecolor": COLORS.road, "edgecolor": "none", "pad": 0.5},
+        Returns whether the text was written.
+        """
+        ground = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 0.3}
+        options = {"fontsize": TEXT.legend, "zorder": 6, "bbox": ground} | options
+        note = self._axis.annotate(
+            sanitize_text(text), xy, (0.0, 0.0), textcoords="offset points",
+            color=darken(color), annotation_clip=False, parse_math=False, **options,
         )  # fmt: skip
+        found: list[tuple[float, Offset, Array]] = []
+        for dx, dy, ha, va in offsets:
+            note.set(position=(dx, dy), ha=ha, va=va)
+            box = note.get_window_extent()
+            extents = np.array([box.x0, box.y0, box.x1, box.y1]) + self._padding * np.array([-1, -1, 1, 1])
+            overlap = self._overlap(extents)
+            found.append((overlap, (dx, dy, ha, va), extents))
+            if overlap <= 0.0:
+                break
+        overlap, (dx, dy, ha, va), extents = min(found, key=lambda each: each[0])
+        if overlap > 0.0 and not must:
+            note.remove()
+            return False
+        note.set(position=(dx, dy), ha=ha, va=va)
+        self._occupied.append(extents)
+        return True
 
-    def _is_free(self, left: float, right: float, d: float) -> bool:
-        inside = self._view[0] <= left and right <= self._view[1]
-        return inside and all(right < a or left > b or abs(d - other) > 2.0 for a, b, other in self._occupied)
+    def free(
+        self, xy: Sequence[float] | Array, offsets: Sequence[tuple[float, float]], radius: float
+    ) -> tuple[float, float]:
+        """Take the first offset [pt] at which a disk of a radius [pt] is free, or else the least occupied."""
+        scale = self._axis.figure.dpi / 72.0
+        point = self._axis.transData.transform(xy)
+        squares = [
+            np.concatenate((middle - radius * scale, middle + radius * scale))
+            for middle in (point + scale * np.array(offset) for offset in offsets)
+        ]
+        overlaps = [self._overlap(square) for square in squares]
+        best = overlaps.index(0.0) if 0.0 in overlaps else int(np.argmin(overlaps))
+        self._occupied.append(squares[best])
+        return offsets[best]
+
+    def _overlap(self, box: Array) -> float:
+        """Area of a text that is occupied or outside of the axis [px^2]."""
+        frame = self._axis.bbox
+        inside = np.minimum(box[2:], (frame.x1, frame.y1)) - np.maximum(box[:2], (frame.x0, frame.y0))
+        area = float(np.prod(box[2:] - box[:2]) - np.prod(np.maximum(inside, 0.0)))
+        for other in self._occupied:
+            both = np.minimum(box[2:], other[2:]) - np.maximum(box[:2], other[:2])
+            area += float(np.prod(np.maximum(both, 0.0)))
+        return 0.0 if area < 1e-6 else area
+
+
+def freeze_layout(figure: Any) -> None:
+    """Lay a figure out once, so that texts can be measured."""
+    escape_figure_text(figure).draw_without_rendering()
+    figure.set_layout_engine("none")

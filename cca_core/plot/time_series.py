@@ -4,21 +4,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cca_core.plot.labels import escape_figure_text, title
+from cca_core._checks import Array
+from cca_core.plot.crossing_times import crossing_times
+from cca_core.plot.labels import action_words, escape_figure_text, fill_text, title
 from cca_core.plot.style import (
     ACTION_COLORS,
     COLORS,
+    COLUMN_WIDTH,
     MIN_A_Y_RANGE,
     TEXT,
     assign_colors,
+    color_legend,
     expand_limits,
     new_figure,
+    set_text_sizes,
 )
 from cca_core.sim import Log
 from cca_core.sim.outcome import lead_speed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_FLAT = 0.05  # peak lateral acceleration of a run in which steering is not shown [m/s^2]
 
 
 def plot_time_series(log: Log) -> "Figure":
@@ -32,64 +39,103 @@ def plot_time_series(log: Log) -> "Figure":
     Returns
     -------
     figure : Figure
-        Speed, steering, lateral acceleration and gap over time, on backgrounds that show the action.
+        The action as a bar; below it speed, longitudinal acceleration, steering and lateral acceleration if
+        the ego steers, gaps to other vehicles within 60 m, and the time to collision where it is below 10 s.
 
     Raises
     ------
     MissingExtraError
         If matplotlib is not installed.
     """
-    figure = new_figure(7.6)
-    axes = figure.subplots(4, 1, sharex=True)
-    speed, steering, lateral, gap = axes
-    _draw_speed(speed, log)
-    steering.plot(log.t, np.degrees(log.ego[:, 6]), color=COLORS.ego)
-    steering.set_ylabel("road-wheel\nangle [°]")
-    expand_limits(steering, 0.4)
-    lateral.plot(log.t, log.a_y, color=COLORS.ego)
-    lateral.set_ylabel("lateral acc.\na_y [m/s²]")
-    expand_limits(lateral, MIN_A_Y_RANGE)
-    _draw_gaps(gap, log)
-    gap.set_xlabel("time [s]")
-    for axis in (speed, gap) if len(gap.lines) > 1 else (speed,):
-        axis.legend(loc="upper right", fontsize=TEXT.legend, ncols=4, framealpha=0.9)
-    _draw_actions(axes, log)
-    speed.set_xlim(log.t[0], log.t[-1])
-    figure.suptitle(title(log), x=0.01, ha="left", weight="bold", fontsize=TEXT.title)
+    panels = [_draw_speed, _draw_acceleration]
+    if np.abs(log.a_y).max() > _FLAT:
+        panels += [_draw_steering, _draw_lateral]
+    panels += [draw for draw, has_data in ((_draw_gaps, _near(log)), (_draw_ttc, _ttc(log))) if has_data]
+    figure = new_figure(1.0 + 1.05 * len(panels), COLUMN_WIDTH)
+    bar, *axes = figure.subplots(
+        len(panels) + 1, 1, sharex=True, squeeze=False, height_ratios=[0.16] + [1.0] * len(panels)
+    )[:, 0]
+    for draw, axis in zip(panels, axes, strict=True):
+        draw(axis, log)
+        if len(axis.get_legend_handles_labels()[1]) > (draw is not _draw_ttc):
+            low, high = axis.get_ylim()
+            axis.set_ylim(low, high + 0.45 * (high - low))  # the legend needs space
+            axis.legend(loc="upper right", fontsize=TEXT.legend, ncols=4, framealpha=0.9, columnspacing=1.0)
+    axes[-1].set_xlabel("time [s]")
+    _draw_actions(bar, axes, log)
+    bar.set_xlim(log.t[0], log.t[-1])
+    figure.suptitle(fill_text(title(log), 46), x=0.02, ha="left", weight="bold", fontsize=TEXT.title)
     figure.align_ylabels()
+    set_text_sizes(figure)
     return escape_figure_text(figure)
 
 
 def _draw_speed(axis: Any, log: Log) -> None:
     lead = lead_speed(log)
     axis.plot(log.t, log.ego[:, 3], color=COLORS.ego, label="ego")
-    axis.plot(log.t, lead, color="black", linewidth=1.0, linestyle="--", label="lead vehicle (within 100 m)")
-    axis.set_ylabel("speed [m/s]")
+    if np.isfinite(lead).mean() > 0.05:
+        axis.plot(log.t, lead, color="black", linewidth=1.0, linestyle="--", label="vehicle ahead")
+    axis.set_ylabel("speed\n[m/s]")
     low, high = np.nanmin([*log.ego[:, 3], *lead]), np.nanmax([*log.ego[:, 3], *lead])
-    axis.set_ylim(low - 1.0, high + 1.0 + 0.3 * (high - low))  # the legend needs space
+    axis.set_ylim(low - 1.0, high + 1.0)
 
 
-def _draw_gaps(axis: Any, log: Log, *, max_gap: float = 60.0) -> None:
-    """Draw the gaps up to `max_gap` [m]."""
-    palette = assign_colors([user.id for user in log.scenario.road_users])
-    for i, (user, gaps) in enumerate(zip(log.scenario.road_users, log.gaps().T, strict=True)):
-        near = np.where(gaps < max_gap, gaps, np.nan)
-        if np.isfinite(near).any():
-            line = ("-", "--", "-.", ":")[i % 4]
-            axis.plot(log.t, near, line, color=palette[user.id], label=user.id)
+def _draw_acceleration(axis: Any, log: Log) -> None:
     axis.axhline(0.0, color=COLORS.line, linewidth=0.8)
-    axis.set(ylim=(-2.0, 1.3 * max_gap), ylabel="gap between\nboxes [m]")
+    axis.plot(log.t, log.ego[:, 7], color=COLORS.ego)
+    axis.set_ylabel("acceleration\na_x [m/s²]")
+    expand_limits(axis, 2.0)
 
 
-def _draw_actions(axes: Any, log: Log) -> None:
-    end_of_run = float(log.t[-1])
-    ends = [begin for begin, _, _ in log.decisions[1:]] + [end_of_run]
+def _draw_steering(axis: Any, log: Log) -> None:
+    axis.plot(log.t, np.degrees(log.ego[:, 6]), color=COLORS.ego)
+    axis.set_ylabel("road-wheel\nangle [°]")
+    expand_limits(axis, 0.4)
+
+
+def _draw_lateral(axis: Any, log: Log) -> None:
+    axis.plot(log.t, log.a_y, color=COLORS.ego)
+    axis.set_ylabel("lateral acc.\na_y [m/s²]")
+    expand_limits(axis, MIN_A_Y_RANGE)
+
+
+def _near(log: Log, max_gap: float = 60.0) -> dict[str, Array]:
+    """Gaps to each vehicle that comes near, up to `max_gap` [m]."""
+    gaps = {user.id: each for user, each in zip(log.scenario.road_users, log.gaps().T, strict=True)}
+    return {id_: np.where(each < max_gap, each, np.nan) for id_, each in gaps.items() if each.min() < max_gap}
+
+
+def _draw_gaps(axis: Any, log: Log) -> None:
+    palette = assign_colors([user.id for user in log.scenario.road_users])
+    for i, (id_, gaps) in enumerate(_near(log).items()):
+        axis.plot(log.t, gaps, ("-", "--", "-.", ":")[i % 4], color=palette[id_], label=id_)
+    axis.axhline(0.0, color=COLORS.line, linewidth=0.8)
+    axis.set(ylim=(-2.0, 62.0), ylabel="gap between\nbodies [m]")
+
+
+def _ttc(log: Log, limit: float = 9.5, critical: float = 5.0) -> dict[str, tuple[Array, Array]]:
+    """Return times and times to collision below a limit [s] of a critical conflict, along or crossing."""
+    crossing = crossing_times(log)
+    series = {"along the lane": (log.t, log.time_to_collision())}
+    if crossing is not None:  # not along the lane that the other vehicle crosses
+        series = {"crossing": (crossing.t, crossing.ttc)}
+    near = {name: (t, np.where(ttc < limit, ttc, np.nan)) for name, (t, ttc) in series.items()}
+    return {name: (t, ttc) for name, (t, ttc) in near.items() if np.fmin.reduce(ttc) < critical}
+
+
+def _draw_ttc(axis: Any, log: Log) -> None:
+    for name, (t, ttc) in _ttc(log).items():
+        axis.plot(t, ttc, "-" if name == "crossing" else "--", color=COLORS.collision, label=name)
+    axis.set(ylim=(0.0, 10.0), ylabel="time to\ncollision [s]")
+
+
+def _draw_actions(bar: Any, axes: Any, log: Log) -> None:
+    ends = [begin for begin, _, _ in log.decisions[1:]] + [float(log.t[-1])]
     for (begin, name, _), end in zip(log.decisions, ends, strict=True):
+        bar.axvspan(begin, end, color=ACTION_COLORS[name], linewidth=0.0)
         for axis in axes:
-            axis.axvspan(begin, end, color=ACTION_COLORS[name], linewidth=0.0, zorder=0)
-        if end - begin > 0.02 * log.duration:
-            axes[0].annotate(
-                name.replace("_", "\n"), (0.5 * (begin + end), 1.0), (0, 3),
-                xycoords=("data", "axes fraction"), textcoords="offset points", ha="center",
-                fontsize=TEXT.legend,
-            )  # fmt: skip
+            axis.axvline(begin, color=COLORS.faint, linewidth=0.6, linestyle=":", zorder=0)
+    bar.set_yticks([])
+    bar.tick_params(bottom=False)
+    names = dict.fromkeys(name for _, name, _ in log.decisions)
+    color_legend(bar.figure, {action_words(name): ACTION_COLORS[name] for name in names})

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,9 +11,9 @@ from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.plot.frenet_boxes import frenet_corners
 from cca_core.plot.key_frames import KeyFrame, key_frames
-from cca_core.plot.labels import escape_figure_text, title
-from cca_core.plot.style import COLORS, PAGE_WIDTH, TEXT, assign_colors, draw_lanes
-from cca_core.plot.text_slots import TextSlots
+from cca_core.plot.labels import escape_figure_text, fill_text, title
+from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, assign_colors, darken, draw_lanes, set_text_sizes
+from cca_core.plot.text_slots import TextSlots, offsets_around
 from cca_core.sim import Log
 from cca_core.sim.outcome import row_at
 
@@ -26,18 +25,20 @@ if TYPE_CHECKING:
 class Sheet:
     """Heights from top to bottom, and margins [in]."""
 
-    head: float = 1.1
-    overview: float = 1.6
-    between: float = 0.5
-    strip_title: float = 0.27
-    strip: float = 0.62
-    foot: float = 0.5
-    left: float = 0.65
-    right: float = 0.15
+    title: float = 0.45
+    line: float = 0.155  # of a text
+    overview_title: float = 0.42
+    overview: float = 1.75
+    between: float = 0.55
+    strip: float = 0.8
+    foot: float = 0.55
+    left: float = 0.5
+    right: float = 0.12
+    characters: int = 62  # of a line
 
 
 _SHEET = Sheet()
-_VIEW = (-75.0, 105.0)  # of a strip along the road, relative to the ego [m]
+_VIEW = (-26.0, 54.0)  # of a strip along the road, relative to the ego [m]
 
 
 def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str = "") -> "Figure":
@@ -56,8 +57,8 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str
     Returns
     -------
     figure : Figure
-        Above, the whole run along the route with each vehicle's box at each frame, numbered; below, a strip
-        of road for each frame, the ego at 0. Each box is a polygon with the gid ``"id@frame"``.
+        Above, the whole run along the route with a numbered mark for each vehicle in each frame; below, a
+        strip of road for each frame, the ego at 0. Marks and boxes have the gid ``"id@frame"``.
 
     Raises
     ------
@@ -71,27 +72,44 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str
     )
     if not frames:
         raise InputError("times must hold at least one time")
-    sheet, step = _SHEET, _SHEET.strip_title + _SHEET.strip
-    height = sheet.head + sheet.overview + sheet.between + len(frames) * step + sheet.foot
-    figure: Figure = require_extra("matplotlib.figure", "plot").Figure(figsize=(PAGE_WIDTH, height))
-    left = sheet.left / PAGE_WIDTH
-    figure.text(left, 1.0 - 0.15 / height, title(log), va="top", weight="bold")
-    figure.text(left, 1.0 - 0.42 / height, fill(caption, 118), va="top", fontsize=TEXT.note)
+    sheet = _SHEET
+    head, caption = fill_text(title(log), 46), fill_text(caption, sheet.characters + 4)
+    titles = [
+        fill_text(f"{i}   {frame.t:.1f} s   {frame.text}", sheet.characters)
+        for i, frame in enumerate(frames, 1)
+    ]
+    top = sheet.title + sheet.line * (head.count("\n") * 1.2 + caption.count("\n") + bool(caption))
+    heights = [sheet.line * (text.count("\n") + 1) + 0.1 + sheet.strip for text in titles]
+    overview = top + sheet.overview_title
+    height = overview + sheet.overview + sheet.between + sum(heights) + sheet.foot
+    figure: Figure = require_extra("matplotlib.figure", "plot").Figure(figsize=(COLUMN_WIDTH, height))
+    left = 0.1 / COLUMN_WIDTH
+    figure.text(left, 1.0 - 0.1 / height, head, va="top", weight="bold", fontsize=TEXT.title)
+    figure.text(
+        left,
+        1.0 - (top - sheet.line * (caption.count("\n") + 1.6)) / height,
+        caption,
+        va="top",
+        fontsize=TEXT.note,
+    )
 
-    def axes(top: float, tall: float) -> Any:
-        width = 1.0 - (sheet.left + sheet.right) / PAGE_WIDTH
-        return figure.add_axes((left, 1.0 - (top + tall) / height, width, tall / height))
+    def axes(from_top: float, tall: float) -> Any:
+        width = 1.0 - (sheet.left + sheet.right) / COLUMN_WIDTH
+        return figure.add_axes(
+            (sheet.left / COLUMN_WIDTH, 1.0 - (from_top + tall) / height, width, tall / height)
+        )
 
-    _draw_overview(axes(sheet.head, sheet.overview), log, frames)
-    top = sheet.head + sheet.overview + sheet.between + sheet.strip_title
-    strips = [axes(top + i * step, sheet.strip) for i in range(len(frames))]
-    for i, (axis, frame) in enumerate(zip(strips, frames, strict=True)):
+    _draw_overview(axes(overview, sheet.overview), log, frames)
+    below = overview + sheet.overview + sheet.between
+    for i, (frame, text, tall) in enumerate(zip(frames, titles, heights, strict=True)):
+        axis = axes(below + tall - sheet.strip, sheet.strip)
         _draw_strip(axis, log, i + 1, frame)
-        axis.set_title(f"{i + 1}   {frame.t:.1f} s   {frame.text}", fontsize=TEXT.note, loc="left", pad=3)
-    for axis in strips[:-1]:
-        axis.set_xticklabels([])
-    wider = _exaggeration(strips[-1], sheet.strip)
-    strips[-1].set_xlabel(f"distance ahead of the ego [m] (width drawn {wider})", fontsize=TEXT.axis)
+        axis.set_title(text, fontsize=TEXT.note, loc="left", pad=3, linespacing=1.1)
+        below += tall
+        if i < len(frames) - 1:
+            axis.set_xticklabels([])
+    axis.set_xlabel(f"distance ahead of the ego [m] (width drawn {_exaggeration(axis, sheet.strip)})")
+    set_text_sizes(figure)
     return escape_figure_text(figure)
 
 
@@ -108,44 +126,56 @@ def _palette(log: Log) -> dict[str, str]:
 
 
 def _draw_overview(axis: Any, log: Log, frames: list[KeyFrame]) -> None:
+    """Draw the ego's path, and a numbered mark for each vehicle in each frame."""
     rows, palette = [row_at(log, frame.t) for frame in frames], _palette(log)
     stations = log.ego_frenet[[*rows, row_at(log, log.decisions[-1][0])], 0]
     view = (stations.min() - 40.0, stations.max() + 40.0)
     _draw_road(axis, log, view)
+    axis.set_ylim(log.scenario.road.right_edge - 2.0, log.scenario.road.left_edge + 2.0)
     axis.plot(log.ego_frenet[:, 0], log.ego_frenet[:, 1], color=COLORS.ego, linewidth=1.2)
-    for number, row in enumerate(rows, start=1):
-        for id_, box, _ in _boxes(log, row):
-            if view[0] < box[:, 0].mean() < view[1]:
-                _draw_box(axis, box, palette[id_], f"{id_}@{number}")
-                _number_box(axis, log, id_, box, number, palette[id_])
+    slots = TextSlots(axis, padding=-1.0)
+    for id_, color in palette.items():
+        for numbers, xy in _stops(log, rows, id_):
+            if view[0] < xy[0] < view[1]:
+                _draw_number(axis, slots, xy, numbers, color, f"{id_}@{numbers[0]}")
     axis.set_title(
-        f"All frames on one road, numbered as below (width drawn {_exaggeration(axis, _SHEET.overview)})",
-        fontsize=TEXT.note, loc="left",
-    )  # fmt: skip
-    axis.set_xlabel("distance along the route [m]", fontsize=TEXT.axis, labelpad=1)
-    axis.set_ylabel("left of the\nroute [m]", fontsize=TEXT.axis)
+        "Where each vehicle is in each frame, numbered as below", fontsize=TEXT.note, loc="left", pad=17
+    )
+    axis.set_xlabel("distance along the route [m]", labelpad=1)
     patches = require_extra("matplotlib.patches", "plot")
     axis.legend(
         handles=[patches.Patch(facecolor=color, label=id_) for id_, color in palette.items()],
-        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(palette), frameon=False, fontsize=TEXT.note,
-        handlelength=1.0, columnspacing=1.2, borderaxespad=0.1,
+        loc="lower left", bbox_to_anchor=(0.0, 0.99), ncols=len(palette), frameon=False, fontsize=TEXT.legend,
+        handlelength=1.0, handletextpad=0.4, columnspacing=1.0, borderaxespad=0.1, borderpad=0.2,
     )  # fmt: skip
 
 
-def _number_box(axis: Any, log: Log, id_: str, box: Array, number: int, color: str) -> None:
-    """Write a frame's number above the ego, or below another vehicle in one of two rows for each lane."""
-    users = log.scenario.road_users
-    index = next((i for i, user in enumerate(users) if user.id == id_), None)
-    if index is None:
-        edge, offset = box[:, 1].max(), 6
-    else:
-        edge, offset = box[:, 1].min(), -5 - 9 * (sum(u.d == users[index].d for u in users[:index]) % 2)
-    outline = require_extra("matplotlib.patheffects", "plot").withStroke(
-        linewidth=2.0, foreground=COLORS.road
-    )
+def _stops(log: Log, rows: list[int], id_: str) -> list[tuple[list[int], Array]]:
+    """Numbers of consecutive frames in which a vehicle is at one point, and that point [m]."""
+    found: list[tuple[list[int], Array]] = []
+    for number, row in enumerate(rows, start=1):
+        for xy in (box.mean(axis=0) for name, box, _ in _boxes(log, row) if name == id_):
+            if found and np.hypot(*(found[-1][1] - xy)) < 1.0:
+                found[-1][0].append(number)
+            else:
+                found.append(([number], xy))
+    return found
+
+
+def _draw_number(axis: Any, slots: TextSlots, xy: Array, numbers: list[int], color: str, gid: str) -> None:
+    """Draw the numbers of frames in a disk at a vehicle, moved aside where others are, with a line to it."""
+    steps = [0.0] + [sign * 12.0 * k for k in range(1, 5) for sign in (1, -1)]
+    offset = slots.free(xy, [(dx, dy) for dy in steps for dx in (0.0, 7.0, -7.0)], 5.5)
+    is_moved = offset != (0.0, 0.0)
     axis.annotate(
-        str(number), (box[:, 0].mean(), edge), (0, offset), textcoords="offset points", color=color,
-        fontsize=TEXT.legend, ha="center", va="center_baseline", zorder=4, path_effects=[outline],
+        str(numbers[0]) if len(numbers) == 1 else f"{numbers[0]}\u2013{numbers[-1]}", xy, offset,
+        textcoords="offset points", fontsize=TEXT.tiny, weight="bold", ha="center", va="center_baseline",
+        zorder=5, gid=gid, color="white" if darken(color) == color else COLORS.ink,
+        bbox={
+            "boxstyle": "round,pad=0.2,rounding_size=0.6", "facecolor": color, "edgecolor": "white",
+            "linewidth": 0.5,
+        },
+        arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.9} if is_moved else None,
     )  # fmt: skip
 
 
@@ -156,34 +186,47 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
     behind, ahead = (log.ego_frenet[rows] - (s, 0.0) for rows in (slice(row + 1), slice(row, None)))
     axis.plot(*behind.T, color=COLORS.ego, linewidth=1.2)
     axis.plot(*ahead.T, color=COLORS.ego, linewidth=1.0, linestyle=":")
-    slots = TextSlots(axis, _VIEW)
-    inside, outside = [], []
+    slots, inside, outside = TextSlots(axis), [], []
+    for point in np.concatenate((behind, ahead))[::10]:
+        if _VIEW[0] < point[0] < _VIEW[1]:
+            slots.occupy(point[None])
+    oncoming = {user.id for user in log.scenario.road_users if user.direction < 0}
     for id_, box, v in _boxes(log, row):
         box = box - (s, 0.0)
-        text = f"{id_} {v:.0f} m/s"
-        if _VIEW[0] < box[:, 0].mean() < _VIEW[1]:
+        x, d = box.mean(axis=0).tolist()
+        text = f"{id_} {v:.0f} m/s{' oncoming' if id_ in oncoming else ''}"
+        if _VIEW[0] < x < _VIEW[1]:
             _draw_box(axis, box, palette[id_], f"{id_}@{number}")
             slots.occupy(box)
-            inside.append((id_, box, text))
+            half = 0.5 * float(np.ptp(axis.transData.transform(box)[:, 0])) * 72.0 / axis.figure.dpi + 2.0
+            sides = [(half, 0.0, "left", "center"), (-half, 0.0, "right", "center")]
+            inside.append(
+                (
+                    text,
+                    (x, d),
+                    palette[id_],
+                    [*(sides[::-1] if id_ == "ego" else sides), *offsets_around(6.0)],
+                )
+            )
         else:
-            outside.append((id_, box, text))
-    for id_, box, text in outside:
-        slots.write_at_border(box, text, palette[id_])
-    for id_, box, text in reversed(inside):  # the ego last: it has space on both sides
-        slots.write_next_to(box, text, palette[id_], behind_first=id_ == "ego")
+            is_ahead = x > 0.0
+            text = (
+                f"{text}, {abs(x):.0f} m ahead \u25b8"
+                if is_ahead
+                else f"\u25c2 {text}, {abs(x):.0f} m behind"
+            )
+            shifts = [(dx, dy) for dy in (0.0, 11.0, -11.0, 22.0, -22.0) for dx in (4.0, 60.0)]
+            side = "right" if is_ahead else "left"
+            border = [(-dx if is_ahead else dx, dy, side, "center") for dx, dy in shifts]
+            outside.append((text, (_VIEW[is_ahead], d), palette[id_], border))
+    for text, xy, color, offsets in inside + outside:
+        slots.write(text, xy, color, offsets)
 
 
 def _draw_road(axis: Any, log: Log, view: tuple[float, float]) -> None:
     road = log.scenario.road
     draw_lanes(axis, road)
-    axis.set(xlim=view, ylim=(road.right_edge - 0.7, road.left_edge + 0.7))
-    axis.tick_params(labelsize=TEXT.legend)
-    for lane in road.lanes:
-        arrow = "\u2192" if lane.direction > 0 else "\u2190"
-        axis.annotate(
-            arrow, (view[0], lane.d), (3, 0), textcoords="offset points", va="center_baseline",
-            color=COLORS.faint, fontsize=TEXT.legend, zorder=1,
-        )  # fmt: skip
+    axis.set(xlim=view, ylim=(road.right_edge - 1.4, road.left_edge + 1.4))
 
 
 def _boxes(log: Log, row: int) -> list[tuple[str, Array, float]]:
@@ -201,6 +244,6 @@ def _draw_box(axis: Any, corners: Array, color: str, gid: str) -> None:
 
 def _exaggeration(axis: Any, height: float) -> str:
     (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
-    width = PAGE_WIDTH - _SHEET.left - _SHEET.right
+    width = COLUMN_WIDTH - _SHEET.left - _SHEET.right
     ratio = height / (high - low) * (right - left) / width
     return f"{ratio:.0f} times larger" if ratio > 3.0 else f"{ratio:.1f} times larger"

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cca_core.plot.labels import escape_figure_text
-from cca_core.plot.style import COLORS, draw_lanes, new_figure
+from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, draw_lanes, new_figure, set_text_sizes
 from cca_core.sim import Log
 from cca_core.sim.outcome import first_lane_change
 
@@ -34,7 +34,7 @@ def plot_tunings(fast: Log, smooth: Log) -> "Figure":
     MissingExtraError
         If matplotlib is not installed.
     """
-    figure = new_figure(3.6)
+    figure = new_figure(3.4, COLUMN_WIDTH)
     axis = figure.subplots()
     road = fast.scenario.road
     draw_lanes(axis, road)
@@ -50,14 +50,15 @@ def plot_tunings(fast: Log, smooth: Log) -> "Figure":
         axis.vlines((start, end), np.interp((start, end), s, d), height, color=color, linewidth=0.8)
         axis.annotate("", (start, height), (end, height), arrowprops={"arrowstyle": "<->", "color": color})
         axis.annotate(
-            f"{name}: lane change in {end - start:.0f} m", (end, height), (6, 0),
-            textcoords="offset points", color=color, va="center",
+            f"{name}: {end - start:.0f} m for the lane change", (end, height), (6, 0),
+            textcoords="offset points", color=color, va="center", fontsize=TEXT.legend,
         )  # fmt: skip
         view += np.interp([log.decisions[1][0], log.decisions[-1][0]], log.t, s).tolist()
     axis.set_xlim(min(view) - 20.0, max(view) + 20.0)
     axis.set_ylim(road.right_edge - 0.5, road.left_edge + 2.2)
-    axis.set_xlabel("distance along the route [m] (a lane change is counted from 5 % to 95 % of its width)")
+    axis.set_xlabel("distance along the route [m]\n(a lane change is counted from 5 % to 95 % of its width)")
     axis.set_ylabel("left of the route [m]")
-    axis.set_title("The same traffic, two tunings", loc="left", weight="bold")
-    figure.legend(loc="outside lower left", ncols=2, frameon=False)
+    axis.set_title("The same traffic, two tunings", loc="left", weight="bold", fontsize=TEXT.title)
+    figure.legend(loc="outside lower left", ncols=1, frameon=False, fontsize=TEXT.legend)
+    set_text_sizes(figure)
     return escape_figure_text(figure)

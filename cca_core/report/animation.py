@@ -10,7 +10,7 @@ import numpy as np
 
 from cca_core._checks import Array, check_bool
 from cca_core.errors import InputError
-from cca_core.plot.labels import begin_sentence, ego_label, sanitize_text, scenario_name
+from cca_core.plot.labels import action_words, begin_sentence, ego_label, sanitize_text, scenario_name
 from cca_core.plot.style import assign_colors
 from cca_core.report.files import fill, read_text
 from cca_core.report.road_svg import roads_svg
@@ -24,21 +24,25 @@ from cca_core.v2x import decode_bsm
 class Camera:
     """What a view shows, and how often."""
 
-    behind: float = 30.0  # of the ego, if the camera moves [m]
-    ahead: float = 90.0  # [m]
-    min_height: float = 26.0  # [m]
-    max_height: float = 60.0  # [m]
-    fixed_size: tuple[float, float] = (90.0, 56.0)  # if roads cross [m]
+    behind: float = 0.22  # of the length of a view is behind the ego, if the camera moves [-]
+    length: float = 90.0  # before the script fits it to the window, if the camera moves [m]
+    margin: float = 6.0  # for texts above the road and below it, before the script fits it [m]
+    max_height: float = 40.0  # of the road in a view [m]
+    fixed_size: tuple[float, float] = (64.0, 41.0)  # if roads cross [m]
     frame_period: float = 0.1  # between stored frames; the player interpolates [s]
     ring_period: float = 0.5  # least time between two messages of a sender that are shown [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class View:
-    """Camera (x, y, heading) of each stored frame, and the view box (left, top, width, height) [m]."""
+    """Camera (x, y, heading) of each stored frame, and the view box (left, top, width, height) [m].
+
+    `road` is the height of the road in a view that the script fits to the window; 0 if the view is fixed [m].
+    """
 
     camera: Array
     box: tuple[float, float, float, float]
+    road: float = 0.0
 
 
 _CAMERA = Camera()
@@ -119,13 +123,14 @@ def _poses(log: Log) -> Array:
 def _views(logs: Sequence[Log]) -> list[View]:
     if any(log.scenario.other_roads for log in logs):
         return _fixed_views(logs)
-    height = min(max(_CAMERA.min_height, *map(_road_height, logs)), _CAMERA.max_height)
-    box = (-_CAMERA.behind, -0.5 * height, _CAMERA.behind + _CAMERA.ahead, height)
+    road = min(max(map(_road_height, logs)), _CAMERA.max_height)
+    height = road + 2.0 * _CAMERA.margin
+    box = (-_CAMERA.behind * _CAMERA.length, -0.5 * height, _CAMERA.length, height)
     views = []
     for log in logs:
         path, s = log.scenario.road.path, log.ego_frenet[_rows(log), 0]
         camera = np.column_stack((path.position(s), np.unwrap(path.heading(s))))
-        views.append(View(camera=camera, box=box))
+        views.append(View(camera=camera, box=box, road=road))
     return views
 
 
@@ -144,11 +149,12 @@ def _road_height(log: Log) -> float:
     road, height = log.scenario.road, 0.0
     path = road.path
     for s in np.arange(log.ego_frenet[0, 0], log.ego_frenet[-1, 0] + 1.0, 25.0):
-        stations = np.clip(np.arange(s - _CAMERA.behind, s + _CAMERA.ahead, 10.0), path.start, path.end)
+        near = s + _CAMERA.length * np.arange(-_CAMERA.behind, 1.0 - _CAMERA.behind, 0.1)
+        stations = np.clip(near, path.start, path.end)
         away = path.position(stations) - path.position(s)
         psi = float(path.heading(s))
         across = np.abs(away[:, 1] * np.cos(psi) - away[:, 0] * np.sin(psi)).max()
-        height = max(height, 2.0 * (across + max(road.left_edge, -road.right_edge) + 2.0))
+        height = max(height, 2.0 * (across + max(road.left_edge, -road.right_edge) + 0.5))
     return height
 
 
@@ -167,12 +173,19 @@ def _data(log: Log, view: View) -> dict[str, Any]:
         "origin": origin.round(3).tolist(),
         "names": ["ego", *(sanitize_text(user.id) for user in users)],
         "start": start,
+        "road": round(view.road, 2),
+        "behind": _CAMERA.behind,
+        "sizes": [[log.scenario.vehicle.length, log.scenario.vehicle.width]]
+        + [[user.length, user.width] for user in users],
         "t": _steps(1e3 * (log.t[rows] - start)),
         "camera": [_steps(column) for column in (camera * units[:3]).T],
         "bodies": [[_steps(column) for column in (poses[rows, i] * units).T] for i in range(1 + len(users))],
         "known": ["".join(known[rows, i]) for i in range(len(users))],
         "received": _rings(log),
-        "actions": [[round(t - start, 3), name, sanitize_text(reason)] for t, name, reason in log.decisions],
+        "actions": [
+            [round(t - start, 3), action_words(name), sanitize_text(begin_sentence(reason))]
+            for t, name, reason in log.decisions
+        ],
         "collision": None if collision is None else sanitize_text(str(collision)),
     }
 
@@ -206,10 +219,19 @@ def _run(log: Log, view: View) -> str:
         view_box=" ".join(f"{value:g}" for value in view.box),
         transform=f"scale(1 -1) rotate({-np.degrees(psi):.3f}) "
         f"translate({origin[0] - x:.3f} {origin[1] - y:.3f})",
-        world=roads_svg(log, origin, (_CAMERA.behind + 60.0, _CAMERA.ahead + 60.0)) + pulses,
+        world=roads_svg(log, origin, (90.0, 180.0)) + pulses,
         bodies=_bodies(log, origin) + _collision(log, origin),
         labels="<text/>" * (1 + len(users)),
+        kind="fixed" if log.scenario.other_roads else "moving",
+        key=_key(view.box),
     )
+
+
+def _key(box: tuple[float, float, float, float]) -> str:
+    """Legend at the lower border of a view; the script fits it to the window."""
+    left, top, width, height = box
+    transform = f"translate({left:g} {top + height - 2.0:g}) scale({width / 400.0:g})"
+    return fill("player_key.html", transform=transform)
 
 
 def _bodies(log: Log, origin: Array) -> str:
@@ -232,6 +254,6 @@ def _collision(log: Log, origin: Array) -> str:
         return ""
     x, y = collision.xy - origin
     return (
-        f'<g class="collision" transform="translate({x:.2f} {y:.2f})"><circle r="2.6"/>'
-        '<path d="M-1.6 -1.6L1.6 1.6M-1.6 1.6L1.6 -1.6"/></g>'
+        f'<g class="collision" transform="translate({x:.2f} {y:.2f})"><circle r="3.4"/>'
+        '<path d="M-1.2 -1.2L1.2 1.2M-1.2 1.2L1.2 -1.2"/></g>'
     )

@@ -1,11 +1,12 @@
 """What happened in a run, and in a set of runs, in words made from the logs."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
 
 from cca_core.decide import Action
-from cca_core.plot.labels import begin_sentence, case_name, join_names
+from cca_core.plot.labels import case_name, join_names
 from cca_core.report.selection import baseline_and_v2v, compares_v2v, one_run_per_ego
 from cca_core.sim import Log
 from cca_core.sim.outcome import MOVING_SPEED, ahead_at_ends, final_lead, first_collision, overtaken, row_at
@@ -33,19 +34,20 @@ def headline(groups: Sequence[Sequence[Log]]) -> str:
         if n == 1:
             end = "collides" if n_collided else "does not collide"
         return f"{runs}; none of them both with and without V2V. The ego {end}."
-    collided = [[first_collision(log) is not None for log in pair] for pair in pairs]
-    without, with_v2v = (sum(column) for column in zip(*collided, strict=True))
-    n = len(pairs)
-    text = f"Without V2V the ego collides in {_count(without, n)}; with V2V in {_count(with_v2v, n)}."
-    sensed = [log for group in groups for log in one_run_per_ego(group) if log.scenario.ego_type == "sensor"]
-    driven = sum(pair[0].scenario.ego_type == "driver" for pair in pairs)
-    if driven and sensed:
-        k = sum(first_collision(log) is not None for log in sensed)
-        text += f" An automated ego with a sensor alone collides in {_count(k, len(sensed))}."
+    shown_runs = [log for group in groups for log in one_run_per_ego(group)]
+    parts: list[str] = []
+    for ego_type, name in (("driver", "a driver"), ("sensor", "a sensor alone"), ("v2v", "V2V")):
+        chosen = [log for log in shown_runs if log.scenario.ego_type == ego_type]
+        if chosen:
+            k, n = sum(first_collision(log) is not None for log in chosen), len(chosen)
+            unit = "" if parts else " scenario" if n == 1 else " scenarios"
+            parts.append(f"with {name} in {k} of {n}{unit}")
+    text = f"The ego collides {join_names(parts)}."
     freed = [
         pair[1]
-        for pair, either in zip(pairs, collided, strict=True)
-        if not any(either) and len(overtaken(pair[1])) > len(overtaken(pair[0]))
+        for pair in pairs
+        if not any(first_collision(log) is not None for log in pair)
+        and len(overtaken(pair[1])) > len(overtaken(pair[0]))
     ]
     if freed:
         names = join_names([case_name(log.scenario) for log in freed])
@@ -108,7 +110,7 @@ def describe_run(log: Log) -> str:
     text : str
         What the ego did and when, the vehicles it waited for, and how the run ended.
     """
-    parts = []
+    events: list[tuple[float, str]] = []
     reasons = log.reasons or [(reason, "") for _, _, reason in log.decisions]
     ends = [begin for begin, _, _ in log.decisions[1:]] + [float(log.t[-1])]
     for i, ((begin, name, _), (activity, cause), end) in enumerate(
@@ -116,28 +118,30 @@ def describe_run(log: Log) -> str:
     ):
         is_last = i + 1 == len(log.decisions)
         if Action(name) in (Action.FOLLOW, Action.BRAKE):
-            parts.append(_describe_wait(log, begin, end, activity, cause if is_last else None))
+            until = _describe_wait(log, begin, end, cause if is_last else None)
+            events.append((begin, f"it starts {activity}{until}."))
         elif Action(name).is_evading:
-            parts.append(f"{activity} ({begin:.1f} s)")
+            events.append((begin, f"it starts {activity}."))
         elif is_last and i > 0:
-            parts.append(f"back in the ego lane ({begin:.1f} s)")
+            events.append((begin, "it is back in its lane."))
     collision = first_collision(log)
+    end_of_run = f" It {describe_outcome(log)}, at {log.ego[-1, 3]:.0f} m/s."
     if collision is not None:
-        parts.append(
-            f"{describe_outcome(log)} at {collision.t:.1f} s, relative speed {log.closing_speed():.1f} m/s"
-        )
-    else:
-        parts.append(f"{describe_outcome(log)} at {log.ego[-1, 3]:.0f} m/s")
-    return begin_sentence(", ".join(parts)) + "."
+        speed = f"{log.closing_speed():.1f} m/s"
+        events.append((collision.t, f"it {describe_outcome(log)}, at a relative speed of {speed}."))
+        end_of_run = ""
+    events.sort(key=lambda event: event[0])
+    text = (" ".join(f"At {t:.1f} s {text}" for t, text in events) + end_of_run).strip()
+    return re.sub(r"\b[Ii]t\b", lambda found: "the ego" if found[0] == "it" else "The ego", text, count=1)
 
 
-def _describe_wait(log: Log, begin: float, end: float, activity: str, cause: str | None) -> str:
-    """Following or braking between two times; `cause` is given if it lasts to the end."""
+def _describe_wait(log: Log, begin: float, end: float, cause: str | None) -> str:
+    """Until when the ego follows or brakes; `cause` is given if it lasts to the end."""
     if cause is not None:
-        return f"{activity}, from {begin:.1f} s to the end{f' ({cause})' if cause else ''}"
+        return f", up to the end{f': {cause}' if cause else ''}"
     names = vehicles_waited_for(log, begin, end)
-    until = f" until {join_names(names)} {'has' if len(names) == 1 else 'have'} passed" if names else ""
-    return f"{activity} for {end - begin:.1f} s{until} ({begin:.1f} s)"
+    until = f", until {join_names(names)} {'has' if len(names) == 1 else 'have'} passed" if names else ""
+    return f" for {end - begin:.1f} s{until}"
 
 
 def describe_participants(log: Log) -> str:

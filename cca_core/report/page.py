@@ -2,23 +2,32 @@
 
 import base64
 import io
-import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from html import escape
 from pathlib import Path as FilePath
+
+import numpy as np
 
 from cca_core._checks import shown
 from cca_core.errors import InputError
-from cca_core.plot.labels import begin_sentence, case_name, ego_label, sanitize_text, scenario_name
+from cca_core.plot.crossing_times import crossing_times
+from cca_core.plot.labels import begin_sentence, case_name, ego_label, scenario_name
 from cca_core.report.animation import animate
+from cca_core.report.differences import describe_differences
 from cca_core.report.figures import ReportFigure, report_figures, tuning_figure
 from cca_core.report.files import fill, read_text
+from cca_core.report.html_text import html_text
 from cca_core.report.narrative import describe_participants, describe_run, headline, summarize_outcome
+from cca_core.report.overview import card, first_animation, source_of, swatches, words_used
+from cca_core.report.scenario_texts import describe_situation, paper_figures
 from cca_core.report.selection import baseline_and_v2v, compares_v2v, group_by_case, one_run_per_ego
 from cca_core.sim import Log
-from cca_core.sim.outcome import first_collision
+
+_REASON_WORDS = (
+    "Gap: distance between bumpers. Needs: the constant deceleration that avoids a collision. Limit: the"
+    " value up to which the program accepts a quantity. Clearance: the distance that a maneuver would keep."
+)
 
 
 def write_report(
@@ -67,26 +76,21 @@ def write_report(
             progress()
     tunings = tuning_figure(runs)
     if tunings is not None:
-        sections += f"<h2>Two tunings</h2>\n{_picture(tunings, folder)}"
+        sections += "<h2>Two tunings</h2>\n" + "".join(_pictures([tunings], folder))
     page = fill(
         "page.html",
         page_css=read_text("page.css"),
         player_css=read_text("player.css"),
         player_js=read_text("player.js"),
-        title=_text(title),
-        headline=_text(headline(groups)),
-        cards="".join(part for i, group in enumerate(groups) for part in _card(i, names[i][0], group)),
+        title=html_text(title),
+        headline=html_text(headline(groups)),
+        cards="".join(part for i, group in enumerate(groups) for part in card(i, names[i][0], group)),
+        show=first_animation(groups, [name for name, _ in names]),
+        words=html_text(words_used(groups)),
+        source=html_text(source_of(groups)),
         sections=sections,
     )
     FilePath(file).write_text(page, encoding="utf-8")
-
-
-def _card(i: int, name: str, group: Sequence[Log]) -> Iterator[str]:
-    yield f'<a class="card" href="#scenario-{i}"><h3>{_text(name)}</h3>\n<dl>'
-    for log in one_run_per_ego(group):
-        kind = "collided" if first_collision(log) is not None else "good" if log.scenario.v2v else "fair"
-        yield f'<dt>{_ego(log)}</dt><dd class="{kind}">{_text(summarize_outcome(log))}</dd>'
-    yield "</dl></a>\n"
 
 
 def _names(groups: Sequence[Sequence[Log]]) -> list[tuple[str, int]]:
@@ -102,38 +106,45 @@ def _names(groups: Sequence[Sequence[Log]]) -> list[tuple[str, int]]:
 
 
 def _ego(log: Log) -> str:
-    return begin_sentence(ego_label(log))
+    return html_text(begin_sentence(ego_label(log)))
 
 
 def _section(i: int, name: str, number: int, group: Sequence[Log], folder: FilePath | None) -> Iterator[str]:
-    pair = baseline_and_v2v(group)
-    yield f'<section id="scenario-{i}"><h2>{_text(name)}</h2>\n'
-    yield f"<p>{_text(describe_participants(pair[-1]))}</p>\n"
+    runs = one_run_per_ego(group)
+    scenario = runs[-1].scenario
+    source = paper_figures(scenario)
+    heading = f"{html_text(name)} <small>{source}</small>" if source else html_text(name)
+    yield f'<section id="scenario-{i}"><h2>{heading}</h2>\n'
+    yield f"<p>{html_text(describe_situation(scenario))}</p>{swatches(runs[-1])}\n"
+    yield f"<p>{html_text(describe_participants(runs[-1]))}</p>\n"
+    yield animate(runs, standalone=False)
+    yield from (f'<p class="note">{html_text(text)}</p>\n' for text in describe_differences(runs))
+    yield "<h3>What happens</h3>\n<ul>\n"
+    yield from (f"<li><b>{_ego(log)}.</b> {html_text(describe_run(log))}</li>\n" for log in runs)
+    yield "</ul>\n"
+    yield from _table(group)
     figures = list(report_figures(group))
     if number > 1:
         figures = [replace(figure, name=f"{figure.name}_{number}") for figure in figures]
-    first, *others = figures
-    yield _picture(first, folder)
-    yield animate(pair, standalone=False)
-    yield "<ul>\n"
-    yield from (f"<li><b>{_ego(log)}.</b> {_text(describe_run(log))}</li>\n" for log in pair)
-    yield "</ul>\n"
-    yield from _table(group)
-    yield from (_picture(figure, folder) for figure in others if not figure.detail)
+    yield from _pictures([figure for figure in figures if not figure.detail], folder)
     yield "<details><summary>More figures and every decision</summary>\n"
-    yield from (_picture(figure, folder) for figure in others if figure.detail)
-    for log in pair:
+    yield from _pictures([figure for figure in figures if figure.detail], folder)
+    yield f'<p class="note">{_REASON_WORDS}</p>\n'
+    for log in runs:
         yield f"<p><b>{_ego(log)}</b></p><ul>\n"
         yield from (
-            f"<li>{t:.1f} s <b>{name}</b>: {_text(reason)}</li>\n" for t, name, reason in log.decisions
+            f"<li>At {t:.1f} s <b>{name}</b>: {html_text(reason)}</li>\n" for t, name, reason in log.decisions
         )
         yield "</ul>\n"
     yield "</details></section>\n"
 
 
 def _table(group: Sequence[Log]) -> Iterator[str]:
-    names = ("Ego", "Plant", "Outcome", "Min gap", "Min TTC", "Peak deceleration", "Peak a_y", "Messages")
-    yield '<div class="scroll" tabindex="0" role="region" aria-label="Key figures"><table>\n<thead><tr>'
+    names = (
+        "Ego", "Plant", "Outcome", "Least gap", "Least time to collision", "Hardest braking",
+        "Most lateral acceleration", "Messages",
+    )  # fmt: skip
+    yield '<table class="facts">\n<thead><tr>'
     yield "".join(f"<th>{name}</th>" for name in names) + "</tr></thead>\n<tbody>\n"
     has_cases = len({log.scenario.case for log in group}) > 1
     for log in group:
@@ -141,34 +152,50 @@ def _table(group: Sequence[Log]) -> Iterator[str]:
         ego = f"{ego_label(log)}, {case_name(log.scenario)}" if has_cases else ego_label(log)
         cells = (
             ego, (log.plant or "recorded").replace("_", "-"), summarize_outcome(log),
-            _value(key["min_gap_m"], "m", 2),
-            _value(key["min_ttc_s"], "s", 1), _value(key["max_decel_mps2"], "m/s²", 1),
-            _value(key["max_abs_ay_mps2"], "m/s²", 1),
+            _value(key["min_gap_m"], "m", 2), _time_to_collision(log, key["min_ttc_s"]),
+            _value(key["max_decel_mps2"], "m/s²", 1), _value(key["max_abs_ay_mps2"], "m/s²", 1),
             str(len(log.received)) if log.remotes is None else "unknown",
         )  # fmt: skip
         kind = ' class="collided"' if key["collided"] else ""
-        yield f"<tr{kind}>" + "".join(f"<td>{_text(cell)}</td>" for cell in cells) + "</tr>\n"
-    yield "</tbody>\n</table></div>\n"
+        yield (
+            f"<tr{kind}>"
+            + "".join(
+                f'<td data-name="{name}">{html_text(cell)}</td>'
+                for name, cell in zip(names, cells, strict=True)
+            )
+            + "</tr>\n"
+        )
+    yield "</tbody>\n</table>\n"
+
+
+def _time_to_collision(log: Log, along: float | None) -> str:
+    """Least time to collision: with crossing vehicles if there are any, or else along the lane."""
+    times = crossing_times(log)
+    if times is None:
+        return _value(along, "s", 1)
+    ttc = float(times.ttc.min(initial=np.inf))
+    text = f"crossing: {_value(ttc if np.isfinite(ttc) else None, 's', 1)}"
+    return text if times.pet is None else f"{text}; {times.pet:.1f} s between both in the conflict area"
 
 
 def _value(value: float | None, unit: str, digits: int) -> str:
     return "none" if value is None else f"{max(value, 0.0):.{digits}f} {unit}"
 
 
+def _pictures(figures: Sequence[ReportFigure], folder: FilePath | None) -> Iterator[str]:
+    yield '<div class="figures">\n'
+    yield from (_picture(figure, folder) for figure in figures)
+    yield "</div>\n"
+
+
 def _picture(figure: ReportFigure, folder: FilePath | None) -> str:
     stream = io.BytesIO()
-    figure.figure.savefig(stream, format="png", dpi=110)
+    figure.figure.savefig(stream, format="png", dpi=150)
     if folder is not None:
         (folder / f"{figure.name}.png").write_bytes(stream.getvalue())
     data = base64.b64encode(stream.getvalue()).decode("ascii")
-    caption = _text(figure.caption)
+    caption = html_text(figure.caption)
     return (
-        '<figure><div class="scroll" tabindex="0" role="region" aria-label="Figure">'
-        f'<img alt="{caption}" src="data:image/png;base64,{data}"></div>'
+        f'<figure><img alt="{caption}" src="data:image/png;base64,{data}">'
         f"<figcaption>{caption}</figcaption></figure>\n"
     )
-
-
-def _text(text: str) -> str:
-    """Text of any origin as HTML, with numbers and units on one line."""
-    return re.sub(r"(\d) (m/s²|m/s|m|s)\b", "\\1\N{NO-BREAK SPACE}\\2", escape(sanitize_text(text)))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cca_core.plot.style import COLORS, NAMED_COLORS
+from cca_core.plot.style import COLORS, ROLE_COLORS
 from cca_core.report.road_svg import roads_svg
 from cca_core.sim import Log, ima, simulate
 
@@ -14,7 +14,7 @@ TIMES = np.arange(6.0, 16.01, 0.2)  # [s]
 HOLD = 2.0  # of the last pose [s]
 STILL = 10.7  # pose without animation [s]
 BAR = 26.0  # height of a line of text
-KEY = (("ego", COLORS.ego), ("red car", NAMED_COLORS["red"]), ("truck", COLORS.parked))
+KEY = (("ego", COLORS.ego), ("red car", ROLE_COLORS["red"]), ("truck", ROLE_COLORS["truck"]))
 
 STYLE = f"""
 text {{ font: 15px system-ui, sans-serif; fill: {COLORS.ink} }} .b {{ font-weight: 600 }}
@@ -75,7 +75,7 @@ def panel(number: int, log: Log, heading: str, text: str) -> tuple[str, str]:
     vehicle = log.scenario.vehicle
     movers = [(-1, "ego", vehicle.length, vehicle.width, COLORS.ego)]
     for i, user in enumerate(log.scenario.road_users):
-        movers.append((i, user.id, user.length, user.width, NAMED_COLORS.get(user.id, COLORS.parked)))
+        movers.append((i, user.id, user.length, user.width, ROLE_COLORS[user.id]))
     style = "".join(moves(f"{name}{number}", log, i) for i, name, *_ in movers)
     bodies = "".join(car(f"{name}{number}", length, wide, color) for _, name, length, wide, color in movers)
     hit = ""

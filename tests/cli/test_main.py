@@ -162,8 +162,8 @@ def test_report_of_stored_logs(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert (out / "report.html").is_file()
     logs = sorted(map(str, out.glob("*single_track.npz")))
     assert main(["report", *logs, "--out", str(tmp_path / "again" / "page.html")]) == 0
-    assert "Without V2V the ego collides" in table
-    assert "Without V2V the ego collides" in capsys.readouterr().out
+    assert "The ego collides with a" in table
+    assert "The ego collides with a" in capsys.readouterr().out
     assert (tmp_path / "again" / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
 
 

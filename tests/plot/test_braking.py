@@ -15,8 +15,7 @@ def braking(run: Run) -> tuple[Log, Log]:
 
 
 def test_bands_reach_from_rear_to_front_bumper(braking: tuple[Log, Log]) -> None:
-    axes = np.reshape(plot_braking(braking).axes, (3, 2))
-    for log, axis in zip(braking, axes[0], strict=True):
+    for log, axis in zip(braking, plot_braking(braking).axes[:2], strict=True):
         bands = {band.get_label(): band.get_paths()[0].vertices for band in axis.collections}
         assert bands.keys() == {"ego", "yellow", "red"}
         for name, s, length in (
@@ -40,19 +39,19 @@ def test_bands_meet_only_in_a_collision(braking: tuple[Log, Log]) -> None:
     assert not second.texts
 
 
-def test_speeds_and_decelerations_are_those_of_the_log(braking: tuple[Log, Log]) -> None:
-    axes = np.reshape(plot_braking(braking).axes, (3, 2))
-    for log, (_, speed, brake) in zip(braking, axes.T, strict=True):
-        np.testing.assert_array_equal(speed.lines[0].get_ydata(), log.ego[:, 3])
-        np.testing.assert_array_equal(brake.lines[0].get_ydata(), -log.ego[:, 7])
-        np.testing.assert_array_equal(speed.lines[2].get_ydata(), log.road_users[:, 1, 3])
-    assert all("[" in axis.get_ylabel() for axis in axes[:, 0])
+def test_speeds_and_accelerations_are_those_of_the_log(braking: tuple[Log, Log]) -> None:
+    *_, speed, acceleration = plot_braking(braking).axes
+    for i, log in enumerate(braking):
+        np.testing.assert_array_equal(speed.lines[i].get_ydata(), log.ego[:, 3])
+        np.testing.assert_array_equal(acceleration.lines[i].get_ydata(), log.ego[:, 7])
+    assert "[m/s]" in speed.get_ylabel()
+    assert "[m/s²]" in acceleration.get_ylabel()
 
 
 def test_outcomes_are_in_the_titles(braking: tuple[Log, Log]) -> None:
     first, second = plot_braking(braking, outcomes=["collides", "stops"]).axes[:2]
-    assert first.get_title(loc="left") == "Driver without V2V\ncollides"
-    assert second.get_title(loc="left") == "With V2V\nstops"
+    assert first.get_title(loc="left") == "Driver without V2V: collides"
+    assert second.get_title(loc="left") == "With V2V: stops"
 
 
 def test_braking_without_runs_raises() -> None:

@@ -43,7 +43,7 @@ def test_strip_shows_near_vehicles_at_their_positions(waiting: Log) -> None:
                 box = shown[f"{user.id}@{number}"]
                 np.testing.assert_allclose(box.mean(axis=0), (ahead, d), atol=0.02)
                 np.testing.assert_allclose(np.ptp(box, axis=0), (user.length, user.width), atol=0.05)
-    assert {f"ego@{number}" for number in (1, 2, 3)} <= polygons(overview).keys()
+    assert {f"ego@{number}" for number in (1, 2, 3)} <= {text.get_gid() for text in overview.texts}
 
 
 def test_ego_is_shown_at_its_body_not_center_of_gravity(waiting: Log) -> None:

@@ -1,6 +1,5 @@
 from dataclasses import replace
 
-from cca_core.plot.labels import begin_sentence
 from cca_core.report import (
     describe_outcome,
     describe_participants,
@@ -49,7 +48,7 @@ def test_narrative_names_awaited_vehicles(run: Run) -> None:
     assert "until A has passed" in describe_run(waiting)
     assert describe_outcome(waiting) == "ends ahead of R1 and R2"
     assert describe_outcome(stuck) == "ends behind R1 and R2"
-    assert "to the end" in describe_run(stuck)
+    assert "up to the end" in describe_run(stuck)
 
 
 def test_narrative_ends_with_cause_of_last_decision(run: Run) -> None:
@@ -60,8 +59,8 @@ def test_narrative_ends_with_cause_of_last_decision(run: Run) -> None:
     activity, cause = log.reasons[-1]
     assert cause != ""
     begin, _, reason = log.decisions[-1]
-    assert begin_sentence(f"{activity}, from {begin:.1f} s to the end ({cause}), ends") in describe_run(log)
-    assert begin_sentence(f"{reason}, from {begin:.1f} s to the end, ends") in describe_run(
+    assert f"At {begin:.1f} s the ego starts {activity}, up to the end: {cause}. It ends" in describe_run(log)
+    assert f"At {begin:.1f} s the ego starts {reason}, up to the end. It ends" in describe_run(
         replace(log, reasons=())
     )
 
@@ -85,7 +84,7 @@ def test_headline_counts_collisions(run: Run) -> None:
         run("ima", "left-turn", "v2v"), run("maneuver", "2", "sensor"), run("maneuver", "2", "v2v"),
     ]  # fmt: skip
     text = headline(group_by_case(logs))
-    assert "Without V2V the ego collides in 2 of 3 scenarios; with V2V in none." in text
+    assert "a driver in 2 of 2 scenarios, with a sensor alone in 0 of 1 and with V2V in 0 of 3" in text
     assert "case 2" in text
 
 

@@ -1,0 +1,103 @@
+"""Texts of the figures of a report: none cut off, on another text or on a vehicle; and colors."""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from cca_core.plot import plot_layout, plot_tunings
+from cca_core.plot.style import COLORS, COLUMN_WIDTH, ROLE_COLORS, TEXT, VEHICLE_COLORS, assign_colors
+from cca_core.report import report_figures
+from cca_core.sim import Log, paper_scenarios
+from tests.support.paper_runs import Run
+
+pytestmark = pytest.mark.requires("matplotlib")
+
+GROUPS = {
+    "eebl": [("eebl", "A", "driver"), ("eebl", "sensor", "sensor"), ("eebl", "C", "v2v")],
+    "ima": [("ima", "left-turn", "driver"), ("ima", "left-turn", "v2v")],
+    "curbside": [("curbside", "fast", "driver"), ("curbside", "fast", "v2v")],
+    "case_3": [("maneuver", "3", "sensor"), ("maneuver", "3", "v2v")],
+}
+TOUCHING = 1.5  # overlap of two texts that is not visible [px]
+
+
+def visible_texts(figure: Figure) -> Iterator[tuple[str, Bbox]]:
+    """Texts of a figure and their extents [px]."""
+    figure.draw_without_rendering()
+    hidden = {
+        id(label) for axis in figure.axes for side in (axis.xaxis, axis.yaxis)
+        for tick in side.get_major_ticks()
+        for label in (tick.label1, tick.label2)
+        if not side.get_view_interval()[0] - 1e-9 <= tick.get_loc() <= side.get_view_interval()[1] + 1e-9
+    }  # fmt: skip
+    for text in figure.findobj(Text):
+        if text.get_visible() and text.get_text().strip() and id(text) not in hidden:
+            yield text.get_text(), Text.get_window_extent(text)
+
+
+def overlap(a: Bbox, b: Bbox) -> float:
+    """Smaller side of the common part of two boxes [px]."""
+    both = Bbox.intersection(a, b)
+    return 0.0 if both is None else min(both.width, both.height)
+
+
+def faults(figure: Figure) -> list[str]:
+    """Texts that are cut off or overlap."""
+    texts = list(visible_texts(figure))
+    width, height = figure.bbox.size
+    found = [
+        f"cut off: {text}" for text, box in texts
+        if min(box.x0, box.y0) < -1.0 or box.x1 > width + 1.0 or box.y1 > height + 1.0
+    ]  # fmt: skip
+    pairs = combinations(texts, 2)
+    return found + [f"{a[0]} on {b[0]}" for a, b in pairs if overlap(a[1], b[1]) > TOUCHING]
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_no_text_is_cut_off_or_on_another(run: Run, name: str) -> None:
+    for figure in report_figures([run(*each) for each in GROUPS[name]]):
+        assert faults(figure.figure) == [], figure.name
+        assert figure.figure.get_figwidth() == COLUMN_WIDTH
+
+
+def test_no_text_of_the_tunings_is_cut_off_or_on_another(run: Run) -> None:
+    assert faults(plot_tunings(run("maneuver", "1-fast", "v2v"), run("maneuver", "1-smooth", "v2v"))) == []
+
+
+@pytest.mark.parametrize("scenario", paper_scenarios(), ids=lambda s: f"{s.name}-{s.case}-{s.ego_type}")
+def test_no_text_of_a_layout_is_on_a_body(scenario: object) -> None:
+    figure = plot_layout(scenario)
+    assert faults(figure) == []
+    (axis,) = figure.axes
+    bodies = [patch.get_window_extent() for patch in axis.patches if len(patch.get_xy()) == 5][-4:]
+    texts = [Text.get_window_extent(text) for text in axis.texts if text.get_text()]
+    assert max(overlap(body, text) for body in bodies[-2:] for text in texts) < TOUCHING
+
+
+def test_each_role_has_one_color() -> None:
+    ids = {user.id for scenario in paper_scenarios() for user in scenario.road_users}
+    assert ids <= ROLE_COLORS.keys()
+    for scenario in paper_scenarios():
+        names = [user.id for user in scenario.road_users]
+        assert assign_colors(names) == {id_: ROLE_COLORS[id_] for id_ in names}
+    assert len({COLORS.ego, *ROLE_COLORS.values()}) == 1 + len(ROLE_COLORS)
+
+
+def test_other_ids_do_not_take_the_color_of_a_role() -> None:
+    colors = assign_colors(["R1", "van", "bus", "bike"])
+    assert len(set(colors.values())) == 4
+    assert COLORS.ego not in VEHICLE_COLORS
+
+
+def test_texts_are_legible_on_a_phone() -> None:
+    # a figure is 368 px wide on a screen of 400 px
+    assert min(TEXT.tiny, TEXT.legend, TEXT.axis) / 72.0 * 368.0 / COLUMN_WIDTH > 8.0
+
+
+def test_long_ids_and_many_vehicles_stay_legible(hostile: Log) -> None:
+    for figure in report_figures([hostile]):
+        assert len(list(visible_texts(figure.figure))) > 5
