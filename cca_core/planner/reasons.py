@@ -2,8 +2,7 @@
 
 Every text is ``<activity> [<vehicle>]: <what is measured>[, <what is wanted>][; <why not otherwise>]``:
 
-- following R1: gap 21 m, wants 24 m; not passing on the left: R2 12 m behind at 25.0 m/s
-- slowing to 18.3 m/s: curve in 20 m
+following R1: gap 21 m, wants 24 m; not passing on the left: R2 12 m behind at 25.0 m/s
 
 Figures of the ego and of named vehicles are those of the cycle, figures of rejections those of the decision.
 """
@@ -197,9 +196,8 @@ def _hold(c: _Cycle) -> Decision | None:
 
 def _slow_for(c: _Cycle, n: FrenetVehicle) -> Decision:
     if not c.brakes:
-        return c.decision(
-            f"{'stopped' if c.stands else 'holding back'} for {n.id}", c.position(n), vehicle=n.id
-        )
+        verb = "stopped" if c.stands else "holding back"
+        return c.decision(f"{verb} for {n.id}", c.position(n), vehicle=n.id)
     verb, why = "braking" if _brakes_hard(c) else "slowing", _alternative(c) if n is _ahead(c) else ""
     return c.decision(f"{verb} for {n.id}", f"{-c.a_x:.1f} m/s², {c.position(n)}", why, n.id)
 
@@ -284,10 +282,12 @@ def _alternative(c: _Cycle) -> str:
 
 
 def _why_not_passing(c: _Cycle) -> str:
-    """Why vehicles are not passed; nothing if all that is known is that a side has no lane."""
-    causes = {(r.side, r.kind) for r in c.plan.rejections}
-    is_known = len(causes) > 1 or any(kind is not RejectionKind.NO_LANE for _, kind in causes)
-    return not_passing(c.plan.rejections) if is_known else ""
+    """Why vehicles are not passed, other vehicles first; nothing if only a side without a lane is known."""
+    first = "" if c.holder is None else c.holder.id
+    found = [r for r in c.plan.rejections if r.side or r.vehicle_id == first]
+    found.sort(key=lambda r: r.vehicle_id in ("", first))
+    is_known = len({r.side for r in found}) > 1 or any(r.kind is not RejectionKind.NO_LANE for r in found)
+    return not_passing(found) if is_known else ""
 
 
 def _ahead(c: _Cycle) -> FrenetVehicle | None:
