@@ -191,6 +191,10 @@ def test_site_loads_nothing_from_network() -> None:
     assert ast.literal_eval(given["nb_ipywidgets_js"]) == {}
 
 
+def test_site_links_types_of_arguments() -> None:
+    assert "numpydoc_xref_param_type = True" in (DOCS / "conf.py").read_text("utf-8")
+
+
 # --- commands and code of the pages -------------------------------------------------------------------
 
 

@@ -1,4 +1,4 @@
-"""Sentences of the pages and of the public docstrings are short.
+"""Sentences of the pages, the notebooks and the public docstrings are short.
 
 The style guide of CONTRIBUTING.md: short, active sentences. On each page half of the sentences have at
 most 18 words, and none has more than 40. Tables, code, formulas, headings and references do not count.
@@ -6,6 +6,7 @@ most 18 words, and none has more than 40. Tables, code, formulas, headings and r
 
 import importlib
 import inspect
+import json
 import pkgutil
 import statistics
 from collections.abc import Iterator
@@ -20,7 +21,9 @@ ROOT = Path(__file__).resolve().parents[1]
 BUILT = {"generated", "_build"}
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
+    *(ROOT / name for name in ("ros2/README.md", "tests/trials/README.md")),
     *sorted(page for page in (ROOT / "docs").rglob("*.md") if not BUILT & set(page.parts)),
+    *sorted((ROOT / "examples" / "notebooks").glob("*.ipynb")),
 ]
 MAX_MEDIAN = 18  # words, of the sentences of a page
 MAX_WORDS = 40  # in any sentence
@@ -31,6 +34,15 @@ def lengths(text: str) -> dict[str, int]:
     """Words of each sentence."""
     counted = {sentence: count_words(sentence) for sentence in sentences(text)}
     return {sentence: n for sentence, n in counted.items() if n >= MIN_WORDS}
+
+
+def read_page(page: Path) -> str:
+    """Text of a page; of a notebook, that of its markdown cells."""
+    text = page.read_text(encoding="utf-8")
+    if page.suffix != ".ipynb":
+        return text
+    cells = json.loads(text)["cells"]
+    return "\n\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
 
 
 def first_paragraphs() -> Iterator[tuple[str, str]]:
@@ -49,7 +61,7 @@ def first_paragraphs() -> Iterator[tuple[str, str]]:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(ROOT).as_posix())
 def test_page_has_short_sentences(page: Path) -> None:
-    found = lengths(prose(page.read_text(encoding="utf-8")))
+    found = lengths(prose(read_page(page)))
     assert {sentence: n for sentence, n in found.items() if n > MAX_WORDS} == {}
     assert not found or statistics.median(found.values()) <= MAX_MEDIAN
 

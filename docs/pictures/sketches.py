@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch, Polygon, Rectangle
 
 from cca_core import VehicleParams, relax_band
-from cca_core.geometry import boxes
+from cca_core.geometry import box_gap, boxes
 from cca_core.plot.style import COLORS
 from cca_core.v2x import position_bounds
 
@@ -243,6 +243,37 @@ def warning_zones() -> Figure:
     return fig
 
 
+def gap_bound() -> Figure:
+    """Gap of the ego's body to a box along the band, and its bound from the gaps at the nodes."""
+    fig, (plane, graph) = plt.subplots(1, 2, figsize=(7.5, 2.7), layout="constrained")
+    y, box, nodes = 3.4, boxes(0.4, 0.0, 0.5, 4.5, 1.8), np.linspace(-9.0, 9.0, 6)
+
+    def gap(x: np.ndarray) -> np.ndarray:
+        return box_gap(boxes(x, np.full_like(x, y), np.zeros_like(x), 4.5, 1.8), box)
+
+    for x in nodes:
+        outline = boxes(float(x), y, 0.0, 4.5, 1.8).corners()
+        plane.add_patch(Polygon(outline, facecolor=EGO, alpha=0.2, edgecolor=EGO))
+    plane.plot(nodes, np.full_like(nodes, y), "o--", color=EGO, markersize=4, linewidth=1.0)
+    plane.add_patch(Polygon(box.corners(), facecolor=GRAY))
+    plane.text(0.0, y + 1.3, "ego's body at the nodes of the band", color=EGO, ha="center", fontsize=8)
+    plane.set(xlim=(-11.5, 11.5), ylim=(-2.2, 5.6), aspect="equal")
+    plane.axis("off")
+    dense = np.linspace(nodes[1], nodes[-2], 300)
+    graph.plot(dense, gap(dense), color="black", linewidth=1.2, label="gap")
+    at = gap(nodes)
+    graph.plot(nodes, at, "o", color=EGO, label="at the nodes")
+    for i in range(1, len(nodes) - 2):
+        between = np.linspace(nodes[i], nodes[i + 1], 30)
+        before = at[i] + (between - nodes[i]) * (at[i] - at[i - 1]) / (nodes[i] - nodes[i - 1])
+        slope = (at[i + 2] - at[i + 1]) / (nodes[i + 2] - nodes[i + 1])
+        bound = np.maximum(before, at[i + 1] + (between - nodes[i + 1]) * slope)
+        graph.plot(between, bound, color=OTHER, label="bound" if i == 1 else None)
+    graph.set(xlabel="along the band [m]", ylabel="gap [m]", xlim=(-9.5, 9.5), ylim=(-0.4, 6.0))
+    graph.legend(fontsize=8, loc="upper center")
+    return fig
+
+
 def safe_stop() -> Figure:
     """Draw a plan, the part that is driven before the next decision, and its two safe ends."""
     fig, axis = plt.subplots(figsize=(7.5, 2.6), layout="constrained")
@@ -307,7 +338,8 @@ def rig_links() -> Figure:
 
 
 SKETCHES: tuple[Callable[[], Figure], ...] = (
-    reference_points, preview, gap_zone, old_messages, crossing, warning_zones, safe_stop, rig_links,
+    reference_points, preview, gap_zone, old_messages, crossing, warning_zones, gap_bound,
+    safe_stop, rig_links,
 )  # fmt: skip
 
 
