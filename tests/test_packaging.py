@@ -26,6 +26,20 @@ def test_version_is_in_changelog() -> None:
     assert f"## [{cca_core.__version__}]" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
+def test_conda_recipe_agrees_with_project() -> None:
+    recipe = (ROOT / "conda" / "meta.yaml").read_text(encoding="utf-8")
+    listed = set(re.findall(r"^    - (\w+ ?>=.+)$", recipe, re.MULTILINE))
+    wanted = [
+        f"python{PROJECT['requires-python']}",
+        *PROJECT["dependencies"],
+        *WHOLE["build-system"]["requires"],
+    ]
+    assert {name.replace(" ", "") for name in listed} == set(wanted)
+    assert f'set version = "{cca_core.__version__}"' in recipe
+    (command,) = PROJECT["scripts"].items()
+    assert f"    - {' = '.join(command)}\n" in recipe
+
+
 def test_package_is_marked_as_typed() -> None:
     assert files(cca_core).joinpath("py.typed").is_file()
     assert "Typing :: Typed" in PROJECT["classifiers"]
