@@ -159,7 +159,7 @@ def gap_zone() -> Figure:
 def old_messages() -> Figure:
     """Where a car at 20 m/s may be, for messages of different age."""
     ages = (0.0, 0.1, 1.0, 2.0)
-    fig, axes = plt.subplots(len(ages), 1, figsize=(7.5, 3.2), layout="constrained")
+    fig, axes = plt.subplots(len(ages), 1, figsize=(6.5, 3.0), layout="constrained")
     for axis, age in zip(axes, ages, strict=True):
         road(axis, (-28.0, 28.0), (0.0,))
         along, across = position_bounds(20.0, age)
@@ -208,7 +208,7 @@ def crossing() -> Figure:
 
 def warning_zones() -> Figure:
     """Where each warning looks."""
-    fig, axis = plt.subplots(figsize=(7.5, 2.9), layout="constrained")
+    fig, axis = plt.subplots(figsize=(6.5, 2.4), layout="constrained")
     road(axis, (-16.0, 44.0), (-LANE, 0.0, LANE))
     body(axis, 0.0, 0.0, EGO)
     half = 0.5 * CAR.width
@@ -276,7 +276,7 @@ def gap_bound() -> Figure:
 
 def safe_stop() -> Figure:
     """Draw a plan, the part that is driven before the next decision, and its two safe ends."""
-    fig, axis = plt.subplots(figsize=(7.5, 2.6), layout="constrained")
+    fig, axis = plt.subplots(figsize=(6.5, 2.4), layout="constrained")
     road(axis, (8.0, 104.0), stretch=3.0)
     nodes = np.column_stack((np.arange(0.0, 101.0), np.zeros(101)))
     slow = boxes(52.0, -0.2, 0.0, 4.5, 1.8)
@@ -349,7 +349,8 @@ def main() -> None:
         mpl.rcParams.update({"svg.hashsalt": sketch.__name__, "svg.fonttype": "none", "font.size": 10})
         mpl.rcParams["font.family"] = "sans-serif"
         fig = sketch()
-        fig.savefig(Path(__file__).with_name(f"{sketch.__name__}.svg"), metadata={"Date": None})
+        name = Path(__file__).with_name(f"{sketch.__name__}.svg")
+        fig.savefig(name, bbox_inches="tight", pad_inches=0.05, metadata={"Date": None})
         plt.close(fig)
 
 
