@@ -10,15 +10,20 @@ from typing import Any
 import libsumo
 import numpy as np
 
+from cca_core import Path as RoutePath
 from cca_core import Planner, RemoteVehicle
 from cca_core.adapters import SumoWorld
 from cca_core.sim import SingleTrackPlant
 from tests.trials.sumo.glue import CAR, make_radio
+from tests.trials.sumo.lanes import LaneRequests
 from tests.trials.sumo.metrics import min_gap, needed_deceleration, summarize
 from tests.trials.sumo.nets import SCENARIOS, write_net, write_traffic
+from tests.trials.sumo.network import CRUISE_SPEED, write_network, write_network_traffic
 
 STEP = 0.1  # of SUMO; the ego is driven five times as often [s]
 CYCLE = 0.02  # of the ego [s]
+FINISH = 250.0  # before the end of the route, where the ego would begin to stop [m]
+DESIRED = {name: scenario.cruise_speed for name, scenario in SCENARIOS.items()} | {"network": CRUISE_SPEED}
 OPTIONS = (
     *("--no-step-log", "--no-warnings", "--collision.action", "none", "--time-to-teleport", "-1"),
     *("--lanechange.duration", "3", "--default.speeddev", "0", "--end", "1000"),
@@ -28,9 +33,10 @@ OPTIONS = (
 class LeadBraker:
     """Makes the ego's lead brake hard three times in an episode."""
 
-    def __init__(self, seed: int) -> None:
-        self.rng = random.Random(seed + 77)
-        self.times = [self.rng.uniform(*span) for span in ((10.0, 20.0), (30.0, 42.0), (52.0, 64.0))]
+    def __init__(self, seed: int | None) -> None:
+        self.rng = random.Random(0 if seed is None else seed + 77)
+        spans = () if seed is None else ((10.0, 20.0), (30.0, 42.0), (52.0, 64.0))
+        self.times = [self.rng.uniform(*span) for span in spans]
         self.braking: list[tuple[str, float]] = []
 
     def step(self, t: float, lead: str | None) -> None:
@@ -54,18 +60,32 @@ class LeadBraker:
 def begin(name: str, seed: int, folder: Path) -> None:
     """Start SUMO with the net and traffic of a seed."""
     net, size = folder / f"{name}.net.xml", f'length="{CAR.length}" width="{CAR.width}"'
-    traffic = write_traffic(name, seed, folder, size)
-    files = "-n", str(net if net.exists() else write_net(name, folder)), "-r", str(traffic)
+    if name == "network":
+        net, traffic = write_network(folder), write_network_traffic(seed, folder, size)
+    else:
+        net = net if net.exists() else write_net(name, folder)
+        traffic = write_traffic(name, seed, folder, size)
+    files = "-n", str(net), "-r", str(traffic)
     libsumo.start(["sumo", *files, "--step-length", str(STEP), "--seed", str(seed), *OPTIONS])
-    libsumo.simulationStep()
+    while "ego" not in libsumo.vehicle.getIDList():
+        libsumo.simulationStep()
+
+
+def has_finished(name: str) -> bool:
+    """Whether the ego is near the end of its route, or has left it."""
+    if "ego" not in libsumo.vehicle.getIDList():
+        return True
+    lane = libsumo.vehicle.getLaneID("ego")
+    at_end = lane.startswith("out_" if name == "network" else "e_")
+    return at_end and libsumo.vehicle.getLanePosition("ego") > libsumo.lane.getLength(lane) - FINISH
 
 
 def baseline(name: str, seed: int, folder: Path, duration: float) -> float:
     """Mean speed of SUMO's own driver as the ego [m/s]."""
     begin(name, seed, folder)
-    braker, speeds = LeadBraker(seed), []
+    braker, speeds = LeadBraker(seed if name != "network" else None), []
     for k in range(int(duration / STEP)):
-        if "ego" not in libsumo.vehicle.getIDList():
+        if has_finished(name):
             break
         speeds.append(libsumo.vehicle.getSpeed("ego"))
         lead = libsumo.vehicle.getLeader("ego", 150.0)
@@ -78,32 +98,50 @@ def baseline(name: str, seed: int, folder: Path, duration: float) -> float:
 class EgoDrive:
     """The planner's ego on its plant in a running SUMO."""
 
-    def __init__(self, name: str, seed: int, by_radio: bool) -> None:
-        scenario, self.radio = SCENARIOS[name], make_radio(seed) if by_radio else None
+    def __init__(self, name: str, seed: int, *, by_radio: bool, keep_lane: bool) -> None:
+        self.radio = make_radio(seed) if by_radio else None
         self.world = SumoWorld("ego", CAR, turn_distance=0.0 if by_radio else None)
         road, state = self.world.read_road(), self.world.ego_state()
         self.plant = SingleTrackPlant(CAR, state)
-        self.planner, self.path = Planner(CAR, road, cruise_speed=scenario.cruise_speed), road.path
-        self.s, self.d, self.gap, self.needed = (
-            float(self.path.project((state.x, state.y))[0]),
-            0.0,
-            99.0,
-            0.0,
-        )
+        self.planner = Planner(CAR, road, cruise_speed=DESIRED[name])
+        self.requests = None if keep_lane else LaneRequests()
+        self.s, self.d, self.gap, self.needed = self._station(), 0.0, 99.0, 0.0
+        self.known: Sequence[RemoteVehicle] = self.world.remotes()
         self.rows: list[dict[str, Any]] = []
         self.cpu: list[float] = []
 
+    @property
+    def path(self) -> RoutePath:
+        """The route."""
+        return self.planner.road.path
+
+    def _station(self) -> float:
+        """Return the ego's station on the route."""
+        return float(self.path.project((self.plant.state.x, self.plant.state.y))[0])
+
     def step(self, t: float) -> None:
         """Drive one step of SUMO."""
+        if self.requests is not None:
+            self._choose_lane(t)
         for j in range(5):
             self._cycle(t + CYCLE * j, self.world.remotes(CYCLE * j), measure=j in (0, 3))
             if self.gap < 0.0:
                 break
 
+    def _choose_lane(self, t: float) -> None:
+        """Ask for lane changes; once the ego has left a lane that ends, go on along its new one."""
+        cars = libsumo.vehicle
+        reaches = [lane[1] - cars.getLanePosition("ego") for lane in cars.getBestLanes("ego")]
+        has_changed = self.planner.lane != 0.0 and self.planner.requested_lane is None
+        if has_changed and self.path.end - self.s < max(reaches) - 50.0:
+            self.planner.set_route(self.world.read_road())
+            self.s = self._station()
+        self.requests.update(t, self.planner, self.plant.state, self.s, self.known, reaches)
+
     def _cycle(self, t: float, near: Sequence[RemoteVehicle], measure: bool) -> None:
         """Drive one cycle and record it; `measure` whether the needed deceleration is measured."""
         state = self.plant.state
-        known = self.radio.exchange(t, near, state) if self.radio else near
+        self.known = known = self.radio.exchange(t, near, state) if self.radio else near
         awareness_range = 0.0 if self.radio and self.radio.tracker.is_saturated(t) else math.inf
         begun = time.thread_time()
         command = self.planner.step(t, state, known, awareness_range=awareness_range)
@@ -131,13 +169,16 @@ class EgoDrive:
         return min(ahead)[1] if ahead else None
 
 
-def episode(name: str, seed: int, folder: Path, duration: float, by_radio: bool) -> dict[str, Any]:
+def episode(
+    name: str, seed: int, folder: Path, duration: float, *, by_radio: bool = False, keep_lane: bool = False
+) -> dict[str, Any]:
     """Figures of one episode."""
     begin(name, seed, folder)
-    braker, ego = LeadBraker(seed), EgoDrive(name, seed, by_radio)
+    braker = LeadBraker(seed if name != "network" else None)
+    ego = EgoDrive(name, seed, by_radio=by_radio, keep_lane=keep_lane)
     for k in range(int(duration / STEP)):
         ego.step(STEP * k)
-        if ego.gap < 0.0 or ego.s > ego.path.length - 150.0:
+        if ego.gap < 0.0 or has_finished(name):
             break
         if k % 5 == 0:
             braker.step(STEP * k, ego.lead())
