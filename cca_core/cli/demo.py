@@ -5,6 +5,7 @@ longest part without tight curves of a route in GPS coordinates.
 """
 
 import argparse
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from cca_core.cli.results import drive_all, print_table, write_results
 from cca_core.errors import InputError
 from cca_core.path import LocalFrame, Path, Waypoints, fit_path, read_waypoints
-from cca_core.sim import demo_route, longest_stretch, paper_scenarios
+from cca_core.sim import demo_route, eebl, longest_stretch, paper_scenarios
 
 __all__ = ["run"]
 
@@ -27,10 +28,16 @@ def run(given: argparse.Namespace) -> int:
         raise InputError(f"--only must be one of {', '.join(_NAMES)}, was {given.only!r}")
     road = _fit_road(demo_route() if given.route is None else read_waypoints(given.route), given.km)
     scenarios = paper_scenarios(road, start=road.start + _MARGIN)
-    chosen = [scenario for scenario in scenarios if given.only in (None, scenario.name)]
+    # between this run and the one with the sensor alone only the messages to the ego change
+    only_ego = replace(eebl("sensor"), case="B-hard", ego_type="v2v")
+    chosen = [scenario for scenario in (*scenarios, only_ego) if given.only in (None, scenario.name)]
     runs = [("single_track", scenario) for scenario in chosen]
     if find_spec("vehiclemodels"):
-        runs += [("multi_body", scenario) for scenario in chosen if scenario.ego_type != "sensor"]
+        runs += [
+            ("multi_body", scenario)
+            for scenario in chosen
+            if scenario.ego_type != "sensor" and scenario is not only_ego
+        ]
     logs = drive_all(runs, given.seed)
     print_table(logs)
     write_results(logs, given.out)

@@ -52,7 +52,7 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
     if not logs:
         raise InputError("logs must hold at least one run")
     n = len(logs)
-    figure = new_figure(1.5 * n + 3.2, COLUMN_WIDTH)
+    figure = new_figure(1.4 * n + 3.3, COLUMN_WIDTH)
     axes = figure.subplots(n + 2, 1, sharex=True, squeeze=False, height_ratios=[1.4] * n + [1.0, 1.0])[:, 0]
     *positions, speed, acceleration = axes
     palette = assign_colors([user.id for log in logs for user in log.scenario.road_users])
@@ -66,13 +66,15 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
         if log.t[-1] < last - 0.1:
             position.axvspan(log.t[-1], last, color=COLORS.road, linewidth=0.0, zorder=0)
         color, line, _ = EGO_TYPE_STYLES[log.scenario.ego_type]
+        if log.scenario.v2v and not all(user.connected for user in log.scenario.road_users):
+            line = ":"
         speed.plot(log.t, log.ego[:, 3], line, color=color, label=ego_label(log))
         acceleration.plot(log.t, log.ego[:, 7], line, color=color)
     speed.set_ylabel("ego's speed\n[m/s]")
     acceleration.set(ylabel="ego's accel.\na_x [m/s²]", xlabel="time [s]", xlim=(first, last))
     color_legend(figure, {"ego": COLORS.ego, **palette}, loc="outside upper left")
     figure.legend(
-        *speed.get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=TEXT.legend,
+        *speed.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=TEXT.legend,
         frameon=False, columnspacing=1.0,
     )  # fmt: skip
     set_text_sizes(figure)

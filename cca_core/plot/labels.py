@@ -18,6 +18,7 @@ NAMES = {
     "maneuver": "Maneuvering in traffic",
     ("eebl", "A"): "no vehicle connected",
     ("eebl", "B"): "only the ego connected",
+    ("eebl", "B-hard"): "only the ego connected",
     ("eebl", "C"): "ego and yellow connected",
     ("eebl", "C-gentle"): "both connected, braking gently",
     ("eebl", "D"): "only yellow connected",
@@ -63,6 +64,12 @@ def title(log: Log) -> str:
     return f"{scenario_name(log.scenario)}: {ego_label(log)}"
 
 
+def title_lines(log: Log) -> str:
+    """Name of a run on lines that fit a figure as wide as a column."""
+    name = title(log)
+    return name if len(name) < 44 else fill_text(name.replace(": ", ":\n"), 46)
+
+
 def scenario_name(scenario: Scenario, *, cased: bool = True) -> str:
     """Name of a scenario in words, such as ``"Maneuvering in traffic, case 2"``."""
     name = NAMES.get(scenario.name, scenario.name)
@@ -77,8 +84,11 @@ def case_name(scenario: Scenario) -> str:
 
 
 def ego_label(log: Log) -> str:
-    """Ego type of a run in words, such as ``"driver without V2V"``."""
-    return NAMES[log.scenario.ego_type]
+    """Ego type of a run in words, such as ``"driver without V2V"``, and the vehicles without a radio."""
+    silent = [user.id for user in log.scenario.road_users if not user.connected]
+    if not log.scenario.v2v or not silent:
+        return NAMES[log.scenario.ego_type]
+    return f"with V2V, {join_names(silent) if len(silent) < 3 else 'some vehicles'} without"
 
 
 def run_heading(log: Log, outcomes: Sequence[str], i: int, separator: str = ": ") -> str:
@@ -88,7 +98,8 @@ def run_heading(log: Log, outcomes: Sequence[str], i: int, separator: str = ": "
 
 def fill_text(text: str, width: int) -> str:
     """Text on lines of at most some characters, in which numbers and their units stay together."""
-    return fill(re.sub(r"(\d) (m/s²|m/s|m|s)\b", "\\1\N{NO-BREAK SPACE}\\2", text), width)
+    whole = re.sub(r"(\d) (m/s²|m/s|m|s)\b", "\\1\N{NO-BREAK SPACE}\\2", text)
+    return "\n".join(fill(line, width) for line in whole.split("\n"))
 
 
 def begin_sentence(text: str) -> str:

@@ -90,7 +90,7 @@ class TextSizes:
     legend: float = 8.0
     axis: float = 8.5
     note: float = 9.0
-    heading: float = 9.5
+    heading: float = 9.0
     title: float = 10.5
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._optional import require_extra
 from cca_core.plot.labels import escape_figure_text, sanitize_text
 from cca_core.plot.style import TEXT, darken
 
@@ -35,7 +36,8 @@ class TextSlots:
     def occupy(self, points: Array) -> None:
         """Keep texts off the box around points of the axis."""
         pixels = self._axis.transData.transform(points)
-        self._occupied.append(np.concatenate((pixels.min(axis=0), pixels.max(axis=0))))
+        # a point or a line takes space, too
+        self._occupied.append(np.concatenate((pixels.min(axis=0) - 1.0, pixels.max(axis=0) + 1.0)))
 
     def write(
         self, text: str, xy: Sequence[float], color: str, offsets: Iterable[Offset], *, must: bool = True,
@@ -48,13 +50,15 @@ class TextSlots:
         ground = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 0.3}
         options = {"fontsize": TEXT.legend, "zorder": 6, "bbox": ground} | options
         note = self._axis.annotate(
-            sanitize_text(text), xy, (0.0, 0.0), textcoords="offset points",
+            "\n".join(map(sanitize_text, text.split("\n"))), xy, (0.0, 0.0), textcoords="offset points",
             color=darken(color), annotation_clip=False, parse_math=False, **options,
         )  # fmt: skip
         found: list[tuple[float, Offset, Array]] = []
+        extent = require_extra("matplotlib.text", "plot").Text.get_window_extent
         for dx, dy, ha, va in offsets:
             note.set(position=(dx, dy), ha=ha, va=va)
-            box = note.get_window_extent()
+            note.get_window_extent()  # updates the position; its result has the line in it, too
+            box = extent(note)
             extents = np.array([box.x0, box.y0, box.x1, box.y1]) + self._padding * np.array([-1, -1, 1, 1])
             overlap = self._overlap(extents)
             found.append((overlap, (dx, dy, ha, va), extents))
@@ -65,6 +69,8 @@ class TextSlots:
             note.remove()
             return False
         note.set(position=(dx, dy), ha=ha, va=va)
+        if note.arrow_patch is not None:  # a text next to its point needs no line to it
+            note.arrow_patch.set_visible(abs(dy) > 16.0)
         self._occupied.append(extents)
         return True
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.plot.crossing_times import crossing_times
-from cca_core.plot.labels import action_words, escape_figure_text, fill_text, title
+from cca_core.plot.labels import action_words, escape_figure_text, title_lines
 from cca_core.plot.style import (
     ACTION_COLORS,
     COLORS,
@@ -64,7 +64,7 @@ def plot_time_series(log: Log) -> "Figure":
     axes[-1].set_xlabel("time [s]")
     _draw_actions(bar, axes, log)
     bar.set_xlim(log.t[0], log.t[-1])
-    figure.suptitle(fill_text(title(log), 46), x=0.02, ha="left", weight="bold", fontsize=TEXT.title)
+    figure.suptitle(title_lines(log), x=0.02, ha="left", weight="bold", fontsize=TEXT.title)
     figure.align_ylabels()
     set_text_sizes(figure)
     return escape_figure_text(figure)

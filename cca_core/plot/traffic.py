@@ -11,7 +11,7 @@ from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.plot.frenet_boxes import frenet_corners
 from cca_core.plot.key_frames import KeyFrame, key_frames
-from cca_core.plot.labels import escape_figure_text, fill_text, title
+from cca_core.plot.labels import escape_figure_text, fill_text, title_lines
 from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, assign_colors, darken, draw_lanes, set_text_sizes
 from cca_core.plot.text_slots import TextSlots, offsets_around
 from cca_core.sim import Log
@@ -73,7 +73,7 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str
     if not frames:
         raise InputError("times must hold at least one time")
     sheet = _SHEET
-    head, caption = fill_text(title(log), 46), fill_text(caption, sheet.characters + 4)
+    head, caption = title_lines(log), fill_text(caption, sheet.characters + 4)
     titles = [
         fill_text(f"{i}   {frame.t:.1f} s   {frame.text}", sheet.characters)
         for i, frame in enumerate(frames, 1)
@@ -187,9 +187,6 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
     axis.plot(*behind.T, color=COLORS.ego, linewidth=1.2)
     axis.plot(*ahead.T, color=COLORS.ego, linewidth=1.0, linestyle=":")
     slots, inside, outside = TextSlots(axis), [], []
-    for point in np.concatenate((behind, ahead))[::10]:
-        if _VIEW[0] < point[0] < _VIEW[1]:
-            slots.occupy(point[None])
     oncoming = {user.id for user in log.scenario.road_users if user.direction < 0}
     for id_, box, v in _boxes(log, row):
         box = box - (s, 0.0)
@@ -215,12 +212,21 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
                 if is_ahead
                 else f"\u25c2 {text}, {abs(x):.0f} m behind"
             )
-            shifts = [(dx, dy) for dy in (0.0, 11.0, -11.0, 22.0, -22.0) for dx in (4.0, 60.0)]
+            shifts = [(4.0, dy) for dy in (0.0, 11.0, -11.0)] + [
+                (60.0, dy) for dy in (0.0, 11.0, -11.0, 22.0, -22.0)
+            ]
             side = "right" if is_ahead else "left"
             border = [(-dx if is_ahead else dx, dy, side, "center") for dx, dy in shifts]
             outside.append((text, (_VIEW[is_ahead], d), palette[id_], border))
-    for text, xy, color, offsets in inside + outside:
+    for text, xy, color, offsets in outside:  # in their lanes, even on the ego's path
         slots.write(text, xy, color, offsets)
+    for point in np.concatenate((behind, ahead))[::5]:
+        if _VIEW[0] < point[0] < _VIEW[1]:
+            slots.occupy(point[None])
+    for text, xy, color, offsets in inside:
+        slots.write(
+            text, xy, color, offsets, arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.7}
+        )
 
 
 def _draw_road(axis: Any, log: Log, view: tuple[float, float]) -> None:

@@ -183,7 +183,7 @@ def _data(log: Log, view: View) -> dict[str, Any]:
         "known": ["".join(known[rows, i]) for i in range(len(users))],
         "received": _rings(log),
         "actions": [
-            [round(t - start, 3), action_words(name), sanitize_text(begin_sentence(reason))]
+            [round(t - start, 3), action_words(name), sanitize_text(reason)]
             for t, name, reason in log.decisions
         ],
         "collision": None if collision is None else sanitize_text(str(collision)),

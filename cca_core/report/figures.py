@@ -18,7 +18,7 @@ from cca_core.plot import (
 )
 from cca_core.plot.labels import begin_sentence, ego_label
 from cca_core.report.narrative import describe_run, summarize_outcome
-from cca_core.report.selection import baseline_and_v2v, group_by_case, one_run_per_ego
+from cca_core.report.selection import baseline_and_v2v, compared_runs, group_by_case
 from cca_core.sim import Log, RoadUser, Scenario
 
 if TYPE_CHECKING:
@@ -76,9 +76,9 @@ def report_figures(group: Sequence[Log]) -> Iterator[ReportFigure]:
     yield ReportFigure(
         name=_file_name(scenario.paper_figures[:n_layouts], slug, "layout"),
         figure=plot_layout(_at_start(pair[-1])),
-        caption="The start. The dotted line is the ego's route; arrows show the distance of one second.",
+        caption="The start. The dotted line is the ego's route; arrows show the directions.",
     )  # fmt: skip
-    yield from _comparison(one_run_per_ego(group), pair, slug)
+    yield from _comparison(compared_runs(group), pair, slug)
     for log in pair if not scenario.other_roads else ():
         yield ReportFigure(
             name=_file_name(frames, slug, log.scenario.ego_type, "frames"),
@@ -103,13 +103,13 @@ def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator
             name=_file_name(numbers, slug, "bumper_to_bumper"),
             figure=plot_braking(runs, outcomes=list(map(summarize_outcome, runs))),
             caption="Each band reaches from the rear to the front bumper of a vehicle. Where two bands meet, "
-            "the vehicles collide. Below: speeds and decelerations. Counterpart of Figs 6 and 7.",
+            "the vehicles collide. Below: speed and acceleration of the ego. Counterpart of Figs 6 and 7.",
         )
     elif scenario.other_roads and scenario.road_users:
         yield ReportFigure(
             name=_file_name(numbers, slug, "from_above"),
             figure=plot_crossing(pair, outcomes=list(map(summarize_outcome, pair))),
-            caption="Bodies each second, numbered by the time in seconds; below, its station over time. "
+            caption="Bodies every two seconds, numbered by the time in seconds; below, the ego over time. "
             "In the red area the ego would collide. Counterpart of Fig 9.",
         )
     parked = next((user.id for user in scenario.road_users if _is_parked(runs, user)), None)
@@ -117,7 +117,7 @@ def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator
         yield ReportFigure(
             name=_file_name(numbers, slug, "paths"),
             figure=plot_passing(runs, parked, outcomes=list(map(summarize_outcome, runs))),
-            caption=f"How the ego passes {parked}: bodies each half second, to scale, then the ego's "
+            caption=f"How the ego passes {parked}: bodies each second, to scale, then the ego's "
             "paths with the width drawn larger. Counterpart of Figs 11 and 12.",
         )
 

@@ -36,12 +36,15 @@ def headline(groups: Sequence[Sequence[Log]]) -> str:
         return f"{runs}; none of them both with and without V2V. The ego {end}."
     shown_runs = [log for group in groups for log in one_run_per_ego(group)]
     parts: list[str] = []
-    for ego_type, name in (("driver", "a driver"), ("sensor", "a sensor alone"), ("v2v", "V2V")):
+    for ego_type, condition in (
+        ("driver", "if a person drives"), ("sensor", "if a program drives with its sensor alone"),
+        ("v2v", "with V2V"),
+    ):  # fmt: skip
         chosen = [log for log in shown_runs if log.scenario.ego_type == ego_type]
         if chosen:
             k, n = sum(first_collision(log) is not None for log in chosen), len(chosen)
             unit = "" if parts else " scenario" if n == 1 else " scenarios"
-            parts.append(f"with {name} in {k} of {n}{unit}")
+            parts.append(f"in {k} of {n}{unit} {condition}")
     text = f"The ego collides {join_names(parts)}."
     freed = [
         pair[1]
@@ -51,7 +54,7 @@ def headline(groups: Sequence[Sequence[Log]]) -> str:
     ]
     if freed:
         names = join_names([case_name(log.scenario) for log in freed])
-        text += f" When maneuvering ({names}) it stays behind slow traffic without V2V"
+        text += f" When maneuvering ({names}) the ego stays behind slow traffic without V2V"
         text += " and passes it with V2V."
     return text
 
@@ -123,7 +126,8 @@ def describe_run(log: Log) -> str:
         elif Action(name).is_evading:
             events.append((begin, f"it starts {activity}."))
         elif is_last and i > 0:
-            events.append((begin, "it is back in its lane."))
+            was_evading = Action(log.decisions[i - 1][1]).is_evading
+            events.append((begin, "it is back in its lane." if was_evading else "it drives on."))
     collision = first_collision(log)
     end_of_run = f" It {describe_outcome(log)}, at {log.ego[-1, 3]:.0f} m/s."
     if collision is not None:
@@ -198,7 +202,8 @@ def describe_outcome(log: Log) -> str:
     if collided:
         return f"collides with {join_names(collided)}"
     ahead = ahead_at_ends(log)
-    slower = [i for i, user in enumerate(users) if user.direction > 0 and ahead[0, i]]
+    along = [user.direction > 0 and user.route is None for user in users]
+    slower = [i for i, is_along in enumerate(along) if is_along and ahead[0, i]]
     passed = [users[i].id for i in slower if not ahead[-1, i]]
     missed = [users[i].id for i in slower if ahead[-1, i]]
     parts = [f"{where} {join_names(ids)}" for where, ids in (("ahead of", passed), ("behind", missed)) if ids]

@@ -21,7 +21,7 @@ from cca_core.report.html_text import html_text
 from cca_core.report.narrative import describe_participants, describe_run, headline, summarize_outcome
 from cca_core.report.overview import card, first_animation, source_of, swatches, words_used
 from cca_core.report.scenario_texts import describe_situation, paper_figures
-from cca_core.report.selection import baseline_and_v2v, compares_v2v, group_by_case, one_run_per_ego
+from cca_core.report.selection import baseline_and_v2v, compared_runs, compares_v2v, group_by_case
 from cca_core.sim import Log
 
 _REASON_WORDS = (
@@ -110,7 +110,7 @@ def _ego(log: Log) -> str:
 
 
 def _section(i: int, name: str, number: int, group: Sequence[Log], folder: FilePath | None) -> Iterator[str]:
-    runs = one_run_per_ego(group)
+    runs = compared_runs(group)
     scenario = runs[-1].scenario
     source = paper_figures(scenario)
     heading = f"{html_text(name)} <small>{source}</small>" if source else html_text(name)
@@ -119,16 +119,18 @@ def _section(i: int, name: str, number: int, group: Sequence[Log], folder: FileP
     yield f"<p>{html_text(describe_participants(runs[-1]))}</p>\n"
     yield animate(runs, standalone=False)
     yield from (f'<p class="note">{html_text(text)}</p>\n' for text in describe_differences(runs))
-    yield "<h3>What happens</h3>\n<ul>\n"
-    yield from (f"<li><b>{_ego(log)}.</b> {html_text(describe_run(log))}</li>\n" for log in runs)
-    yield "</ul>\n"
-    yield from _table(group)
     figures = list(report_figures(group))
     if number > 1:
         figures = [replace(figure, name=f"{figure.name}_{number}") for figure in figures]
-    yield from _pictures([figure for figure in figures if not figure.detail], folder)
+    layout, *others = figures
+    yield f'<div class="figures"><div>{_picture(layout, folder)}<h3>What happens</h3>\n<ul>\n'
+    yield from (f"<li><b>{_ego(log)}.</b> {html_text(describe_run(log))}</li>\n" for log in runs)
+    yield "</ul></div>\n"
+    yield from (_picture(figure, folder) for figure in others if not figure.detail)
+    yield "</div>\n"
+    yield from _table(group)
     yield "<details><summary>More figures and every decision</summary>\n"
-    yield from _pictures([figure for figure in figures if figure.detail], folder)
+    yield from _pictures([figure for figure in others if figure.detail], folder)
     yield f'<p class="note">{_REASON_WORDS}</p>\n'
     for log in runs:
         yield f"<p><b>{_ego(log)}</b></p><ul>\n"
@@ -141,8 +143,8 @@ def _section(i: int, name: str, number: int, group: Sequence[Log], folder: FileP
 
 def _table(group: Sequence[Log]) -> Iterator[str]:
     names = (
-        "Ego", "Plant", "Outcome", "Least gap", "Least time to collision", "Hardest braking",
-        "Most lateral acceleration", "Messages",
+        "Ego", "Plant", "Outcome", "Smallest gap", "Shortest time to collision", "Hardest braking",
+        "Peak lateral acceleration", "Messages",
     )  # fmt: skip
     yield '<table class="facts">\n<thead><tr>'
     yield "".join(f"<th>{name}</th>" for name in names) + "</tr></thead>\n<tbody>\n"
@@ -174,7 +176,9 @@ def _time_to_collision(log: Log, along: float | None) -> str:
     if times is None:
         return _value(along, "s", 1)
     ttc = float(times.ttc.min(initial=np.inf))
-    text = f"crossing: {_value(ttc if np.isfinite(ttc) else None, 's', 1)}"
+    if log.collision_row is not None:
+        return "0.0 s, crossing"
+    text = f"{_value(ttc if np.isfinite(ttc) else None, 's', 1)}, crossing"
     return text if times.pet is None else f"{text}; {times.pet:.1f} s between both in the conflict area"
 
 

@@ -155,7 +155,7 @@
     this.svg.classList.toggle("over", Boolean(collision));
     this.state.textContent = (t + data.start).toFixed(1) + " s: the ego " + action[1] + ", " +
       speed.toFixed(1) + " m/s";
-    this.why.textContent = collision || action[2];
+    this.why.textContent = collision || "Decided at " + (action[0] + data.start).toFixed(1) + " s: " + action[2];
     this.why.classList.toggle("cca-collision", Boolean(collision));
   };
   function start(root) {

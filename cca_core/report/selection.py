@@ -63,6 +63,23 @@ def one_run_per_ego(group: Sequence[Log]) -> list[Log]:
     return [best[ego][1] for ego in _EGO_ORDER if ego in best]
 
 
+def compared_runs(group: Sequence[Log]) -> list[Log]:
+    """Choose the runs that are shown next to each other: each ego type, and V2V with each set of vehicles.
+
+    On the plant of `one_run_per_ego`; with V2V the fewest connected vehicles come first.
+    """
+    chosen = one_run_per_ego(group)
+    others = {
+        tuple(user.connected for user in log.scenario.road_users): log
+        for log in reversed(group)
+        if log.scenario.v2v and log.plant == chosen[-1].plant
+    }
+    with_v2v = sorted(
+        others.values(), key=lambda log: sum(user.connected for user in log.scenario.road_users)
+    )
+    return [log for log in chosen if not log.scenario.v2v] + with_v2v
+
+
 def baseline_and_v2v(group: Sequence[Log]) -> list[Log]:
     """Choose the runs that show what V2V changed.
 

@@ -148,7 +148,7 @@ def test_demo_without_matplotlib_names_the_extra(tmp_path: Path) -> None:
     result = run("demo", "--only", "eebl", "--out", "out", code=BLOCK_MATPLOTLIB, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert "pip install 'cca-planner[plot]'" in result.stderr
-    assert len(list((tmp_path / "out").glob("*.npz"))) == 3
+    assert len(list((tmp_path / "out").glob("*.npz"))) == 4
     report = run("report", "out", code=BLOCK_MATPLOTLIB, cwd=tmp_path)
     assert report.returncode == 2
     assert "pip install 'cca-planner[plot]'" in report.stderr
@@ -162,8 +162,8 @@ def test_report_of_stored_logs(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert (out / "report.html").is_file()
     logs = sorted(map(str, out.glob("*single_track.npz")))
     assert main(["report", *logs, "--out", str(tmp_path / "again" / "page.html")]) == 0
-    assert "The ego collides with a" in table
-    assert "The ego collides with a" in capsys.readouterr().out
+    assert "The ego collides in" in table
+    assert "The ego collides in" in capsys.readouterr().out
     assert (tmp_path / "again" / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
 
 

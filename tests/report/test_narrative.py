@@ -84,7 +84,8 @@ def test_headline_counts_collisions(run: Run) -> None:
         run("ima", "left-turn", "v2v"), run("maneuver", "2", "sensor"), run("maneuver", "2", "v2v"),
     ]  # fmt: skip
     text = headline(group_by_case(logs))
-    assert "a driver in 2 of 2 scenarios, with a sensor alone in 0 of 1 and with V2V in 0 of 3" in text
+    assert "in 2 of 2 scenarios if a person drives, in 0 of 1 if a program" in text
+    assert "and in 0 of 3 with V2V" in text
     assert "case 2" in text
 
 

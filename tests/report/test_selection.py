@@ -1,7 +1,14 @@
 from dataclasses import replace
 
 from cca_core.report import baseline_and_v2v, group_by_case, one_run_per_ego
+from cca_core.report.selection import compared_runs
 from tests.support.paper_runs import Run
+
+
+def test_compared_runs_change_one_thing_at_a_time(run: Run) -> None:
+    names = ("C", "B", "sensor", "A")
+    logs = [run("eebl", name, "") for name in names]
+    assert [log.scenario.case for log in compared_runs(group_by_case(logs)[0])] == ["A", "sensor", "B", "C"]
 
 
 def test_groups_and_their_runs_are_in_order(run: Run) -> None:

@@ -29,7 +29,7 @@ PROBE = """
     [...svg.querySelectorAll(".world, .car")].map((part) => part.getAttribute("transform")).join());
   const seek = (range, t) => { range.value = t; range.dispatchEvent(new Event("input", {bubbles: true})); };
   const roots = [...document.querySelectorAll(".cca")];
-  const moved = [];
+  const moved = [], crowded = [];
   let starts = null, keys = null;
   if (roots.length) {
     const button = roots[0].querySelector("button"), range = roots[0].querySelector("input");
@@ -54,6 +54,26 @@ PROBE = """
     const own = [...root.querySelectorAll(".cca-run svg")].map((svg) =>
       [...document.querySelectorAll(".cca-run svg")].indexOf(svg));
     moved.push(own.every((i) => before[i] !== after[i]));
+    for (const part of [0, 0.3, 0.5, 0.7, 1]) {
+      seek(range, part * Number(range.max));
+      for (const svg of root.querySelectorAll("svg")) {
+        const frame = svg.getBoundingClientRect();
+        const texts = [...svg.querySelectorAll(".labels text")].filter((e) => e.textContent);
+        const boxes = texts.map((e) => e.getBoundingClientRect());
+        boxes.forEach((a, i) => {
+          if (a.left < frame.left - 1 || a.right > frame.right + 1 || a.top < frame.top - 1) {
+            crowded.push("cut off: " + texts[i].textContent);
+          }
+          boxes.slice(i + 1).forEach((b, j) => {
+            const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+            const tall = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+            if (Math.min(wide, tall) > 4) {
+              crowded.push(texts[i].textContent + " on " + texts[i + 1 + j].textContent);
+            }
+          });
+        });
+      }
+    }
     seek(range, 0);
   }
   let plays = null;
@@ -67,12 +87,11 @@ PROBE = """
     window.scrollTo(0, 0);
   }
   const wide = [...document.querySelectorAll("body *")].filter((e) => !e.closest("svg") &&
-    e.getBoundingClientRect().right > window.innerWidth + 1 &&
-    !e.closest(".scroll")).map((e) => e.tagName + "." + e.className);
+    e.getBoundingClientRect().right > window.innerWidth + 1).map((e) => e.tagName + "." + e.className);
   const broken = [...document.images].filter((i) => !i.complete || !i.naturalWidth).length;
   const top = [...document.querySelectorAll("[data-first]")].map((e) => e.getBoundingClientRect().top);
   return {width: window.innerWidth, page: document.documentElement.scrollWidth,
-    wide, broken, moved, starts, keys, plays,
+    wide, broken, moved, crowded, starts, keys, plays,
     height: document.documentElement.scrollHeight, images: document.images.length, top,
     text: document.body.innerText.slice(0, 600),
     nan: [document.body.innerText, ...[...document.querySelectorAll("svg")].map((e) => e.outerHTML)]
@@ -226,6 +245,7 @@ def faults(found: dict[str, Any]) -> list[str]:
         "asks for other files": found["requests"],
         "broken images": found["broken"],
         "no numbers": found["nan"],
+        "texts of an animation overlap or are cut off": found["crowded"],
         "nothing moves": not all(found["moved"]),
         "does not play": found["plays"] is False,
         "does not obey keys": found["keys"] is False,
