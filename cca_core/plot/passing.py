@@ -111,7 +111,7 @@ def _draw_strip(axis: Any, log: Log, base: float, *, period: float = 1.0) -> Non
     last = len(log.t) - 1 if collision is None else row_at(log, collision.t)
     rows = np.arange(last, -1, -max(round(period / (log.t[1] - log.t[0])), 1))
     corners = frenet_corners(log) - (base, 0.0)
-    slots, numbers = TextSlots(axis), []
+    slots, numbers = TextSlots(axis, ground=COLORS.road), []
     for i, (name, color) in enumerate(_palette(log).items()):
         s = log.user_frenet[log.present[:, i - 1], i - 1, 0]
         is_moving = np.ptp(s) > 1.0 if i else True
@@ -127,7 +127,7 @@ def _draw_strip(axis: Any, log: Log, base: float, *, period: float = 1.0) -> Non
                 slots.occupy(box)
                 numbers.append((f"{log.t[row]:.0f} s" if is_moving else name, box, color, i))
     for text, box, color, i in numbers:
-        up, x = 5.0, float(np.clip(box[:, 0].mean(), _NEAR[0] + 2.5, _NEAR[1] - 2.5))
+        up, x = 6.5, float(np.clip(box[:, 0].mean(), _NEAR[0] + 2.5, _NEAR[1] - 2.5))
         above, below = (0.0, up, "center", "bottom"), (0.0, -up, "center", "top")
         slots.write(
             text, (x, box[:, 1].mean()), color, (below, above) if i == 0 else (above, below), must=False,

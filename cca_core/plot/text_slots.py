@@ -29,8 +29,8 @@ def offsets_around(distance: float = 5.0, *, rows: int = 4, step: float = 11.0) 
 class TextSlots:
     """Occupied parts of an axis, from which each text takes another; the layout of the figure is final."""
 
-    def __init__(self, axis: Any, *, padding: float = 1.0) -> None:
-        self._axis, self._padding = axis, padding  # padding around texts [px]
+    def __init__(self, axis: Any, *, padding: float = 1.0, ground: str = "white") -> None:
+        self._axis, self._padding, self._ground = axis, padding, ground  # padding around texts [px]
         self._occupied: list[Array] = []  # left, bottom, right, top [px]
 
     def occupy(self, points: Array) -> None:
@@ -47,7 +47,7 @@ class TextSlots:
 
         Returns whether the text was written.
         """
-        ground = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none", "pad": 0.3}
+        ground = {"facecolor": self._ground, "alpha": 0.9, "edgecolor": "none", "pad": 0.3}
         options = {"fontsize": TEXT.legend, "zorder": 6, "bbox": ground} | options
         note = self._axis.annotate(
             "\n".join(map(sanitize_text, text.split("\n"))), xy, (0.0, 0.0), textcoords="offset points",
@@ -69,8 +69,6 @@ class TextSlots:
             note.remove()
             return False
         note.set(position=(dx, dy), ha=ha, va=va)
-        if note.arrow_patch is not None:  # a text next to its point needs no line to it
-            note.arrow_patch.set_visible(abs(dy) > 16.0)
         self._occupied.append(extents)
         return True
 

@@ -186,7 +186,7 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
     behind, ahead = (log.ego_frenet[rows] - (s, 0.0) for rows in (slice(row + 1), slice(row, None)))
     axis.plot(*behind.T, color=COLORS.ego, linewidth=1.2)
     axis.plot(*ahead.T, color=COLORS.ego, linewidth=1.0, linestyle=":")
-    slots, inside, outside = TextSlots(axis), [], []
+    slots, inside, outside = TextSlots(axis, ground=COLORS.road), [], []
     oncoming = {user.id for user in log.scenario.road_users if user.direction < 0}
     for id_, box, v in _boxes(log, row):
         box = box - (s, 0.0)
@@ -218,15 +218,8 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
             side = "right" if is_ahead else "left"
             border = [(-dx if is_ahead else dx, dy, side, "center") for dx, dy in shifts]
             outside.append((text, (_VIEW[is_ahead], d), palette[id_], border))
-    for text, xy, color, offsets in outside:  # in their lanes, even on the ego's path
+    for text, xy, color, offsets in inside + outside:
         slots.write(text, xy, color, offsets)
-    for point in np.concatenate((behind, ahead))[::5]:
-        if _VIEW[0] < point[0] < _VIEW[1]:
-            slots.occupy(point[None])
-    for text, xy, color, offsets in inside:
-        slots.write(
-            text, xy, color, offsets, arrowprops={"arrowstyle": "-", "color": color, "linewidth": 0.7}
-        )
 
 
 def _draw_road(axis: Any, log: Log, view: tuple[float, float]) -> None:

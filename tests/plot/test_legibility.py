@@ -57,10 +57,23 @@ def faults(figure: Figure) -> list[str]:
     return found + [f"{a[0]} on {b[0]}" for a, b in pairs if overlap(a[1], b[1]) > TOUCHING]
 
 
+def texts_on_bodies(figure: Figure) -> list[str]:
+    """Texts of an axis that cover a body."""
+    found = []
+    for axis in figure.axes:
+        bodies = [patch for patch in axis.patches if "@" in (patch.get_gid() or "")]
+        for text in (each for each in axis.texts if each.get_text() and each.get_visible()):
+            box = Text.get_window_extent(text)
+            on = [body.get_gid() for body in bodies if overlap(body.get_window_extent(), box) > TOUCHING]
+            found += [f"{text.get_text()} on {name}" for name in on]
+    return found
+
+
 @pytest.mark.parametrize("name", GROUPS)
 def test_no_text_is_cut_off_or_on_another(run: Run, name: str) -> None:
     for figure in report_figures([run(*each) for each in GROUPS[name]]):
         assert faults(figure.figure) == [], figure.name
+        assert texts_on_bodies(figure.figure) == [], figure.name
         assert figure.figure.get_figwidth() == COLUMN_WIDTH
 
 
