@@ -204,6 +204,7 @@ def run_file(name: str) -> dict[str, int]:
     report.unlink(missing_ok=True)
     begun = time.perf_counter()
     command = [sys.executable, "-m", "pytest", "-q", "-m", "", name, f"--junitxml={report}"]
+    command += ["-o", "junit_family=xunit1"]  # with properties that tests record
     environment = os.environ | {"CCA_HYPOTHESIS_PROFILE": "full"}
     with report.with_suffix(".txt").open("w") as out:
         done = subprocess.run(command, cwd=ROOT, stdout=out, env=environment, check=False)
