@@ -25,7 +25,7 @@ from cca_core.sim.outcome import lead_speed
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_FLAT = 0.05  # peak lateral acceleration of a run in which steering is not shown [m/s^2]
+_FLAT = 0.5  # range of the lateral acceleration of a run in which steering is not shown [m/s^2]
 
 
 def plot_time_series(log: Log) -> "Figure":
@@ -48,7 +48,7 @@ def plot_time_series(log: Log) -> "Figure":
         If matplotlib is not installed.
     """
     panels = [_draw_speed, _draw_acceleration]
-    if np.abs(log.a_y).max() > _FLAT:
+    if np.ptp(log.a_y) > _FLAT:
         panels += [_draw_steering, _draw_lateral]
     panels += [draw for draw, has_data in ((_draw_gaps, _near(log)), (_draw_ttc, _ttc(log))) if has_data]
     figure = new_figure(1.0 + 1.05 * len(panels), COLUMN_WIDTH)

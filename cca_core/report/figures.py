@@ -90,7 +90,7 @@ def report_figures(group: Sequence[Log]) -> Iterator[ReportFigure]:
     for log in pair:
         yield ReportFigure(
             name=f"{slug}_{log.scenario.ego_type}_over_time", figure=plot_time_series(log), detail=True,
-            caption=f"{begin_sentence(ego_label(log))}: the run over time; the background shows the action.",
+            caption=f"{begin_sentence(ego_label(log))}: the run over time; the bar on top shows the action.",
         )  # fmt: skip
 
 

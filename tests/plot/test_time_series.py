@@ -24,7 +24,8 @@ def test_time_series_are_those_of_the_log(run: Run) -> None:
 
 
 def test_no_panel_is_empty(run: Run, alone: Log) -> None:
-    assert "lateral acc." not in panels(run("eebl", "C", "v2v"))
+    for straight in (run("eebl", "C", "v2v"), run("curbside", "fast", "driver")):
+        assert "lateral acc." not in panels(straight)
     assert {"gap between", "time to"}.isdisjoint(panels(alone))
     for log in (run("ima", "left-turn", "v2v"), run("curbside", "slow", "driver")):
         for axis in list(panels(log).values())[1:]:

@@ -87,7 +87,7 @@ def test_page_needs_no_other_file_and_no_network(file: Path) -> None:
     assert {each[1:] for each in page.refers if each.startswith("#")} <= set(page.ids)
     assert not re.search(r"https?:|@import|url\(|fetch\(|XMLHttp|WebSocket|<link|<iframe", text)
     assert all(page.images)
-    assert len(text) < 9_000_000
+    assert len(text) < 6_000_000
 
 
 def test_first_screen_names_paper_version_seed_and_date(file: Path) -> None:
