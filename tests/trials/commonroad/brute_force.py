@@ -145,3 +145,17 @@ def _first_and_last(s: np.ndarray, v: np.ndarray) -> np.ndarray:
 def solve(run: CommonRoadRun) -> Profile | None:
     """Return a speed profile along the route of a run that reaches its goal without a collision, if any."""
     return Search(run).run()
+
+
+def min_gap(run: CommonRoadRun, profile: Profile) -> float:
+    """Return the least gap of a profile to all obstacles [m]."""
+    search, gap = Search(run), math.inf
+    for t, s in zip(profile.t.tolist(), profile.s.tolist(), strict=True):
+        i = round((s - search.s_0) / GRID)
+        ego = boxes(search.x[i], search.y[i], search.psi[i], run.vehicle.length, run.vehicle.width)
+        for obstacle in run.scenario.obstacles:
+            other = obstacle.at(t)
+            if other is not None:
+                body = boxes(other.x, other.y, other.psi, other.length, other.width)
+                gap = min(gap, float(box_gap(ego, body)))
+    return gap
