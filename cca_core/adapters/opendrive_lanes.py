@@ -131,7 +131,7 @@ def _sides(
 
 
 def _lane_lines(road: FileRoad, piece: Piece, s: Array, middle: Array) -> Iterator[LaneLine]:
-    """Yield the lanes beside the route and the route's own."""
+    """Yield the other lanes of the route, and its own."""
     at = np.append(s[:-1], s[-1])
     near = np.append(middle, middle[-1])
     line = road.view.at(at, near)

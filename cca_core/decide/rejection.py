@@ -22,7 +22,7 @@ class RejectionKind(Enum):
     TOO_LONG = "takes more than {limit:.0f} m"
     ROUTE_ENDS = "route ends too early"
     LANE_ENDS = "lane ends too early"
-    NO_SPACE = "no space beside {vehicle_id}"
+    NO_SPACE = "no space next to {vehicle_id}"
     CLEARANCE = "too close to {vehicle_id}"
     ROAD_EDGE = "no space within the road"
     CURVATURE = "path too sharp"

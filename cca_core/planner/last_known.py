@@ -22,7 +22,7 @@ _SAME_BODY = 0.3  # gap to a dead-reckoned body below which another id is that o
 class Known(NamedTuple):
     """Last report of a vehicle, since when it is known, and whether it was once in a complete list.
 
-    And where it was across the route when last measured: what is dead-reckoned since then nobody has seen.
+    And its lateral offset and heading as last measured, without what is dead-reckoned since then.
     """
 
     remote: RemoteVehicle

@@ -117,7 +117,7 @@ def _lateral_motion(
     certificate, known = settings.certificate, observation.memory.known.get(n.id)
     d, angle = n.d, n.angle
     if known is not None and abs(known.d - n.d) < _MAX_DRIFT:
-        d, angle = known.d, known.angle  # nobody has seen what is dead-reckoned since
+        d, angle = known.d, known.angle  # as measured, not as dead-reckoned since
     v_d = n.remote.v_x * math.sin(angle)
     turned = abs(math.sin(angle)) >= certificate.side_angle and abs(n.remote.v_x) > STANDSTILL_SPEED
     if abs(v_d) < certificate.side_speed and not turned:

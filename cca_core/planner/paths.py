@@ -22,7 +22,7 @@ _TIGHTEST = 0.1  # largest curvature that a return aims at [1/m]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LateralState:
-    """Where the ego is on its last path, or beside it."""
+    """Where the ego is on its last path, or next to it."""
 
     base: int
     d: Array  # the last path on today's stations; where the ego is if it has lost it

@@ -169,7 +169,7 @@ class EvasionSettings:
         Returns
         -------
         settings : EvasionSettings
-            Drivers behind react within 1 s, and nobody brakes with more than 6 m/s^2 or accelerates with more
+            Drivers behind react within 1 s, and none brakes with more than 6 m/s^2 or accelerates with more
             than 1.5 m/s^2, the usual limits of car-following models.
         """
         return cls(

@@ -115,7 +115,7 @@ class LeadSettings:
     blocking_gap : float
         Lateral gap to the path below which a vehicle is in its way [m].
     passing_distance : float
-        Distance kept behind a single stationary vehicle beside a lane, so that it can be passed from
+        Distance kept behind a single stationary vehicle next to a lane, so that it can be passed from
         standstill [m].
     queue_gap : float
         Gap to the next vehicle below which a stationary vehicle is in a queue [m].

@@ -56,7 +56,7 @@ class Recorder:
     The road users of the log are the vehicles that the ego knew, in the cycles in which it knew them:
     by their messages (`Log.tracked`) or by the sensor (`Log.visible`), as `RemoteVehicle.source` states.
     The scenario of the log describes the run when it began, and each road user when it appeared. One that
-    appeared beside the road or heads across it has the path that it drove as its route.
+    appeared next to the road or heads across it has the path that it drove as its route.
 
     Examples
     --------

@@ -72,7 +72,7 @@ def test_parked_car_is_passed_where_the_lane_is_long_enough() -> None:
         (ending(215.0, 900.0), "not passing on the left or right: no lane"),
         (
             Lane.from_boundaries([(0.0, 1.75, 3.0), (900.0, 1.75, 3.0)]),
-            "not passing on the left: no space beside R",
+            "not passing on the left: no space next to R",
         ),
     ],
     ids=["ends", "begins", "narrow"],
