@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 
@@ -17,11 +18,14 @@ def test_junction_is_passed_as_fast_as_by_sumo(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.requires("libsumo")
-@pytest.mark.parametrize("seed", range(8))
-def test_network_is_driven_as_fast_as_by_sumo(seed: int, tmp_path: Path) -> None:
+def test_network_is_driven_as_fast_as_by_sumo(tmp_path: Path) -> None:
     from tests.trials.sumo.episode import baseline, episode
 
-    driven = episode("network", seed, tmp_path, 300.0)
-    assert not driven["collided"]
-    assert driven["minutes"] < 4.0  # the ego is at the end of its route
-    assert driven["v"] >= 0.95 * baseline("network", seed, tmp_path, 300.0)
+    speeds = []
+    for seed in range(8):
+        driven = episode("network", seed, tmp_path, 300.0)
+        assert not driven["collided"]
+        assert driven["minutes"] < 4.0  # the ego is at the end of its route
+        speeds.append((driven["v"], baseline("network", seed, tmp_path, 300.0)))
+    ego, sumo = np.mean(speeds, axis=0)
+    assert ego >= 0.95 * sumo

@@ -1,11 +1,9 @@
 """A route over several edges: crossing traffic, a lane that ends, limits that change, and a turn."""
 
-import os
 import random
-import subprocess
 from pathlib import Path
 
-import sumo
+from tests.trials.sumo.nets import MODELS, convert
 
 CRUISE_SPEED = 30.0  # above the limits [m/s]
 ROUTE = "in on drop town out"
@@ -20,29 +18,16 @@ EDGES = (  # id, from, to, number of lanes, speed limit [m/s], priority
     ("north", "N", "B", 1, 14.0, 1), ("south", "B", "S", 1, 14.0, 1),
     ("up", "S", "B", 1, 14.0, 1), ("away", "B", "N", 1, 14.0, 1),
 )  # fmt: skip
-MODELS = "Krauss", "IDM", "Krauss", "EIDM"  # of car following, by seed
 
 
 def write_network(folder: Path) -> Path:
     """Write the net."""
-    nod, edg, net = (folder / f"network.{kind}.xml" for kind in ("nod", "edg", "net"))
     nodes = "".join(f'<node id="{name}" x="{x}" y="{y}"/>' for name, (x, y) in NODES.items())
     edges = "".join(
         f'<edge id="{name}" from="{a}" to="{b}" numLanes="{n}" speed="{v}" priority="{p}" width="3.5"/>'
         for name, a, b, n, v, p in EDGES
     )
-    nod.write_text(f"<nodes>{nodes}</nodes>")
-    edg.write_text(f"<edges>{edges}</edges>")
-    program = os.path.join(sumo.SUMO_HOME, "bin", "netconvert")
-    options = [
-        "--no-turnarounds",
-        "--default.junctions.radius",
-        "15",
-        "--offset.disable-normalization",
-        "true",
-    ]
-    subprocess.run([program, "-n", nod, "-e", edg, "-o", net, *options], check=True, capture_output=True)
-    return net
+    return convert(folder, "network", nodes, edges, "--default.junctions.radius", "15")
 
 
 def write_network_traffic(seed: int, folder: Path, ego: str) -> Path:
