@@ -112,7 +112,8 @@ def return_paths(around: Surroundings) -> list[LateralPath]:
 def change_paths(around: Surroundings, wish: LaneWish | None) -> list[LateralPath]:
     """Return paths into another lane, gentle and as sharp as comfort allows; without one, a gentle way back.
 
-    They begin once the path can change, so that steering does not jump.
+    They begin once the path can change, so that steering does not jump, and are complete before the route
+    ends, where the wanted lane may go on.
     """
     state, v, to = around.lateral, max(around.v, 2.0), 0.0 if wish is None else wish.d
     grid = state.base + np.arange(float(len(state.d)))
@@ -120,12 +121,12 @@ def change_paths(around: Surroundings, wish: LaneWish | None) -> list[LateralPat
     k, found = begin - state.base, []
     behind, here, ahead = state.d[k - 1 : k + 2].tolist()
     kind = PathKind.RETURN if wish is None else PathKind(wish.side)
+    start = here - to, 0.5 * (ahead - behind), ahead - 2.0 * here + behind
+    left = around.road.path.end - begin
     a_ys = around.settings.change.gentle_fraction * around.limits.a_y, around.limits.a_y
     for a_y in a_ys if wish is not None else a_ys[:1]:
         d = state.d.copy()
-        rest, length = blend(
-            here - to, 0.5 * (ahead - behind), ahead - 2.0 * here + behind, a_y, v, grid[k:] - begin
-        )
+        rest, length = blend(*start, a_y, v, grid[k:] - begin, max_length=left)
         d[k:] = to + rest
         path = LateralPath(
             kind=kind, base=state.base, d=d, begin=around.s, end=begin + length, rest=to, is_smooth=True
@@ -154,10 +155,12 @@ def reference_of(lateral: LateralPath, road: Road, s: float) -> Path:
 
 
 def blend(
-    offset: float, slope: float, bend: float, a_y: float, v: float, x: Array, min_length: float = 0.0
-) -> tuple[Array, float]:
+    offset: float, slope: float, bend: float, a_y: float, v: float, x: Array, min_length: float = 0.0,
+    max_length: float = math.inf,
+) -> tuple[Array, float]:  # fmt: skip
     """Return a way back to the route from a lateral state at `x` 0, and its length [m]."""
-    length = max(_length(abs(offset) + abs(slope) * v, a_y, v), min_length)
+    to_go = abs(offset) + abs(slope) * v
+    length = max(min(_length(to_go, a_y, v), max_length), _length(to_go, a_y, 0.0), min_length)
     return _quintic(offset, slope, bend, 0.0, length, x), length
 
 
