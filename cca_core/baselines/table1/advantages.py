@@ -13,7 +13,7 @@ _FIGURES = {  # words, and 1 if less is better
     "tracking": ("Tracking error", 1.0),
 }  # fmt: skip
 _DRIVE_FIGURES: dict[str, Callable[[ClosedLoop], float]] = {  # less is better
-    "passes all sooner than the band": lambda drive: drive.time,
+    "passes all vehicles sooner than the band": lambda drive: drive.time,
     "less lateral acceleration than the band": lambda drive: drive.a_y,
     "less jerk than the band": lambda drive: drive.jerk,
     "more clearance than the band": lambda drive: -drive.clearance,
@@ -32,20 +32,20 @@ def _solved(m: Statistics, others: Sequence[str]) -> Iterator[str]:
     """Methods that solve more problems."""
     best = max(m.solved(name) for name in BANDS)
     ahead = [f"{n} ({m.solved(n):.0f} %)" for n in others if m.solved(n) > best]
-    yield f"- Solved, bands {best:.0f} %: {', '.join(ahead) or 'none'}."
+    yield f"- Problems solved (bands {best:.0f} %): {'; '.join(ahead) or 'none'}."
     for kind in KINDS[:-1]:
         best = max(m.solved(name, kind) for name in BANDS)
         ahead = [f"{n} ({m.solved(n, kind):.0f} %)" for n in others if m.solved(n, kind) > best]
         if ahead:
-            yield f"- {kind.capitalize()} solved, bands {best:.0f} %: {', '.join(ahead)}."
+            yield f"- Problems solved of the kind *{kind}* (bands {best:.0f} %): {'; '.join(ahead)}."
 
 
 def _times(m: Statistics, others: Sequence[str]) -> Iterator[str]:
     """Methods that are faster."""
-    for words, percentile in (("Median time", 50), ("99th percentile of the time", 99)):
+    for words, percentile in (("Median time of a plan", 50), ("99th percentile of this time", 99)):
         best = min(m.time(name, percentile) for name in BANDS)
         ahead = [f"{n} ({number(m.time(n, percentile))} ms)" for n in others if m.time(n, percentile) < best]
-        yield f"- {words}, bands {number(best)} ms: {', '.join(ahead) or 'none'}."
+        yield f"- {words} (bands {number(best)} ms): {'; '.join(ahead) or 'none'}."
 
 
 def _ratios(m: Statistics, others: Sequence[str]) -> Iterator[str]:
@@ -57,18 +57,17 @@ def _ratios(m: Statistics, others: Sequence[str]) -> Iterator[str]:
             worst = max(ratios) if sign > 0.0 else min(ratios)
             if sign * worst < sign * (1.0 - sign * (1e-4 if field == "length" else 0.02)):
                 ahead.append(f"{name} ({worst:.3g} times the bands)")
-        yield f"- {words}: {', '.join(ahead) or 'none'}."
+        yield f"- {words}: {'; '.join(ahead) or 'none'}."
 
 
 def _closed_loop(drives: Sequence[ClosedLoop]) -> Iterator[str]:
     """Planners that are better in closed loop."""
     bands = {drive.case: drive for drive in drives if drive.planner == "band"}
     for words, figure in _DRIVE_FIGURES.items():
-        cases = [
-            f"{drive.planner} in {drive.case}"
-            for drive in drives
-            if drive.completed
-            and drive.planner != "band"
-            and figure(drive) < figure(bands[drive.case]) - 1e-9
-        ]
-        yield f"- Closed loop, {words}: {', '.join(cases) or 'none'}."
+        cases: dict[str, list[str]] = {}
+        for drive in drives:
+            is_better = drive.planner != "band" and figure(drive) < figure(bands[drive.case]) - 1e-9
+            if drive.completed and is_better:
+                cases.setdefault(drive.planner, []).append(drive.case)
+        found = "; ".join(f"{planner} in {', '.join(names)}" for planner, names in cases.items())
+        yield f"- Closed loop, {words}: {found or 'none'}."
