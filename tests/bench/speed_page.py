@@ -38,8 +38,9 @@ TITLES = {
 }
 HEAD = """# Run times
 
-The planner has 20 ms for each cycle. Most cycles follow the last decision; ten times a second the planner
-makes a new one.
+This page shows how long each computation of the library takes, and how long it may take: its *budget*.
+The planner has 20 ms for each cycle. Most cycles follow the last decision; ten times a second the
+planner makes a new one.
 
 | question | section |
 |---|---|
@@ -52,17 +53,21 @@ makes a new one.
 `make bench` measures these times on one thread, with reference computations in the same run. The last
 column compares the value with its budget; "-" means that there is none.
 
-**A missed budget is no fault of a result.** The results are right, but later than promised: the code has
-become slower, or the machine was busy during the measurement. The command then fails, and the page marks
-the row as **missed**. Run it again on an idle machine: a row that is missed again is a slowdown to find.
+**A missed budget does not mean a wrong result.** A budget is a limit that this project sets for a time,
+or for a ratio of two times. If a measurement exceeds it, the result is still correct, but it comes later
+than allowed. Either the code has become slower, or the machine was busy during the measurement. `make
+bench` then fails, and the row shows **missed**. Measure again on an idle machine. If the row is missed
+again, the code has become slower: find the change that caused it.
 
-**A missed cycle is another thing.** The rig and [`simulate(real_time=True)`](simulation.md#real-time) count
-the cycles that end late. The car then drives on with the last command. If commands stay away, the
-drive-by-wire kit drives the last [safe stop](rig.md#safe-stop).
+**A late cycle is something else.** A cycle is late if its command is not ready after 20 ms. The budgets
+of a cycle are shorter, so a cycle that misses its budget can still be in time. The rig and
+[`simulate(real_time=True)`](simulation.md#real-time) count late cycles. The car then drives on with the
+last command. If no more commands arrive, the drive-by-wire kit drives the last [safe
+stop](rig.md#safe-stop).
 
-Budgets hold for a machine that solves a banded system of 100 rows in 16.6 µs (`scipy.linalg.solve_banded`,
-two right-hand sides). On a slower machine they grow in proportion. This reference is timed once, before all
-tests. Compare ratios between machines, not times.
+The budgets apply to a machine that solves a banded system of 100 rows and two right-hand sides in 16.6
+µs (`scipy.linalg.solve_banded`). On a slower machine they grow in proportion. `make bench` times this
+reference once, before all tests. To compare machines, compare ratios of times, not times.
 """
 
 

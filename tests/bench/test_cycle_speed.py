@@ -68,7 +68,7 @@ def test_steer(route: Path, slowness: float, budget: Budget, record_property: Re
 
 
 def test_step_without_news(route: Path, slowness: float, budget: Budget, record_property: Report) -> None:
-    """A cycle between two decisions, with three vehicles that are a little older in each."""
+    """A cycle between two decisions: the reports of three vehicles grow older."""
     planner = Planner(CAR, Road(route), cruise_speed=20.0, evasion=SETTINGS)
     others = [
         RemoteVehicle(id=str(i), x=x, y=y, psi=float(route.heading(s)), v_x=v)
