@@ -53,10 +53,14 @@ planner makes a new one.
 `make bench` measures these times on one thread, with reference computations in the same run. The last
 column compares the value with its budget; "-" means that there is none.
 
+**Rows.** The cases of a test are in brackets. A_1.0, for example, is [scene A](band.md#speed) with a
+clearance of 1 m. The further figures describe the result: `clearance_m` is in m, `curvature` is the
+largest one [1/m], and `a_y_at_20` is the lateral acceleration that it causes at 20 m/s [m/s²].
+
 **A missed budget does not mean a wrong result.** A budget is a limit that this project sets for a time,
 or for a ratio of two times. If a measurement exceeds it, the result is still correct, but it comes later
-than allowed. Either the code has become slower, or the machine was busy during the measurement. `make
-bench` then fails, and the row shows **missed**. Measure again on an idle machine. If the row is missed
+than allowed. Either the code has become slower, or the machine was busy during the measurement. Then
+`make bench` fails, and the row shows **missed**. Measure again on an idle machine. If the row is missed
 again, the code has become slower: find the change that caused it.
 
 **A late cycle is something else.** A cycle is late if its command is not ready after 20 ms. The budgets
