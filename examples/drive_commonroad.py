@@ -4,7 +4,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from cca_core.sim import drive_commonroad, read_commonroad
+from cca_core.adapters import read_commonroad_map
+from cca_core.sim import drive_commonroad
 
 POINT = "<point><x>{}</x><y>{}</y></point>"
 STATE = (
@@ -26,6 +27,6 @@ SAMPLE = f"""<commonRoad commonRoadVersion="2020a" timeStepSize="0.1" benchmarkI
 with tempfile.TemporaryDirectory() as folder:
     sample = Path(folder) / "sample.xml"
     sample.write_text(SAMPLE, encoding="utf-8")
-    scenario = read_commonroad(sys.argv[1] if len(sys.argv) > 1 else sample)
+    scenario = read_commonroad_map(sys.argv[1] if len(sys.argv) > 1 else sample)
 for key, value in drive_commonroad(scenario).summary().items():
     print(f"{key:18} {value}")

@@ -9,6 +9,7 @@ from cca_core.adapters.carla import (
     to_carla_control,
     to_carla_pose,
 )
+from cca_core.adapters.commonroad_file import CommonRoadMap, read_commonroad_map
 from cca_core.adapters.conversions import (
     Motion,
     MotionDifferences,
@@ -33,6 +34,7 @@ from cca_core.adapters.sumo_file import SumoNet, read_sumo_net
 __all__ = [
     "CarlaControl",
     "CarlaPedals",
+    "CommonRoadMap",
     "HighwayAgent",
     "Motion",
     "MotionDifferences",
@@ -50,6 +52,7 @@ __all__ = [
     "heading_to_compass",
     "highway_vehicle",
     "join_lanelets",
+    "read_commonroad_map",
     "read_highway_road",
     "read_opendrive",
     "read_sumo_net",

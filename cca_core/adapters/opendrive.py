@@ -8,6 +8,7 @@ import numpy as np
 
 from cca_core._checks import check_real, shown
 from cca_core.adapters.lane_lines import lanes_along
+from cca_core.adapters.local_origin import Origin
 from cca_core.adapters.opendrive_file import Connection, FileRoad, Link, read_roads
 from cca_core.adapters.opendrive_lanes import Line, Piece, path_of, sample
 from cca_core.errors import InputError
@@ -23,15 +24,24 @@ class OpenDriveMap:
     ----------
     roads, junctions : dict
         What the file holds, by id.
+    origin : tuple of float
+        Position in the file that is x = y = 0 in the roads [m].
 
     Attributes
     ----------
     road_ids : tuple of str
         Ids of the roads, in the order of the file.
+    origin : tuple of float
+        As given.
     """
 
-    def __init__(self, roads: dict[str, FileRoad], junctions: dict[str, list[Connection]]) -> None:
-        self._roads, self._junctions = roads, junctions
+    def __init__(
+        self,
+        roads: dict[str, FileRoad],
+        junctions: dict[str, list[Connection]],
+        origin: Origin = (0.0, 0.0),
+    ) -> None:
+        self._roads, self._junctions, self.origin = roads, junctions, origin
         self.road_ids = tuple(roads)
 
     def __repr__(self) -> str:
@@ -246,18 +256,22 @@ class OpenDriveMap:
         )  # fmt: skip
 
 
-def read_opendrive(file: str | FilePath) -> OpenDriveMap:
+def read_opendrive(file: str | FilePath, *, origin: Origin | None = None) -> OpenDriveMap:
     """Read a map of ASAM OpenDRIVE.
 
     Parameters
     ----------
     file : str or pathlib.Path
         File of OpenDRIVE 1.4 to 1.8 (XML), at most 50 MB, without a document type declaration.
+    origin : tuple of float, optional
+        Position in the file that becomes x = y = 0 [m], such as that of another map. By default it is 0, and
+        for maps around more than 900 km from there the full kilometers next to their middle.
 
     Returns
     -------
     map : OpenDriveMap
-        Its roads, from which `OpenDriveMap.find_road` and `OpenDriveMap.road_along` make a `Road`.
+        Its roads, from which `OpenDriveMap.find_road` and `OpenDriveMap.road_along` make a `Road`, and the
+        `origin`. A position in coordinates of the file belongs to x and y less those of the origin.
 
     Raises
     ------
@@ -268,7 +282,7 @@ def read_opendrive(file: str | FilePath) -> OpenDriveMap:
     -----
     Read are reference lines (line, arc, spiral, poly3, paramPoly3), lane offsets and widths, links,
     junctions, elevations, and speed limits of roads and lanes. Not read are superelevation, lane borders,
-    signals, objects and rules of priority. Coordinates are those of the file.
+    signals, objects, rules of priority, and the offset and geographic reference of the header.
 
     The route is the center line of the lane, exact to 0.1 mm. Where it has corners of more than 0.02 rad or
     gaps of more than 2 cm, all of it is fitted within 0.1 m.
@@ -277,4 +291,4 @@ def read_opendrive(file: str | FilePath) -> OpenDriveMap:
     ----------
     .. [1] ASAM e.V., *ASAM OpenDRIVE*, version 1.8.0, 2023.
     """
-    return OpenDriveMap(*read_roads(file))
+    return OpenDriveMap(*read_roads(file, origin))

@@ -3,12 +3,14 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 from xml.etree.ElementTree import Element
 
 from cca_core._checks import read_real
 from cca_core._files import parse_tree, read_bytes
+from cca_core.adapters.local_origin import Move, Origin, move_to_origin
 from cca_core.adapters.reference_line import Cubic, Geometry, PlanView
 from cca_core.errors import InputError
 
@@ -81,11 +83,14 @@ class FileRoad:
         return (lane_id < 0) != self.is_left_hand
 
 
-def read_roads(file: str | FilePath) -> tuple[dict[str, FileRoad], dict[str, list[Connection]]]:
-    """Return the roads of a file by id, and the connections of its junctions by id."""
+def read_roads(
+    file: str | FilePath, origin: Origin | None
+) -> tuple[dict[str, FileRoad], dict[str, list[Connection]], Origin]:
+    """Return the roads of a file by id, the connections of its junctions by id, and the origin."""
     root = parse_tree(read_bytes(file), FilePath(file).name)
     if root.tag != "OpenDRIVE":
         raise InputError(f"root element must be OpenDRIVE, was {root.tag[:40]!r}")
+    origin = move_to_origin(partial(_visit, root), origin)
     roads = {}
     for element in root.iterfind("road"):
         road = _road(element)
@@ -94,7 +99,16 @@ def read_roads(file: str | FilePath) -> tuple[dict[str, FileRoad], dict[str, lis
         roads[road.id] = road
     if not roads:
         raise InputError("OpenDRIVE must hold a road, held none")
-    return roads, {_text(e, "id"): list(_connections(e)) for e in root.iterfind("junction")}
+    return roads, {_text(e, "id"): list(_connections(e)) for e in root.iterfind("junction")}, origin
+
+
+def _visit(root: Element, move: Move) -> None:
+    """Move the positions of all reference lines."""
+    for element in root.iterfind("road/planView/geometry"):
+        x, y = element.get("x"), element.get("y")
+        if x is not None and y is not None:
+            for key, text in zip("xy", move(x, y), strict=True):
+                element.set(key, text)
 
 
 def _text(element: Element | None, key: str) -> str:

@@ -13,6 +13,7 @@ from cca_core.adapters.conversions import (
     heading_to_compass,
     shift_point,
 )
+from cca_core.adapters.local_origin import Origin, check_origin, find_origin
 from cca_core.adapters.sumo_net import read_road
 from cca_core.errors import InputError
 from cca_core.path import Road
@@ -41,6 +42,14 @@ class SumoWorld:
         Distance along the road over which the change of SUMO's headings gives the yaw rate of a vehicle [m].
         SUMO reports none, and its lanes are polylines: twice the distance of their corners is a good value.
         By default yaw rates are zero.
+    origin : tuple of float, optional
+        Position in the net that is x = y = 0 here [m], such as `SumoNet.origin`. By default it is 0, and more
+        than 900 km from there the full kilometers next to the ego.
+
+    Attributes
+    ----------
+    origin : tuple of float
+        Position in the net that is x = y = 0 here [m].
 
     Raises
     ------
@@ -52,7 +61,7 @@ class SumoWorld:
     Notes
     -----
     Positions of SUMO are those of the middle of the front bumper, its angles are clockwise from north in
-    degrees. Its coordinates are taken as the local frame.
+    degrees. Its coordinates less the origin are taken as the local frame.
     """
 
     def __init__(
@@ -63,6 +72,7 @@ class SumoWorld:
         connection: Any = None,
         radius: float = 300.0,
         turn_distance: float | None = None,
+        origin: Origin | None = None,
     ) -> None:
         self.ego_id, self.vehicle = ego_id, vehicle
         self.connection = require_extra("libsumo", "sumo") if connection is None else connection
@@ -79,6 +89,7 @@ class SumoWorld:
         self.turn_distance = turn_distance
         if turn_distance is not None:
             check_real("turn_distance", turn_distance, ge=0.0)
+        self.origin = find_origin(*cars.getPosition(ego_id)) if origin is None else check_origin(origin)
         self._motions: dict[str, MotionDifferences] = {}
         self._ego = self.ego_state()
         self._others = self._vehicles()
@@ -107,7 +118,7 @@ class SumoWorld:
             If no path fits the lanes.
         """
         check_real("length", length, gt=0.0, allow_inf=True)
-        return read_road(self.connection, self.ego_id, length, self.vehicle.front)
+        return read_road(self.connection, self.ego_id, length, self.vehicle.front, self.origin)
 
     def ego_state(self) -> VehicleState:
         """Motion of the ego in SUMO.
@@ -117,7 +128,7 @@ class SumoWorld:
         state : VehicleState
             Center of gravity now, without sideslip, yaw rate and acceleration.
         """
-        x, y, psi, v = _read_pose(self.connection, self.ego_id)
+        x, y, psi, v = _read_pose(self.connection, self.ego_id, self.origin)
         x, y = convert_reference(x, y, psi, self.vehicle, "front_bumper", "center_of_gravity")
         return VehicleState(x=x, y=y, psi=psi, v_x=v)
 
@@ -149,6 +160,7 @@ class SumoWorld:
             state.x, state.y, state.psi, self.vehicle, "center_of_gravity", "front_bumper"
         )
         cars, angle = self.connection.vehicle, heading_to_compass(state.psi)
+        x, y = x + self.origin[0], y + self.origin[1]
         cars.moveToXY(self.ego_id, "", -1, x, y, angle, keepRoute=2)
         cars.setSpeed(self.ego_id, max(state.v_x, 0.0))
         self._ego = state
@@ -168,7 +180,7 @@ class SumoWorld:
     def _vehicles(self) -> list[RemoteVehicle]:
         """Return all vehicles but the ego within the radius."""
         names = [name for name in self.connection.vehicle.getIDList() if name != self.ego_id]
-        found = [_read_vehicle(self.connection, name) for name in names]
+        found = [_read_vehicle(self.connection, name, self.origin) for name in names]
         near = [o for o in found if math.hypot(o.x - self._ego.x, o.y - self._ego.y) <= self.radius]
         if self.turn_distance is None:
             return near
@@ -180,16 +192,17 @@ class SumoWorld:
         return [replace(o, r=self._motions[o.id].update(t, o.x, o.y, o.psi, o.v_x).r) for o in near]
 
 
-def _read_pose(connection: Any, name: str) -> tuple[float, float, float, float]:
+def _read_pose(connection: Any, name: str, origin: Origin) -> tuple[float, float, float, float]:
     """Return the middle of a vehicle's front bumper, its heading and its speed."""
     cars = connection.vehicle
     x, y = cars.getPosition(name)
+    x, y = x - origin[0], y - origin[1]
     return x, y, compass_to_heading(cars.getAngle(name)), cars.getSpeed(name)
 
 
-def _read_vehicle(connection: Any, name: str) -> RemoteVehicle:
+def _read_vehicle(connection: Any, name: str, origin: Origin) -> RemoteVehicle:
     """Return a vehicle at the center of its body."""
-    x, y, psi, v = _read_pose(connection, name)
+    x, y, psi, v = _read_pose(connection, name, origin)
     length, width = connection.vehicle.getLength(name), connection.vehicle.getWidth(name)
     a_x = max(min(connection.vehicle.getAcceleration(name), _MAX_ACCELERATION), -_MAX_ACCELERATION)
     x, y = shift_point(x, y, psi, -0.5 * length)

@@ -1,6 +1,7 @@
 """Files of SUMO's nets: edges, lanes and connections."""
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from pathlib import Path as FilePath
 from typing import NamedTuple
@@ -10,6 +11,7 @@ import numpy as np
 
 from cca_core._checks import Array, check_real, read_real, shown
 from cca_core._files import parse_tree, read_bytes
+from cca_core.adapters.local_origin import Move, Origin, move_to_origin
 from cca_core.adapters.sumo_net import LaneLink, find_chain, road_along
 from cca_core.errors import InputError
 from cca_core.path import Road
@@ -132,15 +134,19 @@ class SumoNet:
     ----------
     root : xml.etree.ElementTree.Element
         What the file holds; `read_sumo_net` reads it.
+    origin : tuple of float
+        Position in the file that is x = y = 0 in `root` [m].
 
     Attributes
     ----------
     edge_ids : tuple of str
         Ids of the edges, without those within junctions.
+    origin : tuple of float
+        As given.
     """
 
-    def __init__(self, root: Element) -> None:
-        self._net = _FileNet(root)
+    def __init__(self, root: Element, origin: Origin = (0.0, 0.0)) -> None:
+        self._net, self.origin = _FileNet(root), origin
         self.edge_ids = tuple(id_ for id_ in self._net.edges if not id_.startswith(":"))
 
     def __repr__(self) -> str:
@@ -214,18 +220,22 @@ class SumoNet:
                 )
 
 
-def read_sumo_net(file: str | FilePath) -> SumoNet:
+def read_sumo_net(file: str | FilePath, *, origin: Origin | None = None) -> SumoNet:
     """Read a net of SUMO.
 
     Parameters
     ----------
     file : str or pathlib.Path
         File that ends in ``.net.xml``, at most 50 MB, without a document type declaration.
+    origin : tuple of float, optional
+        Position in the net that becomes x = y = 0 [m], such as that of another map. By default it is 0, and
+        for nets around more than 900 km from there the full kilometers next to their middle.
 
     Returns
     -------
     net : SumoNet
-        Its edges, along which `SumoNet.road_along` makes a `Road`.
+        Its edges, along which `SumoNet.road_along` makes a `Road`, and the `origin`. A position in
+        coordinates of the net belongs to x and y less those of the origin.
 
     Raises
     ------
@@ -235,8 +245,8 @@ def read_sumo_net(file: str | FilePath) -> SumoNet:
     Notes
     -----
     SUMO itself is not needed. Read are edges, lanes with shape, width, speed and permissions, the lanes
-    within junctions, and connections. Not read are heights, traffic lights and rules of priority. Coordinates
-    are those of the file.
+    within junctions, and connections. Not read are heights, traffic lights, rules of priority, and netOffset
+    and projection: coordinates of the net are those that SUMO reports.
 
     References
     ----------
@@ -245,10 +255,21 @@ def read_sumo_net(file: str | FilePath) -> SumoNet:
     root = parse_tree(read_bytes(file), FilePath(file).name)
     if root.tag != "net":
         raise InputError(f"root element must be net, was {root.tag[:40]!r}")
-    net = SumoNet(root)
+    net = SumoNet(root, move_to_origin(partial(_visit, root), origin))
     if not net.edge_ids:
         raise InputError("net must hold an edge with a lane, held none")
     return net
+
+
+def _visit(root: Element, move: Move) -> None:
+    """Move the corners of all lanes."""
+    for element in root.iterfind("edge/lane"):
+        corners = []
+        for corner in (element.get("shape") or "").split():
+            x, *rest = corner.split(",")
+            corners.append(",".join((*move(x, rest[0]), *rest[1:])) if rest else x)
+        if corners:
+            element.set("shape", " ".join(corners))
 
 
 def _text(element: Element, key: str) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.adapters.lane_lines import LaneLine, lanes_along
+from cca_core.adapters.local_origin import Origin
 from cca_core.errors import InputError
 from cca_core.geometry import arc_length
 from cca_core.path import Path, Road, fit_path
@@ -65,8 +66,8 @@ class Net(Protocol):
 class LiveNet:
     """The net of a running simulation."""
 
-    def __init__(self, connection: Any) -> None:
-        self._connection = connection
+    def __init__(self, connection: Any, origin: Origin) -> None:
+        self._connection, self._origin = connection, origin
         self._back: dict[tuple[str, str], str] | None = None
 
     def lanes_of(self, edge: str) -> list[str]:
@@ -83,7 +84,9 @@ class LiveNet:
 
     def shape(self, lane: str) -> Array:
         """Return the corners of a lane's center line [m]."""
-        return np.array(self._connection.lane.getShape(lane))[:, :2]
+        corners: Array = np.array(self._connection.lane.getShape(lane))[:, :2]
+        # a micrometer more or less of a difference would change the number of points on a lane
+        return np.round(corners - self._origin, 6) if any(self._origin) else corners
 
     def width(self, lane: str) -> float:
         """Return the width of a lane [m]."""
@@ -107,9 +110,9 @@ class LiveNet:
         return self._back.get((ends.getFromJunction(edge), ends.getToJunction(edge)))
 
 
-def read_road(connection: Any, ego_id: str, length: float, front: float) -> Road:
+def read_road(connection: Any, ego_id: str, length: float, front: float, origin: Origin) -> Road:
     """Return the road along the ego's lane and route, of edges that begin within `length`."""
-    cars, net = connection.vehicle, LiveNet(connection)
+    cars, net = connection.vehicle, LiveNet(connection, origin)
     first, start = cars.getLaneID(ego_id), ""
     edges = list(cars.getRoute(ego_id)[max(cars.getRouteIndex(ego_id), 0) :])
     if not first:

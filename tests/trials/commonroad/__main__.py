@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from cca_core import EvasionSettings, InputError
+from cca_core.adapters import read_commonroad_map
 from cca_core.errors import InfeasibleError
 from cca_core.follow import SpeedSettings
 from cca_core.planner import CertificateSettings
-from cca_core.sim import CommonRoadRun, drive_commonroad, read_commonroad
+from cca_core.sim import CommonRoadRun, drive_commonroad
 from tests.trials import commonroad
 from tests.trials.commonroad.brute_force import min_gap, solve
 
@@ -25,7 +26,7 @@ OUTCOMES = "both", "brute force alone", "the library alone", "neither", "not dri
 def row(file: Path) -> tuple[str, str, str, str, str]:
     """Return scenario, results of brute force and library, result with small gaps, and a reason."""
     try:
-        scenario = read_commonroad(file)
+        scenario = read_commonroad_map(file)
         run = drive_commonroad(scenario)
     except (InputError, InfeasibleError) as error:
         return file.stem, "-", "-", "-", str(error)
