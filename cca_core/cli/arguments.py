@@ -3,7 +3,10 @@
 import argparse
 from pathlib import Path as FilePath
 
-__all__ = ["make_parser"]
+__all__ = ["STDOUT", "make_parser"]
+
+STDOUT = FilePath("-")
+"""Name that stands for the standard output."""
 
 _EGO_TYPES = "v2v", "driver", "sensor"
 _PLANTS = "single_track", "multi_body"
@@ -57,7 +60,10 @@ def _fit(parser: argparse.ArgumentParser) -> None:
 
 def _decode(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("log", type=FilePath, help="hex lines, pcap, JSON, CSV or ODE log; also .gz")
-    parser.add_argument("--csv", type=FilePath, metavar="FILE", help="write all fields of the messages")
+    parser.add_argument(
+        "--csv", type=FilePath, nargs="?", const=STDOUT, metavar="FILE",
+        help="write all fields of the messages; without FILE: print that table alone",
+    )  # fmt: skip
     parser.add_argument("--quiet", action="store_true", help="counts alone")
 
 

@@ -3,12 +3,14 @@
 import argparse
 import csv
 import math
+import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, TextIO
 
+from cca_core.cli.arguments import STDOUT
 from cca_core.cli.progress import ProgressBar
 from cca_core.cli.words import counted
 from cca_core.errors import InputError
@@ -43,13 +45,17 @@ def run(given: argparse.Namespace) -> int:
     """List, count and write the messages; return the exit code."""
     entries = _read(given.log)
     rows = list(_track(entries))
+    if given.csv == STDOUT:
+        _write_csv(rows, sys.stdout)
+        return 0
     if not given.quiet:
         print("time [s]  sender    latitude  longitude    speed  heading    a_x  events")
         for row in rows:
             print(_line(row))
     _print_counts(rows)
     if given.csv is not None:
-        _write_csv(rows, given.csv)
+        with given.csv.open("w", newline="", encoding="utf-8") as stream:
+            _write_csv(rows, stream)
         print(f"table: {given.csv}")
     return 0
 
@@ -146,16 +152,15 @@ def _print_kinds(name: str, counts: Counter[str]) -> None:
         print(f"{name}: {counts.total()} ({kinds})")
 
 
-def _write_csv(rows: list[_Row], file: FilePath) -> None:
+def _write_csv(rows: list[_Row], stream: TextIO) -> None:
     """Write the fields of each message in SI units and ISO 8855 axes, and the result."""
     names = ["t", "result", "message", *_flat(asdict(Bsm(msg_count=0, id="")))]
-    with file.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.DictWriter(stream, names, lineterminator="\n")
-        writer.writeheader()
-        for row in rows:
-            content = {} if row.entry.bsm is None else _flat(asdict(row.entry.bsm))
-            head = {"t": f"{row.t:.3f}", "result": row.kind, "message": row.entry.name}
-            writer.writerow(head | content)
+    writer = csv.DictWriter(stream, names, lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        content = {} if row.entry.bsm is None else _flat(asdict(row.entry.bsm))
+        head = {"t": f"{row.t:.3f}", "result": row.kind, "message": row.entry.name}
+        writer.writerow(head | content)
 
 
 def _flat(content: Mapping[str, Any]) -> dict[str, Any]:

@@ -5,6 +5,7 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 
 from cca_core.cli.arguments import make_parser
@@ -32,6 +33,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     SystemExit
         With code 0 after ``--help``, and 2 if the words cannot be parsed.
     """
+    try:
+        try:
+            return _run(arguments)
+        finally:
+            for stream in filter(None, (sys.stdout, sys.stderr)):
+                stream.flush()
+    except BrokenPipeError:  # such as of `cca decode log | head`
+        _discard_output()
+        return 141
+    except OSError as error:  # such as of a full disk
+        _discard_output()
+        with suppress(OSError):
+            sys.stderr.write(f"cca: the output cannot be written: {error.strerror}\n")
+        return 2
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    """Run a command, and state in one line why it fails."""
     parser = make_parser()
     if not (sys.argv[1:] if arguments is None else arguments):
         parser.print_help(sys.stderr)
@@ -45,20 +64,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = _show_warning
             code = int(import_module(f"cca_core.cli.{given.command}").run(given))
-        sys.stdout.flush()
+        if sys.stdout is not None:  # it is None where it was closed before the start
+            sys.stdout.flush()
         return code
     except CcaError as error:
         text = str(error)
-    except BrokenPipeError:  # such as of `cca decode log | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # of the flush at exit
-        return 141
     except OSError as error:
+        if error.filename is None:  # the output itself
+            raise
         text = f"{error.filename!r} cannot be written or read: {error.strerror}"
     except KeyboardInterrupt:
         sys.stderr.write("interrupted\n")
         return 130
     sys.stderr.write(f"cca {given.command}: {text}\n")
     return 2
+
+
+def _discard_output() -> None:
+    """Let what is left go nowhere, so that the flush at the exit of Python is silent."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(nowhere, stream.fileno())
 
 
 def _show_warning(

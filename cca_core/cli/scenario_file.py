@@ -124,6 +124,12 @@ def _road_user(table: Table, folder: FilePath) -> RoadUser:
     table.check_keys(_USER)
     for key in ("id", "s", "v_x"):
         table.require(key)
+    v_x = table.content["v_x"]
+    if isinstance(v_x, float | int) and v_x < 0.0:
+        raise InputError(
+            f"{table.position('v_x')} must be at least 0, with direction = -1 for an oncoming road user, "
+            f"was {v_x:g}"
+        )
     _check_limits(table)
     user = Table({"d": 0.0, **rest}, table.where).record(RoadUser)
     return replace(user, route=route, actions=tuple(actions))

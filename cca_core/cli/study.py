@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path as FilePath
 
 from cca_core.cli.progress import ProgressBar
+from cca_core.cli.study_changes import describe_changes, explain_no_avoidable
 from cca_core.cli.study_file import read_study
 from cca_core.cli.words import counted
 from cca_core.errors import InputError, MissingExtraError
@@ -15,6 +16,8 @@ from cca_core.sim import EGO_TYPES, ParameterRanges, Study, StudyTable, run_stud
 from cca_core.sim.study.pool import local_processes
 
 __all__ = ["run"]
+
+_PATIENCE = 100  # reports of progress without an avoidable run, until a word about it
 
 
 def run(given: argparse.Namespace) -> int:
@@ -28,12 +31,22 @@ def run(given: argparse.Namespace) -> int:
     database = given.out / f"{name}.db"
     try:
         table = _simulate(study, database, jobs)
+    except InputError as error:
+        changes = describe_changes(study, database)
+        if not changes:
+            raise
+        raise InputError(
+            f"{database} holds runs of another study, which changed in: {changes}; "
+            "--out names another folder, where a new study begins"
+        ) from error
     except KeyboardInterrupt:
         sys.stderr.write(f"the runs are in {database}; the same command continues\n")
         raise
     file = given.out / f"{name}.csv"
     table.write_csv(file)
     _print_rates(table)
+    if not table.avoidable.any():
+        print(f"no collision was avoidable: {explain_no_avoidable(study)}")
     print(f"table: {file}")
     try:
         picture = given.out / f"{name}.png"
@@ -57,10 +70,18 @@ def _study(given: argparse.Namespace) -> Study:
 
 
 def _simulate(study: Study, database: FilePath, jobs: int) -> StudyTable:
+    """Return the table of all runs; a word is said where none of many is avoidable."""
+    calls = 0
+
+    def advance(done: int, _: int) -> None:
+        nonlocal calls
+        calls += 1
+        bar.advance(done)
+        if study.avoidable and done == 0 and calls == _PATIENCE:
+            sys.stderr.write(f"note: no run was avoidable so far: {explain_no_avoidable(study)}\n")
+
     with ProgressBar("driving", study.target_runs, "runs") as bar, local_processes(jobs) as pool:
-        return run_study(
-            study, database, executor=pool, in_flight=4 * jobs, progress=lambda done, _: bar.advance(done)
-        )
+        return run_study(study, database, executor=pool, in_flight=4 * jobs, progress=advance)
 
 
 def _print_rates(table: StudyTable) -> None:

@@ -56,6 +56,15 @@ def test_quiet_prints_counts_alone(tmp_path: Path, capsys: pytest.CaptureFixture
     assert len(decode(file, capsys, "--quiet")) == 2
 
 
+def test_table_without_a_file_is_the_output(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, table = tmp_path / "log.hex", tmp_path / "log.csv"
+    file.write_text("\n".join(message(i).hex() for i in range(3)))
+    assert main(["decode", str(file), "--csv", str(table)]) == 0
+    capsys.readouterr()
+    assert main(["decode", str(file), "--csv"]) == 0
+    assert capsys.readouterr().out == table.read_text()
+
+
 def test_table_holds_every_field(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, table = tmp_path / "log.hex", tmp_path / "log.csv"
     file.write_text("\n".join([message(0).hex(), "00", message(1, events=frozenset({"flat_tire"})).hex()]))

@@ -236,6 +236,7 @@ WRONG = [
     (SMALL + "[sender]\ninterval = 0.0\n", "sender.interval must be greater than 0", "0"),
     (SMALL + "[[road_users]]\ns = 3.0\nv_x = 1.0\n", "road_users[0].id must be given", ""),
     (SMALL + USER + "sped = 3.0\n", "road_users[0].sped is unknown", ""),
+    (SMALL + USER.replace("9.0", "-9.0"), "road_users[0].v_x must be at least 0, with direction = -1", "-9"),
     (SMALL + USER + "direction = 2\n", "road_users[0].direction must be 1 or -1", "2"),
     (SMALL + USER + USER, "road_users[1].id must be used once", "'A'"),
     (

@@ -1,15 +1,20 @@
 """`cca study`."""
 
 import csv
+import json
 import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from cca_core.cli import main
+from cca_core.cli.study_changes import describe_changes, explain_no_avoidable
 from cca_core.cli.study_file import FileScenario, read_study
 from cca_core.errors import InputError
+from cca_core.sim import ParameterRanges, Study
 from cca_core.sim.study.parameters import sample_scenario
+from cca_core.sim.study.store import Store
 
 OWN = """
 duration = 6.0
@@ -88,7 +93,48 @@ def test_study_of_a_file_is_run_and_resumed(study: Path, capsys: pytest.CaptureF
     assert capsys.readouterr().out == first
     study.write_text(STUDY.replace("0.5]", "0.4]"))
     assert main(["study", str(study), "--jobs", "1"]) == 2
-    assert "another" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert "changed in: loss (was [0.0, 0.5], is [0.0, 0.4]); --out names" in error
+    (study.parent / "own.toml").write_text(OWN.replace("s = 80.0", "s = 700.0"))
+    assert main(["study", str(study), "--jobs", "1", "--out", "new", "--runs", "1"]) == 0
+    assert "no collision was avoidable: hazard_id in the scenario file" in capsys.readouterr().out
+
+
+def test_changes_of_a_study_are_named(study: Path, tmp_path: Path) -> None:
+    made = read_study(study)
+    file = tmp_path / "many.db"
+    assert describe_changes(made, file) == ""  # there is none
+    with Store(file, made.fingerprint):
+        assert describe_changes(made, file) == ""  # another process has it
+    assert describe_changes(made, file) == ""
+    assert describe_changes(replace(made, seed=5, runs=9), file) == "seed (was 4, is 5)"
+    (study.parent / "own.toml").write_text(OWN.replace("6.0", "7.0"))
+    assert describe_changes(read_study(study), file) == "the scenario file"
+    (study.parent / "own.toml").write_text(OWN)
+    (study.parent / "way.csv").write_text("x,y\n0,0\n50,0\n900,0\n")
+    assert describe_changes(read_study(study), file) == "the files that the scenario names"
+    content = json.loads(made.fingerprint) | {"source": "older", "retired": 1}
+    other = tmp_path / "older.db"
+    with Store(other, json.dumps(content)):
+        pass
+    assert describe_changes(replace(made, plant="multi_body"), other) == (
+        'plant (was "single_track", is "multi_body"), the version or the sources of cca_core'
+    )
+
+
+def test_file_that_is_no_study_has_no_changes(study: Path, tmp_path: Path) -> None:
+    for content in (b"", b"no database", b"SQLite format 3\0" + bytes(90)):
+        file = tmp_path / "odd.db"
+        file.write_bytes(content)
+        assert describe_changes(read_study(study), file) == ""
+
+
+def test_reason_of_no_avoidable_run_names_hazard_id(study: Path) -> None:
+    assert "hazard_id in the scenario file" in explain_no_avoidable(read_study(study))
+    (study.parent / "own.toml").write_text('hazard_id = "R1"\n' + OWN)
+    assert "hazard_id = 'R1'" in explain_no_avoidable(read_study(study))
+    library = Study(parameters=ParameterRanges(scenario="eebl"), runs=1)
+    assert "hazard_id" in explain_no_avoidable(library)
 
 
 @pytest.mark.requires("matplotlib")
