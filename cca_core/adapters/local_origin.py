@@ -1,6 +1,5 @@
 """A local origin for maps in large coordinates, such as those of UTM."""
 
-import math
 from collections.abc import Callable
 from decimal import Decimal
 
@@ -17,6 +16,7 @@ Move = Callable[[str, str], tuple[str, str]]
 """Takes x and y of a position as a file has them, and returns them as they are to be read."""
 
 _MAX_MIDDLE = 0.9 * MAX_COORDINATE  # of a map that keeps its coordinates [m]; the rest is left to drives
+_MAX_POSITION = 1e9  # that a file may hold [m]
 _GRID = 1000.0  # of origins [m]
 
 
@@ -24,7 +24,11 @@ def check_origin(origin: object) -> Origin:
     """Return a given origin."""
     if not isinstance(origin, tuple | list | np.ndarray) or len(origin) != 2:
         raise InputError(f"origin must be x and y, was {shown(origin)}")
-    return check_real("x of origin", origin[0]), check_real("y of origin", origin[1])
+    x, y = (
+        check_real(f"{axis} of origin", value, ge=-_MAX_POSITION, le=_MAX_POSITION)
+        for axis, value in zip("xy", origin, strict=True)
+    )
+    return x, y
 
 
 def find_origin(x: float, y: float) -> Origin:
@@ -43,8 +47,8 @@ def move_to_origin(visit: Callable[[Move], None], origin: object = None) -> Orig
         found: list[tuple[float, float]] = []
 
         def collect(x: str, y: str) -> tuple[str, str]:
-            pair = parse_real(x), parse_real(y)
-            if pair[0] is not None and pair[1] is not None and math.isfinite(pair[0] + pair[1]):
+            pair = _number(x), _number(y)
+            if pair[0] is not None and pair[1] is not None:
                 found.append((pair[0], pair[1]))
             return x, y
 
@@ -58,8 +62,15 @@ def move_to_origin(visit: Callable[[Move], None], origin: object = None) -> Orig
 
 
 def _less(text: str, by: float) -> str:
-    """Return the text of a number less another, without rounding; a text that is no number stays."""
-    number = parse_real(text)
-    if number is None or not math.isfinite(number):
+    """Return the text of a number less another, without rounding; what is no position stays."""
+    number = _number(text)
+    if number is None:
         return text
-    return str(Decimal(text.strip()) - Decimal(str(by)))
+    # a decimal cannot hold every number that a float takes for 0
+    return str((Decimal(text.strip()) if number else 0) - Decimal(str(by)))
+
+
+def _number(text: str) -> float | None:
+    """Return the number of a text, if it can be a position."""
+    number = parse_real(text)
+    return None if number is None or not abs(number) <= _MAX_POSITION else number

@@ -1,5 +1,7 @@
 """Maps in coordinates of UTM: the same roads as near zero, and the origin that was taken."""
 
+import contextlib
+import re
 from pathlib import Path
 from typing import Any
 
@@ -185,6 +187,20 @@ def test_origin_that_is_no_position_raises(tmp_path: Path, name: str, origin: An
     read, write = READERS[name]
     with pytest.raises(InputError, match="origin"):
         read(write(tmp_path), origin=origin)  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("value", ["1.7e308", "1e-9999999999999999999", "nan", "", "1_0", "1e-400"])
+@pytest.mark.parametrize("count", [1, -1])
+@pytest.mark.parametrize("name", READERS)
+def test_odd_positions_are_read_or_refused(tmp_path: Path, name: str, count: int, value: str) -> None:
+    read, write = READERS[name]
+    file: Path = write(tmp_path)  # type: ignore[operator]
+    text = file.read_text(encoding="utf-8")
+    pattern = {"commonroad": "(<x>)[^<]*", "opendrive": '( x=")[^"]*', "sumo": '(shape=")[^,]*'}[name]
+    file.write_text(re.sub(pattern, rf"\g<1>{value}", text, count=max(count, 0)), encoding="utf-8")
+    for origin in (None, (5e5, 5e6)):
+        with contextlib.suppress(InputError):
+            read(file, origin=origin)  # type: ignore[operator]
 
 
 def fake(by: tuple[float, float]) -> FakeSumo:
