@@ -112,8 +112,8 @@ def _closed_loop_table(drives: Sequence[ClosedLoop]) -> str:
         for d in drives
     ]  # fmt: skip
     head = (
-        "case", "planner", "completed", "all passed after [s]", "smallest clearance [m]", "a_y [m/s²]",
-        "jerk [m/s³]", "braking [m/s²]", "tracking error [m]", "cycle: mean / p99 [us]",
+        "case", "planner", "completed", "all vehicles passed after [s]", "smallest clearance [m]",
+        "a_y [m/s²]", "jerk [m/s³]", "braking [m/s²]", "tracking error [m]", "cycle: mean / p99 [us]",
         "cycles without solution [%]",
     )  # fmt: skip
     return table(head, rows)
