@@ -102,6 +102,10 @@ class _FileNet:
             where = f"lane {name!r}"
             if not name or name in self._lanes:
                 raise InputError(f"id of lane must be unique and not empty, was {name!r}")
+            if lane.get("speed") is None:
+                raise InputError(
+                    f"speed of {where} must be given [m/s], as netconvert writes it, was missing"
+                )
             self._lanes[name] = _Lane(
                 id_, _shape(lane.get("shape") or "", where),
                 read_real(f"width of {where}", lane.get("width", str(_WIDTH)), ge=0.1, le=100.0),

@@ -7,7 +7,8 @@ from pathlib import Path as FilePath
 
 import numpy as np
 
-from cca_core.cli.maps import is_map, read_map_road
+from cca_core.adapters.local_origin import Origin
+from cca_core.cli.maps import is_map, read_map_road, track_origin
 from cca_core.cli.words import counted
 from cca_core.errors import InputError
 from cca_core.path import Path, Road, Waypoints, clean_route, read_waypoints
@@ -32,15 +33,17 @@ def run(given: argparse.Namespace) -> int:
     if given.route.suffix.lower() in _OTHER_MAPS:
         raise InputError(
             f"route must be a track or a map (.xodr, .net.xml), was {given.route.name!r}; a net of SUMO ends "
-            "in .net.xml, a CommonRoad scenario is read by cca_core.sim.read_commonroad, Lanelet2 is not read"
+            "in .net.xml, cca_core.adapters.read_commonroad_map reads CommonRoad, nothing here reads Lanelet2"
         )
     limits = {} if given.tolerance is None else {"tolerance": given.tolerance}
     with warnings.catch_warnings(record=True) as noted:
         warnings.simplefilter("always")
-        road = Road.from_file(given.route, part=given.part, max_gap=given.max_gap, **limits)
         points = read_waypoints(given.route)
-    rms, cleaning = _compare(road, points, given.part)
+        zero = track_origin(points)
+        road = Road.from_file(given.route, part=given.part, max_gap=given.max_gap, origin=zero, **limits)
+    rms, cleaning = _compare(road, points, given.part, zero)
     _print_facts(given.route, road.path, points, rms, cleaning)
+    _print_origin(zero)
     if road.elevation is not None:
         heights = road.elevation[:, 1]
         _print("heights", f"{np.nanmin(heights):.0f} m to {np.nanmax(heights):.0f} m above the begin")
@@ -56,16 +59,19 @@ def _show_map(given: argparse.Namespace) -> int:
         raise InputError("--part and --tolerance must be given with a track alone, not with a map")
     along = [each for each in (given.along or "").split(",") if each]
     try:
-        road = read_map_road(given.route, along, given.lane, _DEFAULT_LIMIT, "--along")
+        road, zero = read_map_road(given.route, along, given.lane, _DEFAULT_LIMIT, "--along")
     except InputError as error:
         text = str(error)
         raise InputError(text if text.startswith("--") else f"{given.route.name}: {text}") from None
     _print("map", f"{given.route.name}: {', '.join(along)}")
+    _print_origin(zero)
     _print("length", f"{road.path.length:.1f} m")
     _print("tightest curve", _tightest(road.path))
     _print("lanes", f"{len(road.lanes)}, from {road.right_edge:.1f} m to {road.left_edge:.1f} m")
     found = {road.speed_limit} if road.speed_limits is None else set(road.speed_limits[:, 1].tolist())
-    _print("speed limits", ", ".join(f"{limit:.1f} m/s" for limit in sorted(found)))
+    default = f" ({_DEFAULT_LIMIT:g} where the map has none: set speed_limit)"
+    limits = ", ".join(f"{limit:.1f} m/s" for limit in sorted(found))
+    _print("speed limits", limits + (default if _DEFAULT_LIMIT in found else ""))
     _draw(road, given)
     return 0
 
@@ -78,9 +84,17 @@ def _draw(road: Road, given: argparse.Namespace) -> None:
         _print("picture", str(file))
 
 
-def _compare(road: Road, points: Waypoints, part: int | None) -> tuple[float, CleaningReport]:
+def _print_origin(origin: Origin | None) -> None:
+    """State an origin that is not that of the file."""
+    if origin is not None and any(origin):
+        _print("origin", f"x = {origin[0]:.0f} m, y = {origin[1]:.0f} m of the file are x = y = 0")
+
+
+def _compare(
+    road: Road, points: Waypoints, part: int | None, origin: Origin | None
+) -> tuple[float, CleaningReport]:
     """Return the root mean square of the waypoints' distance from the path, and what cleaning changed."""
-    origin = None if road.frame is None else (road.frame.lat0, road.frame.lon0)
+    origin = origin if road.frame is None else (road.frame.lat0, road.frame.lon0)
     xy, t = points.to_local(origin), points.t
     if part is not None:
         rows = slice(points.parts[part], [*points.parts.tolist(), len(xy)][part + 1])

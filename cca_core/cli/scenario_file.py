@@ -6,7 +6,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from cca_core._checks import shown
-from cca_core.cli.road_table import read_path, read_road
+from cca_core.cli.road_table import Frame, read_path, read_road
 from cca_core.cli.tables import Table, read_toml
 from cca_core.errors import InputError
 from cca_core.follow import SpeedSettings
@@ -68,12 +68,12 @@ def scenario_of(top: Table, file: FilePath) -> tuple[Scenario, str]:
     top.require("road")
     top.require("ego")
     folder = file.parent
-    road = read_road(top.table("road"), folder)
+    road, frame = read_road(top.table("road"), folder)
     radio = dict(top.table("radio").content)
     shared_modem = radio.pop("shared_modem", False)
     if not isinstance(shared_modem, bool):
         raise InputError(f"radio.shared_modem must be true or false, was {shown(shared_modem)}")
-    users = tuple(_road_user(each, folder) for each in top.tables("road_users"))
+    users = tuple(_road_user(each, folder, frame) for each in top.tables("road_users"))
     _check_ids(users)
     ego = top.table("ego")
     scenario = Scenario(
@@ -116,9 +116,9 @@ def _ego(table: Table, road: Road, users: tuple[RoadUser, ...]) -> dict[str, Any
     return made
 
 
-def _road_user(table: Table, folder: FilePath) -> RoadUser:
+def _road_user(table: Table, folder: FilePath, frame: Frame) -> RoadUser:
     """Return a road user."""
-    route = None if "route" not in table.content else read_path(table.table("route"), folder)
+    route = None if "route" not in table.content else read_path(table.table("route"), folder, frame)
     actions = [_action(each) for each in table.tables("actions")]
     rest = {key: value for key, value in table.content.items() if key not in ("route", "actions")}
     table.check_keys(_USER)

@@ -1,6 +1,9 @@
 """Conversions of CARLA, by stubs of its objects: left-handed axes, degrees, pedals."""
 
 import math
+import re
+import sys
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -18,6 +21,7 @@ from cca_core.adapters import (
     to_carla_pose,
 )
 from cca_core.geometry import wrap_angle
+from tests.support.fake_carla import OutOfTicksError, World, fake_carla
 
 CAR = VehicleParams(
     m=1500.0, I_z=2500.0, l_f=1.2, l_r=1.5, C_f=1e5, C_r=1e5, length=4.6, width=1.8, box_offset=0.1
@@ -113,3 +117,19 @@ def test_control_is_within_range_and_one_pedal_is_free(a_x: float, v_x: float, d
 def test_pedals_without_brakes_raise() -> None:
     with pytest.raises(InputError, match="full_brake must be greater than 0, was 0"):
         CarlaPedals(full_brake=0.0)
+
+
+def test_program_of_the_page_stops_behind_a_parked_car(monkeypatch: pytest.MonkeyPatch) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "adapters.md").read_text(encoding="utf-8")
+    (program,) = (block for block in re.findall(r"```\{code-block\} python\n(.*?)```", page, re.DOTALL)
+                  if "import carla\n" in block)  # fmt: skip
+    world = World(1300, parked_at=120.0)
+    monkeypatch.setitem(sys.modules, "carla", fake_carla(world))
+    with pytest.raises(OutOfTicksError):
+        exec(program, {})
+    parked, ego = world.actors
+    assert world.settings.synchronous_mode
+    along = 200.0 * math.atan2(ego.x, 205.0 - ego.y)  # of the arc that both are on
+    assert 100.0 < along < 120.0 - 4.6
+    assert math.hypot(ego.x, 205.0 - ego.y) == pytest.approx(200.0, abs=0.3)
+    assert (parked.v, ego.v) == (0.0, pytest.approx(0.0, abs=0.1))

@@ -86,6 +86,7 @@ def one_lane(fields: str) -> str:
         ("<OpenDRIVE/>", "^root element must be net, was 'OpenDRIVE'"),
         ("<net/>", "^net must hold an edge with a lane"),
         (one_lane('speed="9"'), "^shape of lane 'a_0' must have two"),
+        (one_lane('shape="0,0 1,0"'), "^speed of lane 'a_0' must be given"),
         (one_lane('speed="x" shape="0,0 1,0"'), "^speed of lane"),
         (one_lane('speed="9" shape="0,0 z,0"'), "^shape of lane"),
     ],

@@ -9,6 +9,7 @@ import pytest
 
 from cca_core import LocalFrame
 from cca_core.cli import main
+from tests.support.moved_maps import moved_file
 from tests.support.opendrive_files import crossing
 from tests.support.sumo_files import write_net
 
@@ -118,6 +119,27 @@ def test_road_of_a_net_of_sumo(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert found["length"] == "400.0 m"
     assert found["lanes"] == "3, from -1.8 m to 8.8 m"
     assert found["speed limits"] == "20.0 m/s, 25.0 m/s"
+
+
+def test_track_of_utm_has_the_facts_of_that_near_zero(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = []
+    for x, y in ((0, 0), (691000, 5335000)):
+        file = tmp_path / "route.csv"
+        file.write_text("x,y\n" + "".join(f"{x + 20 * k},{y + k * k}\n" for k in range(20)))
+        assert main(["fit", str(file)]) == 0
+        found.append(facts(capsys.readouterr().out))
+    assert found[1].pop("origin") == "x = 691000 m, y = 5335000 m of the file are x = y = 0"
+    assert found[1] == found[0]
+
+
+def test_map_of_utm_states_its_origin(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = moved_file(crossing(tmp_path), ("691234.5", "5334567.25"))
+    assert main(["fit", str(file), "--along", "1,5,2"]) == 0
+    found = facts(capsys.readouterr().out)
+    assert found["origin"] == "x = 691000 m, y = 5335000 m of the file are x = y = 0"
+    assert found["speed limits"] == "36.0 m/s (36 where the map has none: set speed_limit)"
 
 
 def test_words_for_maps_need_a_map(circle: Path, capsys: pytest.CaptureFixture[str]) -> None:

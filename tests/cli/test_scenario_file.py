@@ -13,6 +13,7 @@ from cca_core.cli.scenario_file import read_scenario
 from cca_core.errors import InputError
 from cca_core.sim import BrakeAction, LateralShiftAction, ReactToLeadAction, Scenario, SpeedAction
 from cca_core.v2x import ChannelSettings
+from tests.support.moved_maps import moved_file
 from tests.support.sumo_files import write_net
 
 SMALL = """
@@ -170,6 +171,55 @@ def test_road_of_a_map_has_its_lanes_and_limits(tmp_path: Path) -> None:
         read(text.replace("[ego]", 'lane = "left"\n[ego]'), tmp_path)
     with pytest.raises(InputError, match=r"^road.lanes is unknown"):
         read(text.replace("[ego]", "lanes = []\n[ego]"), tmp_path)
+
+
+@pytest.mark.parametrize("route", ["map", "track", "pieces"])
+def test_routes_are_in_the_frame_of_a_road_of_utm(tmp_path: Path, route: str) -> None:
+    by = "691234.5", "5334567.25"
+    x, y = map(float, by)
+    found = []
+    for near in (True, False):
+        file = write_net(tmp_path) if near else moved_file(write_net(tmp_path), by)
+        left, low = (0.0, 0.0) if near else (x, y)
+        track = tmp_path / f"{near}.csv"
+        track.write_text("x,y\n" + "".join(f"{left + 20 * k},{low + k * k}\n" for k in range(20)))
+        given = {
+            "map": f'file = "{file.name}", along = ["in", "up"]',
+            "track": f'file = "{track.name}"',
+            "pieces": f"pieces = [{{length = 90.0}}], start = [{left + 5.0}, {low - 40.0}], heading = 1.0",
+        }[route]
+        pieces = "pieces = [{length = 500.0}]"
+        text = SMALL.replace(pieces, f'file = "{file.name}"\nalong = ["in", "on"]')
+        scenario = read(f"{text}{USER}route = {{{given}}}\n", tmp_path)
+        own = scenario.road_users[0].route
+        assert own is not None
+        s = np.linspace(0.0, 80.0, 9)
+        found.append((scenario.road.path.position(s), own.position(s)))
+    shift = (234.5, -432.75)
+    for far, like in zip(found[1], found[0], strict=True):
+        assert np.abs(far - like - shift).max() < 1e-6
+
+
+def test_pieces_that_begin_far_away_are_those_near_zero(tmp_path: Path) -> None:
+    far = SMALL.replace("[ego]", "start = [691234.5, 5334567.25]\n[ego]")
+    route = "route = {pieces = [{length = 90.0}], start = [691300.0, 5334500.0], heading = 1.0}"
+    scenario = read(f"{far}{USER}{route}\n", tmp_path)
+    assert scenario.road.path.position(100.0) == pytest.approx((334.5, -432.75), abs=1e-6)
+    own = scenario.road_users[0].route
+    assert own is not None
+    assert own.position(0.0) == pytest.approx((300.0, -500.0), abs=1e-6)
+
+
+def test_routes_are_in_the_frame_of_a_gps_road(tmp_path: Path) -> None:
+    for name, lon in (("road", 11.0), ("route", 11.005)):
+        rows = "".join(f"48.1,{lon + 0.0005 * k}\n" for k in range(20))
+        (tmp_path / f"{name}.csv").write_text(f"lat,lon\n{rows}")
+    text = SMALL.replace("pieces = [{length = 500.0}]", 'file = "road.csv"')
+    scenario = read(f'{text}{USER}route = {{file = "route.csv"}}\n', tmp_path)
+    own = scenario.road_users[0].route
+    assert own is not None
+    s, d = scenario.road.path.project(own.position(0.0))
+    assert (float(s), float(d)) == (pytest.approx(372.4, abs=1.0), pytest.approx(0.0, abs=0.1))
 
 
 USER = '\n[[road_users]]\nid = "A"\ns = 60.0\nv_x = 9.0\n'
