@@ -7,7 +7,7 @@ import numpy as np
 
 from cca_core._checks import Array, check_real, shown
 from cca_core.adapters.conversions import flip_axes
-from cca_core.adapters.highway_net import read_highway_road
+from cca_core.adapters.highway_net import read_highway_road, world_of
 from cca_core.errors import InputError
 from cca_core.follow import PreviewController, shipped_gains
 from cca_core.planner.command import Command
@@ -28,13 +28,18 @@ def configure_highway(env: Any, **config: Any) -> None:
     **config : Any
         Further entries of its configuration.
 
+    Raises
+    ------
+    InputError
+        If it is no environment of highway-env.
+
     Notes
     -----
     Actions are accelerations up to 8 m/s^2 and road-wheel angles up to 45 deg, at the frequency of the
     simulation. The rewards of some environments, such as merge and two-way, exist for discrete actions only;
     they are 0 then.
     """
-    world = env.unwrapped
+    world = world_of(env)
     limits = {
         "acceleration_range": (-_MAX_ACCELERATION, _MAX_ACCELERATION),
         "steering_range": (-_MAX_STEERING, _MAX_STEERING),
@@ -93,9 +98,9 @@ class HighwayAgent:
     def __init__(
         self, env: Any, *, cruise_speed: float | None = None, length: float = 2000.0, **planner: Any
     ) -> None:
-        world = env.unwrapped
+        world = world_of(env)
         check_real("length", length, gt=0.0)
-        action = world.action_type
+        action: Any = getattr(world, "action_type", None)
         names = ("acceleration_range", "steering_range")
         if world.vehicle is None or not all(hasattr(action, name) for name in names) or action.size != 2:
             words = "must be reset and have continuous actions: call configure_highway and reset"

@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cca_core._checks import Array
+from cca_core._checks import Array, shown
 from cca_core.adapters.conversions import flip_axes
+from cca_core.errors import InputError
 from cca_core.path import Lane, Path, Road, fit_path
 
 _SPACING = 10.0  # of points on lanes [m]
@@ -17,6 +18,14 @@ _OVERRUN = 300.0  # by which the road goes on straight behind the last lane [m]
 _LANE_DRIFT = 0.5  # of the lateral offset of a lane that goes along [m]
 _SAMPLES = 9  # of a lane next to a part of the route
 _SPEED_LIMIT = 36.0  # of lanes without one [m/s]
+
+
+def world_of(env: Any) -> Any:
+    """Return the world within an environment of highway-env."""
+    world = getattr(env, "unwrapped", None)
+    if not all(hasattr(world, name) for name in ("config", "road", "vehicle")):
+        raise InputError(f"env must be an environment of highway-env, was {shown(env)}")
+    return world
 
 
 def read_highway_road(env: Any, *, length: float = 2000.0) -> Road:
@@ -34,21 +43,26 @@ def read_highway_road(env: Any, *, length: float = 2000.0) -> Road:
     road : Road
         It follows the ego's lane and those that continue it, and goes on straight for 300 m behind the last
         one. Its lanes are those that go along all of it; one that is driven in both directions is opposing.
-        Its speed limits are those of these lanes.
+        Its speed limits are those of the ego's lanes, 36 m/s where one has none.
 
     Raises
     ------
+    InputError
+        If it is no environment of highway-env, or has not been reset.
     InfeasibleError
         If no path fits the lanes.
     """
-    chain = _chain(env.unwrapped.vehicle, env.unwrapped.road.network, length)
+    world = world_of(env)
+    if world.vehicle is None:
+        raise InputError(f"env must be reset, was not: {shown(env)}")
+    chain = _chain(world.vehicle, world.road.network, length)
     points = np.concatenate([part.points() for part in chain])
     if chain[-1].end >= chain[-1].lane.length:
         step = points[-1] - points[-2]
         count = int(_OVERRUN / math.hypot(*step))
         points = np.concatenate((points, points[-1] + np.outer(np.arange(1, count + 1), step)))
     path = fit_path(points[np.r_[True, np.hypot(*np.diff(points, axis=0).T) > 1e-3]], tolerance=_TOLERANCE)
-    graph = env.unwrapped.road.network.graph
+    graph = world.road.network.graph
     lanes = [Lane(d=0.0, width=min(_width(part.lane) for part in chain))]
     opposing = _measured(path, chain, [graph.get(part.name[1], {}).get(part.name[0], []) for part in chain])
     lanes += [replace(lane, direction=-1) for lane in opposing]

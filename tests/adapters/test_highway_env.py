@@ -1,6 +1,7 @@
 """The planner in highway-env: axes, roads, actions; by a small fake and by highway-env itself."""
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -125,6 +126,21 @@ def test_discrete_actions_raise() -> None:
     del env.unwrapped.action_type.steering_range
     with pytest.raises(InputError, match="env must be reset and have continuous actions"):
         HighwayAgent(env)
+
+
+@pytest.mark.parametrize("env", [None, SimpleNamespace(unwrapped=SimpleNamespace())])
+@pytest.mark.parametrize("call", [HighwayAgent, configure_highway, read_highway_road])
+def test_other_environments_raise(call: Any, env: Any) -> None:
+    with pytest.raises(InputError, match=r"^env must be an environment of highway-env, was "):
+        call(env)
+
+
+def test_environment_before_its_reset_raises() -> None:
+    env = env_of(fake_vehicle(100.0, 4.0))
+    env.unwrapped.vehicle = None
+    for call in (HighwayAgent, read_highway_road):
+        with pytest.raises(InputError, match=r"^env must be reset"):
+            call(env)
 
 
 # --- highway-env --------------------------------------------------------------------------------------
