@@ -141,8 +141,13 @@ class FrenetVehicle:
     def speed_rate(self) -> float:
         """Reported rate of change of the magnitude of the speed along the route [m/s^2]."""
         v, a = self.remote.v_x, self.remote.a_x
-        scale = abs(self.v_s / v) if abs(v) > STANDSTILL_SPEED else abs(math.cos(self.angle))
-        return scale * (-a if v < 0.0 else a)
+        return self._scale * (-a if v < 0.0 else a)
+
+    @property
+    def _scale(self) -> float:
+        """Distance along the route for each meter that it drives."""
+        v = self.remote.v_x
+        return abs(self.v_s / v) if abs(v) > STANDSTILL_SPEED else abs(math.cos(self.angle))
 
     @property
     def is_stale(self) -> bool:
@@ -202,7 +207,8 @@ class FrenetVehicle:
         age, rate = 0.0, 0.0
         if not braking == acceleration == 0.0:
             age, rate = self.remote.age, self.speed_rate
-            braking, acceleration = max(braking, -rate), max(acceleration, rate)
+            scale = self._scale
+            braking, acceleration = max(scale * braking, -rate), max(scale * acceleration, rate)
         a_x = self.remote.a_x
         motion = np.array([(self.rear, self.front, self.v_s, age, rate, braking, acceleration, a_x)])
         rear, front = np.empty((2, 1, len(t)))

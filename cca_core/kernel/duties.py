@@ -2,7 +2,7 @@
 
 from cca_core.kernel.rollout import ONCOMING, TIME_EPS
 from cca_core.kernel.scene import TOLERANCE, Scene, is_outside
-from cca_core.kernel.traffic import HALF_W, SURE_W, D
+from cca_core.kernel.traffic import AGE, HALF_W, SIDE_SPEED, SURE_W, D
 from cca_core.kernel.types import Flag, Int, Real
 
 __all__ = [
@@ -63,9 +63,14 @@ def is_behind(w: Scene, row: Int, p: Int, j: Int, back: Int) -> Flag:
 
 
 def is_surely_in(w: Scene, j: Int, right: Real, left: Real) -> Flag:
-    """Whether a body is at least in part in a lane, wherever it is within its bounds."""
-    low = w.seen[j, D] - w.seen[j, SURE_W]
-    high = w.seen[j, D] + w.seen[j, SURE_W]
+    """Whether a body is at least in part in a lane, wherever it is within its bounds.
+
+    Since its report it has moved sideways at most as reported.
+    """
+    now = w.seen[j, D]
+    reported = now - w.seen[j, SIDE_SPEED] * w.seen[j, AGE]
+    low = max(now, reported) - w.seen[j, SURE_W]
+    high = min(now, reported) + w.seen[j, SURE_W]
     return low < left - w.entry_tolerance and high > right + w.entry_tolerance
 
 

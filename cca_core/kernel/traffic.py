@@ -5,7 +5,7 @@ import math
 from cca_core.kernel.constants import STANDSTILL_SPEED
 from cca_core.kernel.order import set_following_speed, set_order
 from cca_core.kernel.reach import measured_motion, reach
-from cca_core.kernel.scene import Scene
+from cca_core.kernel.scene import Scene, station
 from cca_core.kernel.types import Flag, Int, Real
 
 __all__ = ["locate_vehicles"]
@@ -81,10 +81,19 @@ def locate_along(w: Scene, j: Int) -> None:
     set_adjacent(w, j, w.seen[j, D] - w.seen[j, HALF_W], w.seen[j, D] + w.seen[j, HALF_W])
 
 
+def lane_scale(w: Scene, j: Int, at: Real) -> Real:
+    """Distance driven in the lane of a vehicle for each meter of the route: longer outside of a bend."""
+    return max(1.0 - w.seen[j, D] * w.kappa[station(w.n, at)], 0.1)
+
+
 def reach_along(w: Scene, j: Int, passed: Flag) -> None:
-    """Worst case along the route of a vehicle that is overtaken, or of one that is not."""
-    v = w.seen[j, SPEED]
-    rate = w.seen[j, RATE]
+    """Worst case along the route of a vehicle that is overtaken, or of one that is not.
+
+    Speeds and accelerations are those in its lane, stations follow from the distance driven there.
+    """
+    scale = lane_scale(w, j, w.seen[j, S])
+    v = w.seen[j, SPEED] * scale
+    rate = w.seen[j, RATE] * scale
     nominal = w.seen[j, NOMINAL_RATE]
     if passed and rate > 0.0:
         rate = 0.0  # a driver who is overtaken does not accelerate
@@ -94,7 +103,7 @@ def reach_along(w: Scene, j: Int, passed: Flag) -> None:
     rear = w.seen[j, S] - w.seen[j, HALF_L]
     front = w.seen[j, S] + w.seen[j, HALF_L]
     measured, counted, stops = measured_motion(v, w.seen[j, AGE], rate, braking)
-    fastest = max(w.v_limit, abs(v) + SPEEDING)
+    fastest = max(w.v_limit, max(abs(v), measured) + SPEEDING)  # it may not have braked since its report
     sum_low = 0.0
     sum_high = 0.0
     low_0 = 0.0
@@ -105,18 +114,20 @@ def reach_along(w: Scene, j: Int, passed: Flag) -> None:
         low = 0.0
         high = 0.0
         if w.keeps:
-            distance, _ = travel(w, abs(v), nominal, w.acceleration_time, w.t[k])
+            distance, _ = travel(w, abs(w.seen[j, SPEED]), nominal, w.acceleration_time, w.t[k])
             low = math.copysign(1.0, v) * distance
             high = low
         else:
             low, high = reach(v, w.t[k], w.seen[j, AGE], braking, acceleration, measured, counted, stops)
             if k == 0:
-                low_0 = low
-                high_0 = high
+                low_0 = low / scale
+                high_0 = high / scale
             else:
                 farthest = fastest * (w.t[k] - w.t[k - 1])
-                sum_low += max(low - low_last, -farthest)
-                sum_high += min(high - high_last, farthest)
+                at_low = w.seen[j, S] + low_0 + sum_low
+                at_high = w.seen[j, S] + high_0 + sum_high
+                sum_low += max(low - low_last, -farthest) / lane_scale(w, j, at_low)
+                sum_high += min(high - high_last, farthest) / lane_scale(w, j, at_high)
             low_last = low
             high_last = high
             low = low_0 + sum_low
@@ -128,7 +139,9 @@ def reach_along(w: Scene, j: Int, passed: Flag) -> None:
                     high = min(high, 0.0)
         if passed:
             if v >= 0.0:  # a reported acceleration is believed for a while
-                distance, _ = travel(w, abs(v), w.seen[j, NOMINAL_RATE], w.acceleration_time, w.t[k])
+                distance, _ = travel(
+                    w, w.seen[j, SPEED], w.seen[j, NOMINAL_RATE], w.acceleration_time, w.t[k]
+                )
                 high = max(high, distance)
             w.low_passed[j, k] = rear + low
             w.high_passed[j, k] = front + high

@@ -109,6 +109,17 @@ def test_vehicle_that_may_be_alongside_is_seen(block: int, index: int) -> None:
     assert gap > 0.0 or not certificate.keeps_worst_case
 
 
+@pytest.mark.parametrize(("block", "index"), [(34, 144), (47, 154), (62, 879)])
+def test_motion_since_report_is_bounded(block: int, index: int) -> None:
+    """It moved sideways, may not have braked, or drives in the inner lane of a bend since its report."""
+    reacts = block % 2 == 0
+    decided = decide(sample_case(np.random.default_rng((block, index))), DEFAULT if reacts else CAUTIOUS)
+    certificate = decided.command.certificate
+    assert certificate is not None
+    gap = min_gap(decided, np.random.default_rng((block, index, 1)), reacts=reacts)
+    assert gap > 0.0 or not certificate.keeps_worst_case
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(1, 101))
 def test_certified_safe_stop_is_not_touched_in_many(block: int) -> None:

@@ -3502,11 +3502,20 @@ static void traffic_locate_along(Scene *w, int j)
         * 27 + TRAFFIC_D] + w->seen[j * 27 + TRAFFIC_HALF_W]);
 }
 
-/* Worst case along the route of a vehicle that is overtaken, or of one that is not. */
+/* Distance driven in the lane of a vehicle for each meter of the route: longer outside of a bend. */
+static double traffic_lane_scale(const Scene *w, int j, double at)
+{
+    return real_max(1.0 - w->seen[j * 27 + TRAFFIC_D] * w->kappa[scene_station(w->n, at)], 0.1);
+}
+
+/* Worst case along the route of a vehicle that is overtaken, or of one that is not.
+
+Speeds and accelerations are those in its lane, stations follow from the distance driven there. */
 static void traffic_reach_along(Scene *w, int j, bool passed)
 {
-    double v = w->seen[j * 27 + TRAFFIC_SPEED];
-    double rate = w->seen[j * 27 + TRAFFIC_RATE];
+    double scale = traffic_lane_scale(w, j, w->seen[j * 27 + TRAFFIC_S]);
+    double v = w->seen[j * 27 + TRAFFIC_SPEED] * scale;
+    double rate = w->seen[j * 27 + TRAFFIC_RATE] * scale;
     double nominal = w->seen[j * 27 + TRAFFIC_NOMINAL_RATE];
     if (passed && rate > 0.0) {
         rate = 0.0;
@@ -3520,7 +3529,7 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
     double measured = result1_.item0;
     double counted = result1_.item1;
     double stops = result1_.item2;
-    double fastest = real_max(w->v_limit, fabs(v) + TRAFFIC_SPEEDING);
+    double fastest = real_max(w->v_limit, real_max(fabs(v), measured) + TRAFFIC_SPEEDING);
     double sum_low = 0.0;
     double sum_high = 0.0;
     double low_0 = 0.0;
@@ -3531,7 +3540,8 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
         double low = 0.0;
         double high = 0.0;
         if (w->keeps) {
-            const cca_dd result2_ = traffic_travel(w, fabs(v), nominal, w->acceleration_time, w->t[k]);
+            const cca_dd result2_ = traffic_travel(w, fabs(w->seen[j * 27 + TRAFFIC_SPEED]), nominal,
+                w->acceleration_time, w->t[k]);
             double distance = result2_.item0;
             low = copysign(1.0, v) * distance;
             high = low;
@@ -3541,12 +3551,14 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
             low = result3_.item0;
             high = result3_.item1;
             if (k == 0) {
-                low_0 = low;
-                high_0 = high;
+                low_0 = low / scale;
+                high_0 = high / scale;
             } else {
                 double farthest = fastest * (w->t[k] - w->t[k - 1]);
-                sum_low += real_max(low - low_last, -farthest);
-                sum_high += real_min(high - high_last, farthest);
+                double at_low = w->seen[j * 27 + TRAFFIC_S] + low_0 + sum_low;
+                double at_high = w->seen[j * 27 + TRAFFIC_S] + high_0 + sum_high;
+                sum_low += real_max(low - low_last, -farthest) / traffic_lane_scale(w, j, at_low);
+                sum_high += real_min(high - high_last, farthest) / traffic_lane_scale(w, j, at_high);
             }
             low_last = low;
             high_last = high;
@@ -3562,8 +3574,8 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
         }
         if (passed) {
             if (v >= 0.0) {
-                const cca_dd result4_ = traffic_travel(w, fabs(v), w->seen[j * 27 + TRAFFIC_NOMINAL_RATE],
-                    w->acceleration_time, w->t[k]);
+                const cca_dd result4_ = traffic_travel(w, w->seen[j * 27 + TRAFFIC_SPEED], w->seen[j * 27
+                    + TRAFFIC_NOMINAL_RATE], w->acceleration_time, w->t[k]);
                 double distance = result4_.item0;
                 high = real_max(high, distance);
             }
@@ -3808,11 +3820,15 @@ bool cca_is_behind(const Scene *w, int row, int p, int j, int back)
         < in_lane;
 }
 
-/* Whether a body is at least in part in a lane, wherever it is within its bounds. */
+/* Whether a body is at least in part in a lane, wherever it is within its bounds.
+
+Since its report it has moved sideways at most as reported. */
 static bool duties_is_surely_in(const Scene *w, int j, double right, double left)
 {
-    double low = w->seen[j * 27 + TRAFFIC_D] - w->seen[j * 27 + TRAFFIC_SURE_W];
-    double high = w->seen[j * 27 + TRAFFIC_D] + w->seen[j * 27 + TRAFFIC_SURE_W];
+    double now = w->seen[j * 27 + TRAFFIC_D];
+    double reported = now - w->seen[j * 27 + TRAFFIC_SIDE_SPEED] * w->seen[j * 27 + TRAFFIC_AGE];
+    double low = real_max(now, reported) - w->seen[j * 27 + TRAFFIC_SURE_W];
+    double high = real_min(now, reported) + w->seen[j * 27 + TRAFFIC_SURE_W];
     return low < left - w->entry_tolerance && high > right + w->entry_tolerance;
 }
 
