@@ -155,18 +155,25 @@ class Suite:
 
 
 def inputs(file: Path) -> set[Path]:
-    """What a test file depends on: its package, what these import, directly or not, and files beside that."""
+    """What a test file depends on: its package, what these import, directly or not, and files beside that.
+
+    One that compares both forms of kernels depends on those that it imports, not on the other kernels.
+    """
     if file.parent == TESTS:  # it may look at everything
         return {ROOT / name for name in git("ls-files").split()} - {PAGE, FIGURE}
     found: set[Path] = set()
     package = ROOT / "cca_core" / file.relative_to(TESTS).parts[0]
-    waiting = {file, *package.rglob("*.py"), *(p / "conftest.py" for p in (TESTS, file.parent))}
+    waiting = {file, *(p / "conftest.py" for p in (TESTS, file.parent))}
+    compares_forms = file.parent.name == "kernel" and "check_forms" in file.read_text(encoding="utf-8")
+    if not compares_forms:
+        waiting |= set(package.rglob("*.py"))
     waiting = {p for p in waiting if p.is_file()}
     while waiting:
         found |= waiting
         waiting = {used for one in waiting if one.suffix == ".py" for used in uses(one)} - found
     folders = {p.parent for p in found} - {ROOT / "cca_core", TESTS, TESTS / "support"}
-    return found | {p for folder in folders for p in folder.iterdir() if p.is_file() and p.suffix != ".py"}
+    beside = {p for folder in folders for p in folder.iterdir() if p.is_file()}
+    return found | {p for p in beside if p.suffix not in (".py", ".so")}
 
 
 @cache
