@@ -62,7 +62,7 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
         _draw_bands(position, log, palette)
         position.set_title(run_heading(log, outcomes, i), fontsize=TEXT.heading, loc="left")
         position.set_ylim(min(map(np.nanmin, inside)) - 10.0, max(map(np.nanmax, inside)) + 10.0)
-        position.set_ylabel("distance\n[m]")
+        position.set_ylabel("from ego's\nstart [m]")
         if log.t[-1] < last - 0.1:
             position.axvspan(log.t[-1], last, color=COLORS.road, linewidth=0.0, zorder=0)
         color, line, _ = EGO_TYPE_STYLES[log.scenario.ego_type]
@@ -72,6 +72,8 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
         acceleration.plot(log.t, log.ego[:, 7], line, color=color)
     speed.set_ylabel("ego's speed\n[m/s]")
     acceleration.set(ylabel="ego's accel.\na_x [m/s²]", xlabel="time [s]", xlim=(first, last))
+    for axis in axes:
+        axis.locator_params(axis="y", nbins=4, min_n_ticks=3)
     color_legend(figure, {"ego": COLORS.ego, **palette}, loc="outside upper left")
     figure.legend(
         *speed.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=TEXT.legend,

@@ -9,7 +9,8 @@ from cca_core._checks import Array, check_array
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
-from cca_core.plot.style import COLORS, PAGE_WIDTH, TEXT, assign_colors, new_figure
+from cca_core.plot.labels import fill_text
+from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, assign_colors, new_figure
 from cca_core.sim.commonroad.drive import CommonRoadRun
 
 if TYPE_CHECKING:
@@ -49,13 +50,14 @@ def plot_commonroad(run: CommonRoadRun, *, times: Sequence[float] | None = None)
     tall = bool((high - low)[1] > 0.6 * (high - low)[0])
     columns = 2 if tall else 1
     rows = -(-len(instants) // columns)
-    height = rows * (0.5 + PAGE_WIDTH / columns * float((high - low)[1] / (high - low)[0])) + 0.3
-    figure = new_figure(height)
+    height = rows * (0.7 + COLUMN_WIDTH / columns * float((high - low)[1] / (high - low)[0])) + 0.5
+    figure = new_figure(height, COLUMN_WIDTH)
     figure.suptitle(f"{run.scenario.name} ({run.plant})", weight="bold", fontsize=TEXT.heading)
     axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
+    characters = 64 // columns
     for view, (axis, t) in enumerate(zip(axes, instants.tolist(), strict=False), start=1):
         _draw_world(axis, run, regions)
-        _draw_moment(axis, run, t, view, (low, high))
+        _draw_moment(axis, run, t, view, (low, high), characters)
         axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     for axis in axes[len(instants) :]:
         axis.set_axis_off()
@@ -75,7 +77,9 @@ def _draw_world(axis: Any, run: CommonRoadRun, regions: list[Array]) -> None:
         axis.fill(*region.T, facecolor="none", edgecolor=COLORS.goal, linewidth=1.5, zorder=2)
 
 
-def _draw_moment(axis: Any, run: CommonRoadRun, t: float, view: int, limits: tuple[Array, Array]) -> None:
+def _draw_moment(
+    axis: Any, run: CommonRoadRun, t: float, view: int, limits: tuple[Array, Array], characters: int
+) -> None:
     row = int(np.argmin(np.abs(run.t - t)))
     axis.plot(*run.ego[: row + 1, :2].T, color=COLORS.ego, linewidth=1.4, zorder=3)
     axis.plot(*run.ego[row:, :2].T, color=COLORS.ego, linewidth=1.0, linestyle=":", zorder=3)
@@ -103,4 +107,8 @@ def _draw_moment(axis: Any, run: CommonRoadRun, t: float, view: int, limits: tup
     )
     gap = run.gaps[row].min(initial=np.inf)
     min_gap = f", min gap {gap:.1f} m" if np.isfinite(gap) else ""
-    axis.set_title(f"{run.t[row]:.1f} s   {name}{min_gap}\n{reason[:70]}", fontsize=TEXT.legend, loc="left")
+    text = "\n".join(
+        fill_text(line, characters) for line in (f"{run.t[row]:.1f} s   {name}{min_gap}", reason)
+    )
+    axis.set_title(text, fontsize=TEXT.legend, loc="left")
+    axis.tick_params(labelsize=TEXT.axis)

@@ -9,7 +9,15 @@ import numpy as np
 from cca_core.baselines.problems.compare import ComparisonRow
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.baselines.table1.scaling import ScalingResult
-from cca_core.plot.style import COLORS, METHOD_STYLES, TEXT, new_figure
+from cca_core.plot.style import (
+    COLORS,
+    COLUMN_WIDTH,
+    METHOD_STYLES,
+    TEXT,
+    draw_lanes,
+    new_figure,
+    set_text_sizes,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,8 +52,8 @@ def plot_time_quality(rows: Sequence[ComparisonRow]) -> "Figure":
     """
     names = list(dict.fromkeys(row.method for row in rows))
     styles = _styles(names)
-    figure = new_figure(3.9)
-    left, right = figure.subplots(1, 2, sharex=True)
+    figure = new_figure(5.6, COLUMN_WIDTH)
+    above, below = figure.subplots(2, 1, sharex=True)
     for name in names:
         times = [row.time_ms for row in rows if row.method == name and np.isfinite(row.time_ms)]
         solvable = [row for row in rows if row.method == name and row.kind != "blocked"]
@@ -55,15 +63,16 @@ def plot_time_quality(rows: Sequence[ComparisonRow]) -> "Figure":
         median, p99 = np.percentile(times, (50, 99))
         claimed = solved or [row for row in solvable if np.isfinite(row.driven_jerk)]
         jerk = float(np.median([row.driven_jerk for row in claimed])) if claimed else np.nan
-        for axis, height in ((left, 100.0 * len(solved) / max(len(solvable), 1)), (right, jerk)):
+        for axis, height in ((above, 100.0 * len(solved) / max(len(solvable), 1)), (below, jerk)):
             axis.plot((median, p99), (height, height), color=styles[name]["color"], linewidth=1.0, alpha=0.6)
             axis.plot(median, height, **styles[name], linestyle="", markersize=7, label=name)
-    left.set(xscale="log", ylim=(-4.0, 104.0), ylabel="solvable problems solved [%]")
-    right.set(ylabel="largest jerk when driven, median [m/s³]", ylim=(0.0, None))
-    for axis in (left, right):
-        axis.set_xlabel("time of a plan, median to 99th percentile [ms]")
+    above.set(xscale="log", ylim=(-4.0, 104.0), ylabel="solvable problems\nsolved [%]")
+    below.set(ylabel="largest jerk when\ndriven, median [m/s³]", ylim=(0.0, None))
+    below.set_xlabel("time of a plan, median to 99th percentile [ms]")
+    for axis in (above, below):
         axis.grid(alpha=0.3)
-    _draw_legend(figure, left)
+    _draw_legend(figure, above)
+    figure.align_ylabels()
     return figure
 
 
@@ -88,12 +97,12 @@ def plot_scaling(results: Sequence[ScalingResult], axes: Sequence[str]) -> "Figu
         If matplotlib is not installed.
     """
     styles = _styles(list(dict.fromkeys(r.method for r in results if r.axis in axes)))
-    figure = new_figure(3.7)
-    panels = np.atleast_1d(figure.subplots(1, len(axes), sharey=True))
+    figure = new_figure(0.6 + 2.2 * len(axes), COLUMN_WIDTH)
+    panels = np.atleast_1d(figure.subplots(len(axes), 1, sharey=True))
     for panel, quantity in zip(panels, axes, strict=True):
         _draw_scaling(panel, [r for r in results if r.axis == quantity], styles)
         panel.set_xlabel(quantity)
-    panels[0].set_ylabel("processor time of a plan [ms]")
+        panel.set_ylabel("processor time\nof a plan [ms]")
     low, high = panels[0].get_ylim()
     levels = [k * 10.0**n for n in range(-1, 5) for k in (1, 2, 5) if low <= k * 10.0**n <= high]
     panels[0].set_yticks(levels, [f"{level:g}" for level in levels])
@@ -120,7 +129,8 @@ def _draw_scaling(axis: Any, results: Sequence[ScalingResult], styles: dict[str,
 
 def _draw_legend(figure: "Figure", axis: Any) -> None:
     handles = axis.get_legend_handles_labels()
-    figure.legend(*handles, loc="outside lower center", ncols=5, fontsize=TEXT.legend)
+    figure.legend(*handles, loc="outside lower center", ncols=3, fontsize=TEXT.legend, frameon=False)
+    set_text_sizes(figure)
 
 
 def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) -> Any:
@@ -145,9 +155,9 @@ def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) ->
     MissingExtraError
         If matplotlib is not installed.
     """
-    axis = new_figure(2.6).subplots() if axis is None else axis
+    axis = new_figure(2.4, COLUMN_WIDTH).subplots() if axis is None else axis
     road, path = problem.road, problem.road.path
-    axis.axhspan(road.right_edge, road.left_edge, color=COLORS.road)
+    draw_lanes(axis, road)
     t = np.linspace(0.0, problem.duration, 2000)
     for box in problem.boxes_at(t):
         s, d = path.project(np.column_stack((box.x, box.y)))
@@ -160,6 +170,7 @@ def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) ->
         if len(plan.xy):
             s, d = path.project(plan.xy)
             axis.plot(s, d, color=styles[name]["color"], linewidth=1.2, label=name)
-    axis.axhline(0.0, color=COLORS.ego, linewidth=0.5, linestyle=(0, (4, 4)))
-    axis.set(xlabel="along the route [m]", ylabel="left of the route [m]", title=problem.name)
+    axis.axhline(0.0, color=COLORS.ink, linewidth=1.0, linestyle=":", zorder=1)
+    axis.set(xlabel="along the route [m]", ylabel="left of the\nroute [m]")
+    axis.set_title(problem.name, loc="left", fontsize=TEXT.heading)
     return axis

@@ -43,7 +43,7 @@ def plot_crossing(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figu
     Returns
     -------
     figure : Figure
-        For each run the bodies each two seconds from above, to scale, and numbered by the time; below, the
+        For each run the bodies each two seconds from above, to scale, labeled with the time; below, the
         ego's station over time in all runs, with the area in which it would collide with another vehicle.
 
     Raises
@@ -134,7 +134,7 @@ def _draw_bodies(
                 linewidth=0.8, zorder=3, gid=f"{name}@{log.t[row]:.1f}",
             )  # fmt: skip
             slots.occupy(corners[row, i])
-            numbers.append((f"{log.t[row]:.0f}" if is_moving else name, at, color))
+            numbers.append((f"{log.t[row]:.0f} s" if is_moving else name, at, color))
     (x0, x1), (y0, y1) = axis.get_xlim(), axis.get_ylim()
     for text, (x, y), color in numbers:
         if x0 < x < x1 and y0 < y < y1:

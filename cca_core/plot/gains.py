@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cca_core.follow import GainRegion, Margins, PreviewGains
-from cca_core.plot.style import COLORS, TEXT, new_figure
+from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, legend_above, new_figure, set_text_sizes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,7 +34,7 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     MissingExtraError
         If matplotlib is not installed.
     """
-    figure = new_figure(4.6, 7.0)
+    figure = new_figure(4.5, COLUMN_WIDTH)
     axis = figure.subplots()
     _draw_region(axis, region)
     if region.selected is not None:
@@ -42,13 +42,14 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
     if shipped is not None:
         at_p, at_d, _ = shipped.at(region.v_x)
         axis.plot(at_p, at_d, "D", color="black", fillstyle="none", markersize=9, label="schedule")
+    axis.fill_between([], [], color=COLORS.admissible, label="admissible")
     axis.plot([], [], color=COLORS.ego, linewidth=0.9, label="worst decay")
     axis.plot([], [], color=COLORS.second, linewidth=0.9, linestyle="--", label="worst damping ratio")
-    axis.fill_between([], [], color=COLORS.admissible, label="admissible")
     axis.set_xlabel("gain on the error at the preview point k_p [rad/m]")
     axis.set_ylabel("gain on its rate k_d [rad s/m]")
-    axis.set_title(f"{region.v_x:g} m/s, preview distance {region.l_s:g} m")
-    axis.legend(loc="upper left", fontsize=TEXT.legend)
+    axis.set_title(f"{region.v_x:g} m/s, preview distance {region.l_s:g} m", loc="left")
+    legend_above(axis, ncols=3)
+    set_text_sizes(figure)
     return figure
 
 
@@ -57,11 +58,11 @@ def _draw_region(axis: Any, region: GainRegion) -> None:
     # the reserve changes evenly over the grid, so its zero is a smooth edge
     reserve = np.minimum(region.decay - region.requested[0], region.damping - region.requested[1])
     axis.contourf(k_p, k_d, reserve, levels=[0.0, math.inf], colors=[COLORS.admissible])
-    stable = np.where(region.decay > 0.0)
-    if len(stable[0]):  # before the labels: their gaps in the curves depend on the view
-        axis.set_xlim(0.0, 1.05 * float(k_p[stable].max()))
-        axis.set_ylim(0.0, 1.05 * float(k_d[stable].max()))
-    decays, dampings = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0), (0.2, 0.3, 0.4, 0.5, 0.6, 0.7)  # [1/s], [-]
+    # around the admissible gains, or all stable ones; before the labels: their gaps depend on the view
+    shown, scale = (reserve > 0.0, 1.35) if (reserve > 0.0).any() else (region.decay > 0.0, 1.05)
+    if shown.any():
+        axis.set(xlim=(0.0, scale * float(k_p[shown].max())), ylim=(0.0, scale * float(k_d[shown].max())))
+    decays, dampings = (0.0, 0.5, 1.0, 1.5, 2.0), (0.2, 0.4, 0.6)  # [1/s], [-]
     curves = axis.contour(k_p, k_d, region.decay, levels=decays, colors=COLORS.ego, linewidths=0.9)
     axis.clabel(curves, fmt=lambda value: f"{value:g} 1/s", fontsize=TEXT.legend)
     style = {"colors": COLORS.second, "linewidths": 0.9, "linestyles": "--"}
@@ -89,7 +90,7 @@ def plot_margins(margins: Sequence[Margins]) -> "Figure":
     MissingExtraError
         If matplotlib is not installed.
     """
-    figure = new_figure(5.0, 8.0)
+    figure = new_figure(4.2, COLUMN_WIDTH)
     v = [m.v_x for m in margins]
     rows = (
         ("gain margin [-]", [m.gain for m in margins]),
@@ -105,4 +106,7 @@ def plot_margins(margins: Sequence[Margins]) -> "Figure":
         axis.grid(alpha=0.3)
         if axis.get_subplotspec().is_last_row():
             axis.set_xlabel("speed [m/s]")
+    figure.suptitle("Stability margins", x=0.02, ha="left", fontsize=TEXT.heading)
+    set_text_sizes(figure)
+    figure.align_ylabels()
     return figure

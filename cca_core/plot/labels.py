@@ -66,8 +66,15 @@ def title(log: Log) -> str:
 
 def title_lines(log: Log) -> str:
     """Name of a run on lines that fit a figure as wide as a column."""
-    name = title(log)
-    return name if len(name) < 44 else fill_text(name.replace(": ", ":\n"), 46)
+    return break_title(title(log))
+
+
+def break_title(name: str) -> str:
+    """Long title on lines of which the first ends at a comma or a colon."""
+    if len(name) < 44:
+        return name
+    sign = "," if ", " in name else ":"
+    return fill_text(name.replace(f"{sign} ", f"{sign}\n", 1), 46)
 
 
 def scenario_name(scenario: Scenario, *, cased: bool = True) -> str:
@@ -99,6 +106,7 @@ def run_heading(log: Log, outcomes: Sequence[str], i: int, separator: str = ": "
 def fill_text(text: str, width: int) -> str:
     """Text on lines of at most some characters, in which numbers and their units stay together."""
     whole = re.sub(r"(\d) (m/s²|m/s|m|s)\b", "\\1\N{NO-BREAK SPACE}\\2", text)
+    whole = re.sub(r"\b(min) (gap) (\d)", "\\1\N{NO-BREAK SPACE}\\2\N{NO-BREAK SPACE}\\3", whole)
     return "\n".join(fill(line, width) for line in whole.split("\n"))
 
 

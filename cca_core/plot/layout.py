@@ -7,7 +7,7 @@ import numpy as np
 
 from cca_core.geometry import boxes
 from cca_core.path import Path
-from cca_core.plot.labels import escape_figure_text, fill_text, sanitize_text, scenario_name
+from cca_core.plot.labels import break_title, escape_figure_text, sanitize_text, scenario_name
 from cca_core.plot.road_surface import draw_roads
 from cca_core.plot.style import (
     COLORS,
@@ -18,7 +18,7 @@ from cca_core.plot.style import (
     new_figure,
     set_text_sizes,
 )
-from cca_core.plot.text_slots import TextSlots, freeze_layout, offsets_around
+from cca_core.plot.text_slots import Offset, TextSlots, freeze_layout, offsets_around
 from cca_core.sim import (
     BrakeAction,
     LateralShiftAction,
@@ -30,6 +30,10 @@ from cca_core.sim import (
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+_EXAGGERATION = 2.0  # of the width of a road along the route
+_ROW = 12.0  # height of a text [pt]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,15 +81,12 @@ def plot_layout(scenario: Scenario) -> "Figure":
     MissingExtraError
         If matplotlib is not installed.
     """
-    if scenario.other_roads:
-        figure = new_figure(3.6, COLUMN_WIDTH)
-        axis = figure.subplots()
-        bodies = _prepare_plane(axis, scenario)
-    else:
-        figure = new_figure(2.3, COLUMN_WIDTH)
-        axis = figure.subplots()
-        bodies = _prepare_strip(axis, scenario)
-    name = fill_text(sanitize_text(scenario_name(scenario)), 46)
+    figure = new_figure(2.3, COLUMN_WIDTH)
+    axis = figure.subplots()
+    prepare = _prepare_plane if scenario.other_roads else _prepare_strip
+    bodies = prepare(axis, scenario)
+    name = break_title(sanitize_text(scenario_name(scenario)))
+    figure.set_figheight(figure.get_figheight() + 0.17 * name.count("\n"))
     figure.suptitle(name, x=0.02, ha="left", weight="bold", fontsize=TEXT.title)
     set_text_sizes(figure)
     freeze_layout(figure)
@@ -97,6 +98,8 @@ def plot_layout(scenario: Scenario) -> "Figure":
 def _describe_actions(user: RoadUser) -> str:
     """Speed and actions, such as ``"29 m/s, brakes with 7 m/s² at 3 s"``."""
     parts = ["stands still" if user.v_x == 0.0 else f"{user.v_x:.0f} m/s"]
+    if user.direction < 0 and user.route is None:
+        parts[0] += " oncoming"
     for action in user.actions:
         if isinstance(action, BrakeAction):
             parts.append(f"brakes with {action.deceleration:.0f} m/s² at {action.t:.0f} s")
@@ -152,7 +155,7 @@ def _prepare_plane(
     low, high = np.min(points, axis=0) - margin, np.max(points, axis=0) + margin
     wide, tall = np.minimum(high - low, max_size)
     x, y = 0.5 * (low + high)
-    axis.figure.set_figheight(min(4.6, 3.8 * max(tall, 0.45 * wide) / wide + 1.0))
+    axis.figure.set_figheight(min(4.6, 4.0 * max(tall, 0.45 * wide) / wide + 0.88))
     axis.set(
         xlim=(x - 0.5 * wide, x + 0.5 * wide), xlabel="x [m]", ylabel="y [m]",
         ylim=(y - 0.5 * max(tall, 0.45 * wide), y + 0.5 * max(tall, 0.45 * wide)),
@@ -177,10 +180,14 @@ def _prepare_strip(
     ahead = [body.s - start for body in bodies]
     near = [distance for distance in ahead if abs(distance) < max_distance]
     right = 3.5 * margin if max(ahead) > max(near) and max(near) > 0.0 else 2.0 * margin  # room for a text
+    low, high = min(near) - margin, max(near) + right
+    scale = _EXAGGERATION * (COLUMN_WIDTH - 0.75) / (high - low)  # per meter across [in]
+    verge = 2.2 * _ROW / 72.0 / scale
+    axis.figure.set_figheight(scale * (road.left_edge - road.right_edge + 2.0 * verge) + 0.8)
     axis.set(
-        xlim=(min(near) - margin, max(near) + right), ylabel="left of the\nroute [m]",
-        ylim=(road.right_edge - 4.5, road.left_edge + 4.5),
-        xlabel="distance ahead of the ego [m] (width drawn larger)",
+        xlim=(low, high), ylim=(road.right_edge - verge, road.left_edge + verge),
+        ylabel="left of the\nroute [m]",
+        xlabel=f"distance ahead of the ego [m] (width drawn {_EXAGGERATION:g} times larger)",
     )  # fmt: skip
     return [
         Shape(body=body, x=body.s - start, y=body.d, psi=0.0 if body.direction > 0 else np.pi)
@@ -195,6 +202,9 @@ def _draw_bodies(axis: Any, shapes: list[Shape], edges: tuple[float, float] | No
     """
     slots = TextSlots(axis)
     (x0, x1), (y0, y1) = axis.get_xlim(), axis.get_ylim()
+    path = shapes[0].body.path
+    for point in path.position(np.arange(path.start, path.end, 1.0)) if edges is None else ():
+        slots.occupy(point[None])
     inside = [each for each in shapes if x0 < each.x < x1 and y0 < each.y < y1]
     for each in inside:
         body = each.body
@@ -208,22 +218,14 @@ def _draw_bodies(axis: Any, shapes: list[Shape], edges: tuple[float, float] | No
                 "", tail + 0.08 * (x1 - x0) * ahead, tail,
                 arrowprops={"arrowstyle": "-|>", "color": body.color, "linewidth": 1.2},
             )  # fmt: skip
-    scale = 72.0 / axis.figure.dpi
     for each in inside:
-        around, arrow = offsets_around(10.0), None
-        if edges is not None:
-            pixels = axis.transData.transform([(each.x, edge) for edge in (each.y, *edges)])[:, 1]
-            below, above = scale * (pixels[1:] - pixels[0])
-            around = [
-                (dx, edge + sign * (8.0 + 12.0 * k), side, vertical)
-                for k in range(3)
-                for edge, sign, vertical in ((above, 1.0, "bottom"), (below, -1.0, "top"))
-                for dx, side in ((0.0, "center"), (-12.0, "left"), (12.0, "right"))
-            ]
-            arrow = {"arrowstyle": "-", "color": each.body.color, "linewidth": 0.7}
-        slots.write(
-            each.body.text, (each.x, each.y), each.body.color, around, weight="bold", arrowprops=arrow
-        )
+        around = offsets_around(10.0) if edges is None else _rows(axis, each.y, edges)
+        found = slots.write(each.body.text, (each.x, each.y), each.body.color, around, weight="bold")
+        if edges is not None and found is not None:
+            line = {"arrowstyle": "-", "color": each.body.color, "linewidth": 0.7, "shrinkA": 0, "shrinkB": 0}
+            axis.annotate(
+                "", (each.x, each.y), (0.0, found[1]), textcoords="offset points", arrowprops=line, zorder=2
+            )
     ego = shapes[0]
     for each in shapes:
         if each not in inside:
@@ -233,10 +235,22 @@ def _draw_bodies(axis: Any, shapes: list[Shape], edges: tuple[float, float] | No
             text = (
                 f"{far} ahead \u25b8" if right else f"\u25c2 {far} behind" if each.x < x0 else f"{far} away"
             )
-            side = "right" if right else "left"
-            step = -4.0 if right else 4.0
+            side, step = ("right", -4.0) if right else ("left", 4.0)
+            heights = [sign * 11.0 * k for k in range(5) for sign in (1, -1)]
+            if edges is not None:  # below the road: above it are the lines to the texts of bodies
+                heights = [dy - 5.0 for _, dy, _, va in _rows(axis, y, edges)[::3] if va == "top"] + heights
             slots.write(
-                text, (x, y), each.body.color,
-                [(step, sign * 11.0 * k, side, "center") for k in range(5) for sign in (1, -1)],
-                weight="bold",
-            )  # fmt: skip
+                text, (x, y), each.body.color, [(step, dy, side, "center") for dy in heights], weight="bold"
+            )
+
+
+def _rows(axis: Any, y: float, edges: tuple[float, float]) -> list[Offset]:
+    """Offsets of texts above and below the road, of which each covers the height of its point."""
+    pixels = axis.transData.transform([(0.0, at) for at in (y, *edges)])[:, 1]
+    below, above = 72.0 / axis.figure.dpi * (pixels[1:] - pixels[0])
+    return [
+        (dx, edge + sign * (5.0 + _ROW * k), side, vertical)
+        for k in range(3)
+        for edge, sign, vertical in ((above, 1.0, "bottom"), (below, -1.0, "top"))
+        for dx, side in ((0.0, "center"), (-12.0, "left"), (12.0, "right"))
+    ]

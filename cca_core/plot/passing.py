@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 _NEAR = -52.0, 23.0  # of a strip, from the middle of the obstacle [m]
 _VIEW = -95.0, 75.0  # of the paths [m]
+_SWEPT = "swept by its body with V2V"
 
 
 def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[str] = ()) -> "Figure":
@@ -63,7 +64,7 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
         raise InputError("logs must hold at least one run")
     at = [_index(log, obstacle_id) for log in logs]
     n = len(logs)
-    figure = new_figure(1.0 * n + 4.6, COLUMN_WIDTH)
+    figure = new_figure(1.0 * n + 4.9, COLUMN_WIDTH)
     *strips, paths, lateral = figure.subplots(n + 2, 1, height_ratios=[1.0] * n + [1.7, 1.5])
     for k, (axis, log) in enumerate(zip(strips, logs, strict=True)):
         road = log.scenario.road
@@ -72,6 +73,7 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
         axis.set_title(run_heading(log, outcomes, k), fontsize=TEXT.heading, loc="left", pad=3)
         if k < n - 1:
             axis.set_xticklabels([])
+    strips[-1].set_xlabel(f"distance along the route from {sanitize_text(obstacle_id)} [m], to scale")
     _draw_obstacle(paths, logs[-1], at[-1])
     for log, i in zip(logs, at, strict=True):
         _draw_path(paths, lateral, log, i)
@@ -82,9 +84,15 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
     lateral.set(xlim=_VIEW, xlabel=f"distance along the route from {sanitize_text(obstacle_id)} [m]")
     lateral.set_ylabel("lateral acc.\na_y [m/s²]")
     expand_limits(lateral, MIN_A_Y_RANGE)
+    lateral.locator_params(axis="y", nbins=5)
     color_legend(figure, _palette(logs[-1]), loc="outside upper left")
+    lines, bands = (
+        {label: handle for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)}
+        for axis in (lateral, paths)
+    )
+    lines |= {label: handle for label, handle in bands.items() if label == _SWEPT}
     figure.legend(
-        *lateral.get_legend_handles_labels(), loc="outside lower left", ncols=1, frameon=False,
+        lines.values(), lines.keys(), loc="outside lower left", ncols=1, frameon=False,
         fontsize=TEXT.legend, title="Ego, and its peak lateral acceleration:", title_fontsize=TEXT.legend,
         alignment="left",
     )  # fmt: skip
@@ -166,4 +174,4 @@ def _draw_swept(axis: Any, log: Log, i: int) -> None:
     s, d = (log.ego_frenet - (final_station(log, i), 0.0)).T
     half = 0.5 * log.scenario.vehicle.width
     style = {"color": COLORS.ego, "alpha": 0.18, "linewidth": 0.0, "zorder": 1}
-    axis.fill_between(s, d - half, d + half, label="swept by the body", **style)
+    axis.fill_between(s, d - half, d + half, label=_SWEPT, **style)

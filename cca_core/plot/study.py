@@ -9,13 +9,13 @@ from cca_core._checks import Array, check_bool
 from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.plot.labels import NAMES
-from cca_core.plot.style import EGO_TYPE_STYLES, new_figure
+from cca_core.plot.style import COLUMN_WIDTH, EGO_TYPE_STYLES, TEXT, new_figure, set_text_sizes
 from cca_core.sim import EGO_TYPES, StudyTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_AXES = {"latency": "latency [s]", "loss": "fraction of messages lost [-]"}
+_AXES = {"latency": "latency [s]", "loss": "messages lost [-]"}
 
 
 def plot_study(
@@ -55,7 +55,7 @@ def plot_study(
     if any(ego not in EGO_TYPES for ego in egos):
         raise InputError(f"egos must be in {', '.join(EGO_TYPES)}, were {', '.join(egos)}")
     ticker = require_extra("matplotlib.ticker", "plot")
-    figure = new_figure(2.6 * len(tables) + 0.6)
+    figure = new_figure(2.3 * len(tables) + 0.5, COLUMN_WIDTH)
     for table, row in zip(tables, figure.subplots(len(tables), 2, squeeze=False, sharey="row"), strict=True):
         for (name, label), axis in zip(_AXES.items(), row, strict=True):
             _draw(axis, table, table.column(name), bins, egos)
@@ -64,8 +64,13 @@ def plot_study(
             axis.set_ylim(0.0 if log else -0.02, 1.3 if log else 1.02)
             axis.yaxis.set_major_formatter(ticker.PercentFormatter(1.0, decimals=0))
             axis.grid(alpha=0.3)
-        row[0].set_ylabel(f"{table.scenario}:\nruns with a collision")
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+        row[0].set_ylabel("runs with a collision")
+        row[0].set_title(NAMES.get(table.scenario, table.scenario), loc="left", fontsize=TEXT.heading)
+    figure.legend(
+        *figure.axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=3, frameon=False,
+        fontsize=TEXT.legend, handlelength=1.8, columnspacing=1.0,
+    )  # fmt: skip
+    set_text_sizes(figure)
     return figure
 
 

@@ -42,10 +42,10 @@ class TextSlots:
     def write(
         self, text: str, xy: Sequence[float], color: str, offsets: Iterable[Offset], *, must: bool = True,
         **options: Any,
-    ) -> bool:  # fmt: skip
+    ) -> Offset | None:  # fmt: skip
         """Write a text at the first offset that is free; without one at the least occupied one if it must be.
 
-        Returns whether the text was written.
+        Returns its offset, or None if it was not written.
         """
         ground = {"facecolor": self._ground, "alpha": 0.9, "edgecolor": "none", "pad": 0.3}
         options = {"fontsize": TEXT.legend, "zorder": 6, "bbox": ground} | options
@@ -67,10 +67,10 @@ class TextSlots:
         overlap, (dx, dy, ha, va), extents = min(found, key=lambda each: each[0])
         if overlap > 0.0 and not must:
             note.remove()
-            return False
+            return None
         note.set(position=(dx, dy), ha=ha, va=va)
         self._occupied.append(extents)
-        return True
+        return dx, dy, ha, va
 
     def free(
         self, xy: Sequence[float] | Array, offsets: Sequence[tuple[float, float]], radius: float

@@ -14,8 +14,9 @@ from cca_core.plot.style import (
     MIN_A_Y_RANGE,
     TEXT,
     assign_colors,
-    color_legend,
+    color_patches,
     expand_limits,
+    legend_above,
     new_figure,
     set_text_sizes,
 )
@@ -51,16 +52,15 @@ def plot_time_series(log: Log) -> "Figure":
     if np.ptp(log.a_y) > _FLAT:
         panels += [_draw_steering, _draw_lateral]
     panels += [draw for draw, has_data in ((_draw_gaps, _near(log)), (_draw_ttc, _ttc(log))) if has_data]
-    figure = new_figure(1.0 + 1.05 * len(panels), COLUMN_WIDTH)
+    figure = new_figure(1.0 + 1.12 * len(panels), COLUMN_WIDTH)
     bar, *axes = figure.subplots(
         len(panels) + 1, 1, sharex=True, squeeze=False, height_ratios=[0.16] + [1.0] * len(panels)
     )[:, 0]
     for draw, axis in zip(panels, axes, strict=True):
         draw(axis, log)
         if len(axis.get_legend_handles_labels()[1]) > (draw is not _draw_ttc):
-            low, high = axis.get_ylim()
-            axis.set_ylim(low, high + 0.45 * (high - low))  # the legend needs space
-            axis.legend(loc="upper right", fontsize=TEXT.legend, ncols=4, framealpha=0.9, columnspacing=1.0)
+            legend_above(axis, ncols=5)
+        axis.locator_params(axis="y", nbins=4, min_n_ticks=3)
     axes[-1].set_xlabel("time [s]")
     _draw_actions(bar, axes, log)
     bar.set_xlim(log.t[0], log.t[-1])
@@ -71,7 +71,7 @@ def plot_time_series(log: Log) -> "Figure":
 
 
 def _draw_speed(axis: Any, log: Log) -> None:
-    lead = lead_speed(log)
+    lead = _without_jumps(lead_speed(log), 2.0)
     axis.plot(log.t, log.ego[:, 3], color=COLORS.ego, label="ego")
     if np.isfinite(lead).mean() > 0.05:
         axis.plot(log.t, lead, color="black", linewidth=1.0, linestyle="--", label="vehicle ahead")
@@ -110,7 +110,7 @@ def _draw_gaps(axis: Any, log: Log) -> None:
     for i, (id_, gaps) in enumerate(_near(log).items()):
         axis.plot(log.t, gaps, ("-", "--", "-.", ":")[i % 4], color=palette[id_], label=id_)
     axis.axhline(0.0, color=COLORS.line, linewidth=0.8)
-    axis.set(ylim=(-2.0, 62.0), ylabel="gap between\nbodies [m]")
+    axis.set(ylim=(-3.0, 63.0), ylabel="gap between\nbodies [m]")
 
 
 def _ttc(log: Log, limit: float = 9.5, critical: float = 5.0) -> dict[str, tuple[Array, Array]]:
@@ -120,7 +120,15 @@ def _ttc(log: Log, limit: float = 9.5, critical: float = 5.0) -> dict[str, tuple
     if crossing is not None:  # not along the lane that the other vehicle crosses
         series = {"crossing": (crossing.t, crossing.ttc)}
     near = {name: (t, np.where(ttc < limit, ttc, np.nan)) for name, (t, ttc) in series.items()}
-    return {name: (t, ttc) for name, (t, ttc) in near.items() if np.fmin.reduce(ttc) < critical}
+    critical_ones = {name: (t, ttc) for name, (t, ttc) in near.items() if np.fmin.reduce(ttc) < critical}
+    return {name: (t, _without_jumps(ttc, 0.5)) for name, (t, ttc) in critical_ones.items()}
+
+
+def _without_jumps(values: Array, limit: float) -> Array:
+    """Values with a gap wherever they jump: where another vehicle becomes the lead vehicle."""
+    shown = np.array(values, dtype=float)
+    shown[1:][np.abs(np.diff(shown)) > limit] = np.nan
+    return shown
 
 
 def _draw_ttc(axis: Any, log: Log) -> None:
@@ -138,4 +146,5 @@ def _draw_actions(bar: Any, axes: Any, log: Log) -> None:
     bar.set_yticks([])
     bar.tick_params(bottom=False)
     names = dict.fromkeys(name for _, name, _ in log.decisions)
-    color_legend(bar.figure, {action_words(name): ACTION_COLORS[name] for name in names})
+    colors = {action_words(name): ACTION_COLORS[name] for name in names}
+    legend_above(bar, ncols=4, handles=color_patches(colors))

@@ -28,13 +28,14 @@ class Sheet:
     title: float = 0.45
     line: float = 0.155  # of a text
     overview_title: float = 0.42
-    overview: float = 1.75
-    between: float = 0.55
-    strip: float = 0.8
+    overview: float = 0.15  # per meter across the road
+    between: float = 0.5
+    strip: float = 0.075  # per meter across the road
     foot: float = 0.55
-    left: float = 0.5
+    left: float = 0.62
     right: float = 0.12
-    characters: int = 62  # of a line
+    characters: int = 60  # of a line
+    verge: float = 2.2  # next to the road, where texts have space [m]
 
 
 _SHEET = Sheet()
@@ -72,16 +73,17 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str
     )
     if not frames:
         raise InputError("times must hold at least one time")
-    sheet = _SHEET
+    sheet, road = _SHEET, log.scenario.road
+    across = road.left_edge - road.right_edge + 2.0 * sheet.verge
     head, caption = title_lines(log), fill_text(caption, sheet.characters + 4)
     titles = [
         fill_text(f"{i}   {frame.t:.1f} s   {frame.text}", sheet.characters)
         for i, frame in enumerate(frames, 1)
     ]
     top = sheet.title + sheet.line * (head.count("\n") * 1.2 + caption.count("\n") + bool(caption))
-    heights = [sheet.line * (text.count("\n") + 1) + 0.1 + sheet.strip for text in titles]
+    heights = [sheet.line * (text.count("\n") + 1) + 0.1 + sheet.strip * across for text in titles]
     overview = top + sheet.overview_title
-    height = overview + sheet.overview + sheet.between + sum(heights) + sheet.foot
+    height = overview + sheet.overview * across + sheet.between + sum(heights) + sheet.foot
     figure: Figure = require_extra("matplotlib.figure", "plot").Figure(figsize=(COLUMN_WIDTH, height))
     left = 0.1 / COLUMN_WIDTH
     figure.text(left, 1.0 - 0.1 / height, head, va="top", weight="bold", fontsize=TEXT.title)
@@ -99,16 +101,16 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str
             (sheet.left / COLUMN_WIDTH, 1.0 - (from_top + tall) / height, width, tall / height)
         )
 
-    _draw_overview(axes(overview, sheet.overview), log, frames)
-    below = overview + sheet.overview + sheet.between
+    _draw_overview(axes(overview, sheet.overview * across), log, frames)
+    below = overview + sheet.overview * across + sheet.between
     for i, (frame, text, tall) in enumerate(zip(frames, titles, heights, strict=True)):
-        axis = axes(below + tall - sheet.strip, sheet.strip)
+        axis = axes(below + tall - sheet.strip * across, sheet.strip * across)
         _draw_strip(axis, log, i + 1, frame)
         axis.set_title(text, fontsize=TEXT.note, loc="left", pad=3, linespacing=1.1)
         below += tall
         if i < len(frames) - 1:
             axis.set_xticklabels([])
-    axis.set_xlabel(f"distance ahead of the ego [m] (width drawn {_exaggeration(axis, sheet.strip)})")
+    axis.set_xlabel(f"distance ahead of the ego [m] (width drawn {_exaggeration()})")
     set_text_sizes(figure)
     return escape_figure_text(figure)
 
@@ -131,7 +133,6 @@ def _draw_overview(axis: Any, log: Log, frames: list[KeyFrame]) -> None:
     stations = log.ego_frenet[[*rows, row_at(log, log.decisions[-1][0])], 0]
     view = (stations.min() - 40.0, stations.max() + 40.0)
     _draw_road(axis, log, view)
-    axis.set_ylim(log.scenario.road.right_edge - 2.0, log.scenario.road.left_edge + 2.0)
     axis.plot(log.ego_frenet[:, 0], log.ego_frenet[:, 1], color=COLORS.ego, linewidth=1.2)
     slots = TextSlots(axis, padding=-1.0)
     for id_, color in palette.items():
@@ -142,6 +143,7 @@ def _draw_overview(axis: Any, log: Log, frames: list[KeyFrame]) -> None:
         "Where each vehicle is in each frame, numbered as below", fontsize=TEXT.note, loc="left", pad=17
     )
     axis.set_xlabel("distance along the route [m]", labelpad=1)
+    axis.set_ylabel("left of the\nroute [m]", labelpad=1)
     patches = require_extra("matplotlib.patches", "plot")
     axis.legend(
         handles=[patches.Patch(facecolor=color, label=id_) for id_, color in palette.items()],
@@ -183,6 +185,7 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
     row = row_at(log, frame.t)
     s, palette = log.ego_frenet[row, 0], _palette(log)
     _draw_road(axis, log, _VIEW)
+    axis.set_ylabel("left [m]", labelpad=1)
     behind, ahead = (log.ego_frenet[rows] - (s, 0.0) for rows in (slice(row + 1), slice(row, None)))
     axis.plot(*behind.T, color=COLORS.ego, linewidth=1.2)
     axis.plot(*ahead.T, color=COLORS.ego, linewidth=1.0, linestyle=":")
@@ -212,9 +215,8 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
                 if is_ahead
                 else f"\u25c2 {text}, {abs(x):.0f} m behind"
             )
-            shifts = [(4.0, dy) for dy in (0.0, 11.0, -11.0)] + [
-                (60.0, dy) for dy in (0.0, 11.0, -11.0, 22.0, -22.0)
-            ]
+            rows = _rows(log, d)
+            shifts = [(4.0, dy) for dy in rows] + [(60.0, dy) for dy in rows]
             side = "right" if is_ahead else "left"
             border = [(-dx if is_ahead else dx, dy, side, "center") for dx, dy in shifts]
             outside.append((text, (_VIEW[is_ahead], d), palette[id_], border))
@@ -222,10 +224,18 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
         slots.write(text, xy, color, offsets)
 
 
+def _rows(log: Log, d: float) -> list[float]:
+    """Heights of texts relative to a lateral offset: there, next to the road, in other lanes [pt]."""
+    road, verge = log.scenario.road, 0.5 * _SHEET.verge
+    edges = sorted((road.left_edge + verge, road.right_edge - verge), key=lambda edge: abs(edge - d))
+    lanes = [lane.d for lane in road.lanes if abs(lane.d - d) > 1.0]
+    return [72.0 * _SHEET.strip * (at - d) for at in (d, *edges, *lanes)]
+
+
 def _draw_road(axis: Any, log: Log, view: tuple[float, float]) -> None:
     road = log.scenario.road
     draw_lanes(axis, road)
-    axis.set(xlim=view, ylim=(road.right_edge - 1.4, road.left_edge + 1.4))
+    axis.set(xlim=view, ylim=(road.right_edge - _SHEET.verge, road.left_edge + _SHEET.verge))
 
 
 def _boxes(log: Log, row: int) -> list[tuple[str, Array, float]]:
@@ -241,8 +251,6 @@ def _draw_box(axis: Any, corners: Array, color: str, gid: str) -> None:
     axis.add_patch(polygon(corners, facecolor=color, edgecolor="white", linewidth=0.4, zorder=3, gid=gid))
 
 
-def _exaggeration(axis: Any, height: float) -> str:
-    (left, right), (low, high) = axis.get_xlim(), axis.get_ylim()
+def _exaggeration() -> str:
     width = COLUMN_WIDTH - _SHEET.left - _SHEET.right
-    ratio = height / (high - low) * (right - left) / width
-    return f"{ratio:.0f} times larger" if ratio > 3.0 else f"{ratio:.1f} times larger"
+    return f"{_SHEET.strip * (_VIEW[1] - _VIEW[0]) / width:.1f} times larger"

@@ -109,7 +109,7 @@ def _comparison(runs: Sequence[Log], pair: Sequence[Log], slug: str) -> Iterator
         yield ReportFigure(
             name=_file_name(numbers, slug, "from_above"),
             figure=plot_crossing(pair, outcomes=list(map(summarize_outcome, pair))),
-            caption="Bodies every two seconds, numbered by the time in seconds; below, the ego over time. "
+            caption="Bodies every two seconds, labeled with the time; below, the ego over time. "
             "In the red area the ego would collide. Counterpart of Fig 9.",
         )
     parked = next((user.id for user in scenario.road_users if _is_parked(runs, user)), None)

@@ -29,7 +29,7 @@
     this.cars = Array.from(svg.querySelectorAll(".car"));
     this.pulses = Array.from(svg.querySelectorAll(".pulse"));
     this.labels = Array.from(svg.querySelectorAll(".labels text"));
-    this.key = svg.querySelector(".key");
+    this.key = svg.querySelector(".key"); this.ring = svg.querySelector(".collision");
     this.chosen = data.names.map(function () { return 0; });
     this.state = figure.querySelector(".cca-now"); this.why = figure.querySelector(".cca-why");
     this.points = data.t.map(function (_, k) {
@@ -37,6 +37,19 @@
     });
     this.fit();
   }
+  /* Numbers and their units stay on one line. */
+  function whole(text) { return text.replace(/(\d) (m\/s²|m\/s|m|s)(?![a-z])/g, "$1\u00a0$2"); }
+  /* The text below a view has the height of its longest text, so that the controls keep still. */
+  Run.prototype.reserve = function () {
+    var run = this, tall = 0, block = this.why.parentNode;
+    block.style.minHeight = "";
+    this.data.actions.forEach(function (action) {
+      run.state.textContent = whole("00.0 s: the ego " + action[1] + ", 00.0 m/s");
+      run.why.textContent = whole("Decided at 00.0 s: " + action[2]);
+      tall = Math.max(tall, block.offsetHeight);
+    });
+    block.style.minHeight = tall + "px";
+  };
   /* A car is 27 px long or more, on a phone too; what does not fit is named at the border. */
   Run.prototype.fit = function () {
     var width = Math.max(this.svg.clientWidth, 100), box = this.box, size;
@@ -55,6 +68,7 @@
     this.key.setAttribute("transform", "translate(" + box.x.toFixed(2) + " " + bottom.toFixed(2) +
       ") scale(" + scale.toFixed(5) + ")");
     this.key.querySelector("rect").setAttribute("width", width);
+    this.reserve();
   };
   function meet(a, b) {
     return Math.min(a[2] - b[0], b[2] - a[0], a[3] - b[1], b[3] - a[1]) > 0;
@@ -105,7 +119,7 @@
     var c = Math.cos(turn), s = Math.sin(turn), box = this.box, size = this.size;
     this.world.setAttribute("transform", "scale(1 -1) rotate(" + (-turn * 180 / Math.PI).toFixed(3) +
       ") translate(" + (-cx).toFixed(3) + " " + (-cy).toFixed(3) + ")");
-    var ego = null, taken = [], texts = [];
+    var ego = null, taken = [], texts = [], over = time >= end;
     this.cars.forEach(function (car, i) {
       var pose = at(data.bodies[i], where), x = pose[0] / 100, y = pose[1] / 100, v = pose[3] / 100;
       var mark = i === 0 ? "1" : data.known[i - 1].charAt(where[0]), absent = mark === "-";
@@ -139,6 +153,10 @@
       }
       texts.push({ i: i, text: text, side: side, px: px, py: py });
     });
+    if (over ? this.ring : null) {  /* texts do not cover the sign of a collision */
+      var hit = this.ring.transform.baseVal.getItem(0).matrix;
+      taken.push(around(c * (hit.e - cx) + s * (hit.f - cy), s * (hit.e - cx) - c * (hit.f - cy), 3.6, 3.6));
+    }
     texts.sort(function (a, b) { return (a.side ? 0 : 1) - (b.side ? 0 : 1); });
     texts.forEach(function (each) {
       var label = run.labels[each.i], found = each.side ? run.border(each.text, each.side, each.px, taken)
@@ -150,12 +168,13 @@
     this.trail.setAttribute("points",
       this.points.slice(0, where[0] + 1).concat(ego[0].toFixed(2) + "," + ego[1].toFixed(2)).join(" "));
     var action = data.actions.filter(function (a) { return t + 1e-6 >= a[0]; }).pop();
-    var speed = at(data.bodies[0], where)[3] / 100, over = time >= end;
+    var speed = at(data.bodies[0], where)[3] / 100;
     var collision = over ? data.collision : null;
     this.svg.classList.toggle("over", Boolean(collision));
-    this.state.textContent = (t + data.start).toFixed(1) + " s: the ego " + action[1] + ", " +
-      speed.toFixed(1) + " m/s";
-    this.why.textContent = collision || "Decided at " + (action[0] + data.start).toFixed(1) + " s: " + action[2];
+    this.state.textContent = whole((t + data.start).toFixed(1) + " s: the ego " + action[1] + ", " +
+      speed.toFixed(1) + " m/s");
+    this.why.textContent = whole(collision ||
+      "Decided at " + (action[0] + data.start).toFixed(1) + " s: " + action[2]);
     this.why.classList.toggle("cca-collision", Boolean(collision));
   };
   function start(root) {

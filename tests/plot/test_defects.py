@@ -20,7 +20,7 @@ def test_defect_shows_units_and_both_bands(defect: str) -> None:
         assert axis.get_ylabel().endswith("]")
         assert axis.get_legend().get_texts()
     labels = " ".join(label for axis in figure.axes for label in lines(axis))
-    titles = " ".join(axis.get_title() for axis in figure.axes)
+    titles = " ".join(axis.get_title(loc="left") for axis in figure.axes)
     assert "paper" in labels + titles
     assert "relax_band" in labels + titles
 

@@ -24,7 +24,7 @@ def test_region_marks_selected_and_scheduled_gains(v: float) -> None:
     low, high = axis.get_xlim()
     assert low <= found.selected[0] <= high
     assert "[rad/m]" in axis.get_xlabel()
-    assert f"{v:g} m/s" in axis.get_title()
+    assert f"{v:g} m/s" in axis.get_title(loc="left")
 
 
 def test_region_without_admissible_gains() -> None:

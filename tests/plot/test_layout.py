@@ -31,3 +31,8 @@ def test_layout_distances_are_to_scale() -> None:
 
 def test_layout_without_other_vehicles_has_one_axis(alone: Log) -> None:
     assert len(plot_layout(alone.scenario).axes) == 1
+
+
+def test_layout_names_oncoming_vehicles(run: Run) -> None:
+    (axis,) = plot_layout(run("maneuver", "3", "v2v").scenario).axes
+    assert "A: 20 m/s oncoming, 850 m ahead" in " ".join(text.get_text() for text in axis.texts)

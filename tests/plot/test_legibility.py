@@ -8,7 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from cca_core.plot import plot_layout, plot_tunings
+from cca_core import VehicleParams
+from cca_core.follow import shipped_gains, stability_margins
+from cca_core.plot import DEFECTS, fig_12, fig_15, plot_defect, plot_layout, plot_margins, plot_tunings
 from cca_core.plot.style import COLORS, COLUMN_WIDTH, ROLE_COLORS, TEXT, VEHICLE_COLORS, assign_colors
 from cca_core.report import report_figures
 from cca_core.sim import Log, paper_scenarios
@@ -114,3 +116,12 @@ def test_texts_are_legible_on_a_phone() -> None:
 def test_long_ids_and_many_vehicles_stay_legible(hostile: Log) -> None:
     for figure in report_figures([hostile]):
         assert len(list(visible_texts(figure.figure))) > 5
+
+
+def test_no_text_of_bands_and_gains_is_cut_off_or_on_another() -> None:
+    car = VehicleParams.bmw_320i()
+    gains = shipped_gains(car)
+    margins = [stability_margins(car, gains, v) for v in gains.speeds]
+    for figure in (fig_12(), fig_15(), plot_margins(margins), *map(plot_defect, DEFECTS)):
+        assert faults(figure) == []
+        assert figure.get_figwidth() == COLUMN_WIDTH

@@ -37,3 +37,10 @@ def test_time_to_collision_of_a_crossing_is_named(run: Run) -> None:
     axis = panels(run("ima", "left-turn", "driver"))["time to"]
     assert axis.get_legend_handles_labels()[1] == ["crossing"]
     assert np.nanmin(axis.lines[0].get_ydata()) < 0.2
+
+
+def test_change_of_the_lead_vehicle_is_no_jump_of_a_speed(run: Run) -> None:
+    lead = panels(run("curbside", "fast", "v2v"))["speed"].lines[1].get_ydata()
+    steps = np.abs(np.diff(lead))
+    assert np.nanmax(steps) < 2.0
+    assert {0.0, 25.0} <= set(np.round(lead[np.isfinite(lead)], 1))
