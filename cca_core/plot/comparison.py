@@ -157,7 +157,6 @@ def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) ->
     """
     axis = new_figure(2.4, COLUMN_WIDTH).subplots() if axis is None else axis
     road, path = problem.road, problem.road.path
-    draw_lanes(axis, road)
     t = np.linspace(0.0, problem.duration, 2000)
     for box in problem.boxes_at(t):
         s, d = path.project(np.column_stack((box.x, box.y)))
@@ -169,7 +168,8 @@ def plot_plans(problem: Problem, plans: Mapping[str, Plan], axis: Any = None) ->
     for name, plan in plans.items():
         if len(plan.xy):
             s, d = path.project(plan.xy)
-            axis.plot(s, d, color=styles[name]["color"], linewidth=1.2, label=name)
+            axis.plot(s, d, color=styles[name]["color"], linewidth=1.2, label=name, zorder=3)
+    draw_lanes(axis, road)
     axis.axhline(0.0, color=COLORS.ink, linewidth=1.0, linestyle=":", zorder=1)
     axis.set(xlabel="along the route [m]", ylabel="left of the\nroute [m]")
     axis.set_title(problem.name, loc="left", fontsize=TEXT.heading)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from html import escape
+from textwrap import wrap
 
 import numpy as np
 
@@ -22,10 +23,12 @@ from cca_core.plot.style import COLORS
 class Sheet:
     """Lengths of a drawing [px]."""
 
-    width: float = 640.0
-    max_height: float = 360.0
+    width: float = 520.0  # on a phone it is scaled to 370 px, where a text of 12 is legible
+    max_height: float = 320.0
     margin: float = 16.0
-    footer: float = 40.0
+    footer: float = 25.0  # without its lines of text
+    line: float = 15.0
+    characters: int = 76  # of a line of text [-]
     max_scale_bar: float = 120.0
     n_samples: int = 400
     """Intervals into which a curve is divided [-]."""
@@ -132,21 +135,26 @@ def _drawing(marks: Sequence[Mark], caption: str) -> str:
     wide = max((mark.width for mark in marks if mark.kind == "swath"), default=0.0)
     low, high = points.min(axis=0) - 0.5 * wide, points.max(axis=0) + 0.5 * wide
     extent = np.maximum(high - low, 1.0)
-    width, margin, footer = _SHEET.width, _SHEET.margin, _SHEET.footer
+    lines = wrap(caption, _SHEET.characters) or [""]
+    width, margin, footer = _SHEET.width, _SHEET.margin, _SHEET.footer + _SHEET.line * len(lines)
     scale = float(min((width - 2.0 * margin) / extent[0], _SHEET.max_height / extent[1]))
     height = max(float(extent[1]) * scale, 24.0) + 2.0 * margin + footer
     center, middle = 0.5 * (low + high), np.array((0.5 * width, 0.5 * (height - footer)))
     shapes = [_shape(mark, (mark.xy - center) * (scale, -scale) + middle, scale) for mark in marks]
-    text = escape(caption)
+    first = height - 8.0 - _SHEET.line * (len(lines) - 1)
+    texts = [
+        f'<text x="{margin:g}" y="{first + _SHEET.line * i:.0f}" fill="{COLORS.ink}">{escape(line)}</text>'
+        for i, line in enumerate(lines)
+    ]
     return "\n".join(
         (
             f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:.0f}" '
-            f'viewBox="0 0 {width:g} {height:.0f}" role="img" font-family="sans-serif" font-size="11">',
-            f"<title>{text}</title>",
+            f'viewBox="0 0 {width:g} {height:.0f}" role="img" font-family="sans-serif" font-size="12">',
+            f"<title>{escape(caption)}</title>",
             '<rect width="100%" height="100%" fill="#FFFFFF"/>',
             *shapes,
             _scale_bar(scale, height - footer + 8.0),
-            f'<text x="{margin:g}" y="{height - 8.0:.0f}" fill="{COLORS.ink}">{text}</text>',
+            *texts,
             "</svg>",
         )
     )

@@ -33,7 +33,7 @@ def main() -> None:
     path = fit_path(part)
     gone = np.setdiff1d(np.arange(len(xy)), rows)
     mpl.rcParams.update({"svg.hashsalt": "noisy_log", "svg.fonttype": "none", "font.size": 9})
-    fig, ax = plt.subplots(figsize=(7.0, 3.8), layout="constrained")
+    fig, ax = plt.subplots(figsize=(4.8, 3.2), layout="constrained")
     ax.plot(*xy[gone].T, "x", color="tab:red", ms=4, label="dropped or thinned by clean_route")
     ax.plot(*part.T, "o", color="0.5", ms=3, label="waypoints")
     if path.fit_report is not None and len(path.fit_report.missed):
@@ -47,7 +47,7 @@ def main() -> None:
         )
     ax.plot(*path.sample(0.5).T, color="tab:blue", lw=1.2, label="fit_path")
     ax.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
-    ax.legend(loc="upper left", fontsize=8)
+    fig.legend(loc="outside lower center", ncols=2, fontsize=8, frameon=False)
     file = Path(__file__).with_suffix(".svg")
     fig.savefig(file, metadata={"Date": None})
 

@@ -39,7 +39,7 @@ def main() -> None:
     health = run()
     t = 0.1 * np.arange(len(health)) + 0.09
     mpl.rcParams.update({"svg.hashsalt": "radio_health", "svg.fonttype": "none", "font.size": 9})
-    fig, (rates, clock) = plt.subplots(2, 1, figsize=(7.0, 3.8), sharex=True, layout="constrained")
+    fig, (rates, clock) = plt.subplots(2, 1, figsize=(4.8, 4.2), sharex=True, layout="constrained")
     rates.plot(t, [h.received for h in health], color="0.6", label="received")
     rates.plot(t, [h.accepted for h in health], color="tab:blue", label="accepted")
     for kind, color in (("replay", "tab:red"), ("future", "tab:orange"), ("out_of_order", "tab:purple")):
@@ -57,8 +57,9 @@ def main() -> None:
         ax.fill_between(t, low, high, where=untrusted, color="tab:red", alpha=0.15, lw=0, label="not trusted")
         ax.set_ylim(low, high)
         ax.grid(alpha=0.3)
-    rates.legend(loc="center left", fontsize=8)
-    clock.annotate("clock + 18 s", (STEP_AT, 9.0), (STEP_AT + 2.5, 8.0), arrowprops={"arrowstyle": "->"})
+    handles = rates.get_legend_handles_labels()
+    fig.legend(*handles, loc="outside lower center", ncols=2, fontsize=8, frameon=False)
+    clock.annotate("clock + 18 s", (STEP_AT, 9.0), (STEP_AT + 2.5, 5.0), arrowprops={"arrowstyle": "->"})
     clock.annotate("one sender 3 s late", (WRONG, 18.0), (WRONG + 1.0, 12.0), arrowprops={"arrowstyle": "->"})
     fig.savefig(Path(__file__).with_suffix(".svg"), metadata={"Date": None})
 

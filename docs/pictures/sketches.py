@@ -18,6 +18,7 @@ from cca_core.v2x import position_bounds
 EGO, OTHER, GRAY, GREEN = COLORS.ego, COLORS.second, COLORS.parked, COLORS.goal
 CAR = VehicleParams.bmw_320i()
 LANE = 3.5  # [m]
+WIDTH = 4.8  # of a picture, so that its texts are legible on a phone [in]
 
 
 def road(
@@ -63,13 +64,14 @@ def arrow(
 def reference_points() -> Figure:
     """Axes of the library and of a screen, and the reference points of a vehicle."""
     fig, (here, there) = plt.subplots(
-        1, 2, figsize=(7.5, 2.9), layout="constrained", width_ratios=(1.25, 1.0)
+        2, 1, figsize=(WIDTH, 5.2), layout="constrained", height_ratios=(6.6, 4.3)
     )
-    for axis, up, name in (
-        (here, 1.0, "the library (ISO 8855)"),
-        (there, -1.0, "a screen, CARLA, highway-env"),
+    for axis, up, name, limits in (
+        (here, 1.0, "the library (ISO 8855)", (-3.4, 3.2)),
+        (there, -1.0, "a screen, CARLA, highway-env", (-3.3, 1.0)),
     ):
-        axis.set(xlim=(-4.6, 4.6), ylim=(-3.6, 3.6), aspect="equal", title=name)
+        axis.set(xlim=(-4.6, 4.6), ylim=limits, aspect="equal")
+        axis.set_title(name, fontsize=10)
         axis.axis("off")
         arrow(axis, (0.0, 0.0), (3.8, 0.0), COLORS.ink)
         arrow(axis, (0.0, 0.0), (0.0, 2.6 * up), COLORS.ink)
@@ -101,7 +103,7 @@ def reference_points() -> Figure:
 
 def preview() -> Figure:
     """Errors of the steering law."""
-    fig, axis = plt.subplots(figsize=(7.0, 3.2), layout="constrained")
+    fig, axis = plt.subplots(figsize=(WIDTH, 2.2), layout="constrained")
     turn = np.linspace(-0.25, 0.62, 100)
     radius = 60.0
     axis.plot(radius * np.sin(turn), radius * (1.0 - np.cos(turn)), "--", color="black", label="path")
@@ -130,11 +132,11 @@ def preview() -> Figure:
 
 def gap_zone() -> Figure:
     """Eq 11 for a faster car from behind: a short maneuver is accepted, a long one is rejected."""
-    fig, axes = plt.subplots(2, 1, figsize=(7.5, 3.3), layout="constrained")
+    fig, axes = plt.subplots(2, 1, figsize=(WIDTH, 2.7), layout="constrained", height_ratios=(9.6, 12.0))
     front, closing, safety = -60.0, 10.0, 7.0
     for axis, t in zip(axes, (4.0, 6.0), strict=True):
         road(axis, (-72.0, 42.0), stretch=2.0)
-        axis.set_ylim(-4.4, 8.0)
+        axis.set_ylim(-4.4 if axis is axes[1] else -2.0, 7.6)
         end = front + closing * t + safety
         accepted = end < -0.5 * CAR.length
         axis.add_patch(
@@ -159,7 +161,7 @@ def gap_zone() -> Figure:
 def old_messages() -> Figure:
     """Where a car at 20 m/s may be, for messages of different age."""
     ages = (0.0, 0.1, 1.0, 2.0)
-    fig, axes = plt.subplots(len(ages), 1, figsize=(6.5, 3.0), layout="constrained")
+    fig, axes = plt.subplots(len(ages), 1, figsize=(WIDTH, 2.8), layout="constrained")
     for axis, age in zip(axes, ages, strict=True):
         road(axis, (-28.0, 28.0), (0.0,))
         along, across = position_bounds(20.0, age)
@@ -177,7 +179,7 @@ def old_messages() -> Figure:
 
 def crossing() -> Figure:
     """Conflict area of a crossing vehicle."""
-    fig, axis = plt.subplots(figsize=(7.0, 3.4), layout="constrained")
+    fig, axis = plt.subplots(figsize=(WIDTH, 2.3), layout="constrained")
     axis.add_patch(Rectangle((-30.0, -1.75), 60.0, 3.5, color=COLORS.asphalt, zorder=0))
     angle, half = np.radians(60.0), 0.5 * 1.8
     along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
@@ -191,7 +193,7 @@ def crossing() -> Figure:
     enter, leave = -swept - 0.5 * CAR.length, swept + 0.5 * CAR.length
     for s, name in ((enter, "s_enter"), (leave, "s_exit")):
         axis.plot((s, s), (-2.6, 2.2), color=EGO, linewidth=1.0, linestyle=":")
-        axis.text(s, -3.3, name, color=EGO, ha="center", fontsize=9)
+        axis.text(s, -3.5, name, color=EGO, ha="right" if s < 0.0 else "left", fontsize=9)
     body(axis, -20.0, 0.0, EGO)
     body(axis, -8.0 * np.cos(angle), -8.0 * np.sin(angle), OTHER, angle)
     axis.plot((-17.0, 14.0), (0.0, 0.0), color=EGO, linewidth=1.0, linestyle="--")
@@ -208,7 +210,7 @@ def crossing() -> Figure:
 
 def warning_zones() -> Figure:
     """Where each warning looks."""
-    fig, axis = plt.subplots(figsize=(6.5, 2.4), layout="constrained")
+    fig, axis = plt.subplots(figsize=(WIDTH, 1.4), layout="constrained")
     road(axis, (-16.0, 44.0), (-LANE, 0.0, LANE))
     body(axis, 0.0, 0.0, EGO)
     half = 0.5 * CAR.width
@@ -233,7 +235,7 @@ def warning_zones() -> Figure:
     axis.text(
         42.0,
         -LANE,
-        "EEBL: hard braking, in ego and adjacent lanes, up to 300 m ",
+        "EEBL: hard braking, up to 300 m, any lane  ",
         ha="right",
         va="center",
         fontsize=8,
@@ -245,7 +247,9 @@ def warning_zones() -> Figure:
 
 def gap_bound() -> Figure:
     """Gap of the ego's body to a box along the band, and its bound from the gaps at the nodes."""
-    fig, (plane, graph) = plt.subplots(1, 2, figsize=(7.5, 2.7), layout="constrained")
+    fig, (plane, graph) = plt.subplots(
+        2, 1, figsize=(WIDTH, 4.0), layout="constrained", height_ratios=(1.0, 1.4)
+    )
     y, box, nodes = 3.4, boxes(0.4, 0.0, 0.5, 4.5, 1.8), np.linspace(-9.0, 9.0, 6)
 
     def gap(x: np.ndarray) -> np.ndarray:
@@ -270,13 +274,13 @@ def gap_bound() -> Figure:
         bound = np.maximum(before, at[i + 1] + (between - nodes[i + 1]) * slope)
         graph.plot(between, bound, color=OTHER, label="bound" if i == 1 else None)
     graph.set(xlabel="along the band [m]", ylabel="gap [m]", xlim=(-9.5, 9.5), ylim=(-0.4, 6.0))
-    graph.legend(fontsize=8, loc="upper center")
+    graph.legend(fontsize=8, loc="upper center", ncols=3)
     return fig
 
 
 def safe_stop() -> Figure:
     """Draw a plan, the part that is driven before the next decision, and its two safe ends."""
-    fig, axis = plt.subplots(figsize=(6.5, 2.4), layout="constrained")
+    fig, axis = plt.subplots(figsize=(WIDTH, 2.0), layout="constrained")
     road(axis, (8.0, 104.0), stretch=3.0)
     nodes = np.column_stack((np.arange(0.0, 101.0), np.zeros(101)))
     slow = boxes(52.0, -0.2, 0.0, 4.5, 1.8)
@@ -292,16 +296,16 @@ def safe_stop() -> Figure:
     body(axis, x[begin], u[begin], EGO, 0.03)
     body(axis, 52.0, -0.2, GRAY)
     axis.text(x[begin] + 3.0, -2.9, "0.4 s of the plan", color=EGO, ha="center", fontsize=8)
-    axis.text(64.0, 2.9, "safe end 1: brake on the path", color=OTHER, fontsize=8)
+    axis.text(103.0, 3.2, "safe end 1: brake on the path", color=OTHER, fontsize=8, ha="right")
     axis.text(44.0, -2.9, "safe end 2: return, then brake", color=GREEN, ha="left", fontsize=8)
-    axis.text(90.0, 0.7, "rest of the plan", color=EGO, fontsize=8)
+    axis.text(103.0, 0.8, "rest of the plan", color=EGO, fontsize=8, ha="right")
     axis.set_ylim(-3.2, 5.6)
     return fig
 
 
 def rig_links() -> Figure:
     """Draw the processes of the rig and the links between them."""
-    fig, axis = plt.subplots(figsize=(7.5, 3.0), layout="constrained")
+    fig, axis = plt.subplots(figsize=(WIDTH, 3.6), layout="constrained")
     axis.set(xlim=(0.0, 15.0), ylim=(0.0, 6.0))
     axis.axis("off")
     parts = (
@@ -311,7 +315,7 @@ def rig_links() -> Figure:
             4.2,
             4.2,
             "plant",
-            "ego's car, traffic,\nsensor,\ndrive-by-wire kit,\nmodem of the others",
+            "ego's car, traffic,\nsensor,\ndrive-by-wire kit,\nmodems of others",
             OTHER,
         ),
         (10.6, 1.6, 4.2, 4.2, "vehicle", "tracker, planner,\nsteering, safe stop,\nmodem of the ego", EGO),
@@ -325,15 +329,15 @@ def rig_links() -> Figure:
         axis.text(x + 0.5 * w, y + h - 0.15, name, ha="center", va="top", weight="bold")
         axis.text(x + 0.5 * w, y + 0.4 * h, text, ha="center", va="center", fontsize=8)
     links = (
-        (5.3, "->", "CAN: state, status of the kit, 50 Hz"),
-        (4.4, "<-", "CAN: commands 50 Hz, safe stop 10 Hz"),
-        (3.5, "<->", "radio: messages as bytes"),
-        (2.6, "->", "UDP: detections of the sensor"),
+        (5.1, "->", "CAN: state,\nstatus of the kit, 50 Hz"),
+        (4.1, "<-", "CAN: commands 50 Hz,\nsafe stop 10 Hz"),
+        (3.1, "<->", "radio: messages\nas bytes"),
+        (2.1, "->", "UDP: detections\nof the sensor"),
     )
     for y, style, text in links:
         arrow(axis, (4.5, y), (10.5, y), COLORS.ink, style)
         axis.text(7.5, y + 0.08, text, ha="center", va="bottom", fontsize=8)
-    axis.plot((7.5, 7.5), (1.4, 2.5), ":", color=GRAY)
+    axis.plot((7.5, 7.5), (1.4, 2.0), ":", color=GRAY)
     return fig
 
 

@@ -56,7 +56,9 @@ def test_picture_is_complete_and_small(name: str) -> None:
     assert not re.search(r"href|url\(|script|nan|inf(?!\s?m)", re.sub(r"<t.*?</t\w+>", "", text))
     width, height = float(root.get("width", "")), float(root.get("height", ""))
     assert root.get("viewBox") == f"0 0 {width:g} {height:g}"
-    assert width == 640.0
+    assert width == 520.0
+    captions = [text.text or "" for text in root.iter(f"{SVG}text")]
+    assert max(map(len, captions)) < 80  # which fit
     assert 60.0 < height <= 450.0
     points = np.concatenate(paths)
     assert points.min() >= 0.0
