@@ -164,8 +164,7 @@ def inputs(file: Path) -> set[Path]:
     found: set[Path] = set()
     package = ROOT / "cca_core" / file.relative_to(TESTS).parts[0]
     waiting = {file, *(p / "conftest.py" for p in (TESTS, file.parent))}
-    compares_forms = file.parent.name == "kernel" and "check_forms" in file.read_text(encoding="utf-8")
-    if not compares_forms:
+    if not (file.parent.name == "kernel" and "check_forms" in file.read_text(encoding="utf-8")):
         waiting |= set(package.rglob("*.py"))
     waiting = {p for p in waiting if p.is_file()}
     while waiting:

@@ -225,7 +225,7 @@ def explained(
     danger_zone: tuple[float, float] | None = None,
 ) -> Decision:  # fmt: skip
     """Make a decision whose reason is an activity, what is measured, and its cause."""
-    parts = "; ".join(filter(None, (numbers, cause)))
+    parts = f"{numbers}; {cause}" if numbers and cause else numbers or cause
     return Decision(
         action=action, reason=f"{activity}: {parts}" if parts else activity, activity=activity, cause=cause,
         lead_id=lead_id, danger_zone=danger_zone,

@@ -68,14 +68,16 @@ def to_frenet(
     if branches is None:
         feet = _foot_points(valid, path, last_s)
         last_s.clear()
-        last_s.update(zip(valid, [foot[0] for foot in feet], strict=True))
+        for name, foot in zip(valid, feet, strict=True):
+            last_s[name] = foot[0]
         pairs = zip(valid.values(), feet, strict=True)
     else:
         pairs = _feet_on_branches(valid, path, *branches)
     vehicles = []
-    for remote, (s, d, heading, kappa) in pairs:
+    for remote, foot in pairs:
+        s, d, heading, kappa = foot
         angle = remote.psi - heading
-        extent = extent_in_bend(remote, path, (s, d, heading, kappa), lateral_range)
+        extent = extent_in_bend(remote, path, foot, lateral_range)
         if extent is None and not lateral_range[0] <= d <= lateral_range[1]:
             sine = abs(math.sin(angle))
             reach = (0.5 * remote.length + 2.0 * remote.sigma_along) * sine

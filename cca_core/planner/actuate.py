@@ -26,7 +26,7 @@ def planned_acceleration(
     """Return the acceleration of the plan at a time, within the friction [m/s^2]."""
     elapsed = min(max(t - plan.t, 0.0), _TIMES[-1])
     i = min(bisect_right(_TIMES, elapsed), len(_TIMES) - 1)  # the plan's acceleration is the one of steps
-    before, after = plan.a_0 if i == 1 else float(plan.a[i - 2]), float(plan.a[i - 1])
+    before, after = plan.a_0 if i == 1 else plan.a.item(i - 2), plan.a.item(i - 1)
     a = (after - before) / (_TIMES[i] - _TIMES[i - 1]) * (elapsed - _TIMES[i - 1]) + before
     fraction = limits.grip / (mu * GRAVITY)
     if plan.grade >= Grade.SEVERITY and a <= -_FULL * limits.b_max:

@@ -77,10 +77,6 @@ class CycleClock:
     def advance(self, t: object) -> tuple[float, str]:
         """Return the period of this cycle [s], and what is wrong with its time stamp; empty if nothing is."""
         stamp, last = _as_time(t), self._stamp
-        if math.isnan(last) and not math.isnan(stamp):
-            self._stamp, self._assumed, self.lost_time, self.now = stamp, 0.0, 0.0, stamp
-            self.t = max(self.t, stamp)
-            return _MAX_PERIOD, ""
         if stamp > last:
             passed = stamp - last
             period = max(passed - self._assumed, 1e-3)
@@ -90,6 +86,10 @@ class CycleClock:
             self.t = stamp if self.t == last else self.t + period
             fault = f"t jumped by {passed:.1f} s; counted as {_MAX_PERIOD:g} s" if passed > STALE_AGE else ""
             return min(period, _MAX_PERIOD), fault
+        if math.isnan(last) and not math.isnan(stamp):
+            self._stamp, self._assumed, self.lost_time, self.now = stamp, 0.0, 0.0, stamp
+            self.t = max(self.t, stamp)
+            return _MAX_PERIOD, ""
         if stamp < last:
             self._stamp, self._assumed, self.now = stamp, 0.0, math.nan
             fault = f"t stepped back by {last - stamp:.3g} s"

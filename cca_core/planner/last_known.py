@@ -68,44 +68,44 @@ def recall(
     if blind:  # the ego has to hear as long as it was blind, at most a second
         since = t if memory.blind_since is None else memory.blind_since
         listen_until = t + min(t - since, STALE_AGE)
-    memory = Memory(known=known, blind_since=since, listen_until=listen_until)
-    now = {}
+    now: dict[str, Known] = {}
     for n in vehicles:
-        last = known.get(n.id)
-        confirmed = not blind or (last is not None and last.confirmed)
-        new = Known(
-            remote=n.remote, t=t, since=last.since if last else t, confirmed=confirmed, d=n.d, angle=n.angle,
-            measured=t,
-        )  # fmt: skip
-        if last and n.remote.age > last.remote.age + 0.5 * (t - last.t):  # it has only grown older
-            new = new._replace(d=last.d, angle=last.angle, measured=last.measured)
-        now[n.id] = new
-    faults = []
+        remote = n.remote
+        last = known.get(remote.id)
+        if last is None:
+            now[remote.id] = Known(remote, t, t, not blind, n.d, n.angle, t)
+            continue
+        d, angle, measured = n.d, n.angle, t
+        if remote.age > last.remote.age + 0.5 * (t - last.t):  # it has only grown older
+            d, angle, measured = last.d, last.angle, last.measured
+        now[remote.id] = Known(remote, t, last.since, not blind or last.confirmed, d, angle, measured)
+    memory, faults = Memory(known=now, blind_since=since, listen_until=listen_until), []
     if not blind and memory.is_listening(t):
         faults.append("other vehicles may be unknown: just heard again; awareness range 0 m")
     missing: dict[str, Known] = {}
     if not known.keys() <= now.keys():
-        missing = _missing(memory, t, now, dropped, settings, lost=lost)
+        missing = _missing(known, memory, t, dropped, settings, lost=lost)
         if missing:
             gap = t - min(last.t for last in missing.values())
             faults.append(f"{', '.join(list(missing)[:5])} not reported for {gap:.1f} s; dead-reckoned")
         missing |= _coasting(known, t, now, missing, settings)
+    if not missing:
+        return memory, [], tuple(faults)
     recalled = [dead_reckoned(last.remote, t - last.t) for last in missing.values()]
-    memory = Memory(known=missing | now, blind_since=since, listen_until=listen_until)
-    return memory, recalled, tuple(faults)
+    return replace(memory, known=missing | now), recalled, tuple(faults)
 
 
 def _missing(
+    known: Mapping[str, Known],
     memory: Memory,
     t: float,
-    now: Mapping[str, Known],
     dropped: Sequence[tuple[str, str]],
     settings: DecisionSettings,
     *,
     lost: bool,
 ) -> dict[str, Known]:
     """Return the known vehicles that are not reported because list, record or radio failed."""
-    gone = {name: last for name, last in memory.known.items() if name not in now}
+    gone = {name: last for name, last in known.items() if name not in memory.known}
     if lost:  # nothing is forgotten while nothing is known
         return gone
     labels = {label for label, _ in dropped}

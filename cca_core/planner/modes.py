@@ -28,15 +28,16 @@ def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float, settings: De
     path = plan.path
     if path.change and path.begin <= s < path.end:
         return Mode.EVADE_LEFT if path.change == "left" else Mode.EVADE_RIGHT
-    near = path.begin - s <= plan.v[0]
-    waited = near and mode in (Mode.FOLLOW, Mode.EVADE_LEFT, Mode.EVADE_RIGHT)  # it speeds up to pass
-    if path.kind.is_evasive and (path.begin <= s or waited) and s < path.end:
-        return Mode.EVADE_LEFT if path.kind is PathKind.LEFT else Mode.EVADE_RIGHT
-    if path.kind is PathKind.RETURN and s < path.end:
+    if path.kind.is_evasive and s < path.end:
+        near = path.begin - s <= plan.v[0]
+        waited = near and mode in (Mode.FOLLOW, Mode.EVADE_LEFT, Mode.EVADE_RIGHT)  # it speeds up to pass
+        if path.begin <= s or waited:
+            return Mode.EVADE_LEFT if path.kind is PathKind.LEFT else Mode.EVADE_RIGHT
+        if mode is Mode.FOLLOW:
+            return mode  # it follows until it passes
+    elif path.kind is PathKind.RETURN and s < path.end:
         return Mode.RETURN
-    if path.kind.is_evasive and s < path.begin and mode is Mode.FOLLOW:
-        return mode  # it follows until it passes
-    a = float(plan.a[3])
+    a: float = plan.a.item(3)
     threshold = settings.brake_threshold * (_RELEASE_FRACTION if mode is Mode.BRAKE else 1.0)
     if plan.free_a - a > settings.follow_threshold:  # other vehicles slow the ego, not the route
         return Mode.BRAKE if min(a, a_x) < -threshold else Mode.FOLLOW

@@ -286,7 +286,7 @@ class Planner:
             return f"ego heading {state.psi:.2f} rad, route {heading:.2f} rad (degrees?)", ()
         branches = None if setup.branches is None else (setup.branches, s)
         vehicles, dropped = to_frenet(remotes, path, self._last_s, setup.lateral_range, branches)
-        incomplete = tuple(reason for _, reason in dropped if reason.startswith(INCOMPLETE))
+        incomplete = tuple([reason for _, reason in dropped if reason.startswith(INCOMPLETE)])
         memory, missing, assumed = recall(
             self._state.memory, self._clock.t, vehicles, dropped, settings,
             lost=bool(incomplete) or not is_list(remotes), blind=is_blind,
@@ -309,7 +309,7 @@ class Planner:
     def _is_due(self, observation: Observation) -> bool:
         """Whether to decide again: once a period, and at once when a vehicle or one of its events is new."""
         state = self._state
-        seen = frozenset((n.id, n.remote.events) for n in observation.vehicles)
+        seen = frozenset([(n.id, n.remote.events) for n in observation.vehicles])
         if observation.t - state.t_decided < self.evasion.decision.period - 1e-6 and seen == state.seen:
             return False
         has_news = not seen <= state.seen

@@ -46,8 +46,11 @@ def explain(
 ) -> Decision:
     """Return the decision that a mode, its plan and its acceleration mean; `last` is the last command."""
     cycle = _Cycle(mode, plan, observation, a_x, setup, profile, last)
-    found = (rule(cycle) for rule in _RULES)
-    return next(decision for decision in found if decision is not None)
+    for rule in _AWAY if mode in (Mode.EVADE_LEFT, Mode.EVADE_RIGHT, Mode.RETURN) else _IN_LANE:
+        decision = rule(cycle)
+        if decision is not None:
+            return decision
+    return _keep(cycle)
 
 
 class _Cycle:
@@ -60,8 +63,7 @@ class _Cycle:
         self.mode, self.plan, self.observation, self.a_x = mode, plan, observation, a_x
         self.setup, self.profile, self.last = setup, profile, last
         self.s, self.v = observation.s, observation.v
-        self.vehicles = {n.id: n for n in observation.vehicles}
-        self.lead = self.vehicles.get(plan.limited_by)
+        self.lead = self.vehicles.get(plan.limited_by) if plan.limited_by else None
         self.stands = self.v < _STANDS and a_x <= 0.0
         self.brakes = a_x < -_NOISE and not self.stands
 
@@ -69,6 +71,11 @@ class _Cycle:
         self, activity: str, numbers: str = "", cause: str = "", vehicle: str | None = None
     ) -> Decision:
         return explained(ACTIONS[self.mode], activity, cause, numbers=numbers, lead_id=vehicle)
+
+    @cached_property
+    def vehicles(self) -> dict[str, FrenetVehicle]:
+        """The other vehicles by id."""
+        return {n.id: n for n in self.observation.vehicles}
 
     @property
     def is_held(self) -> bool:
@@ -101,12 +108,12 @@ class _Cycle:
 
     def position(self, n: FrenetVehicle) -> str:
         """Where a vehicle is, and its speed."""
-        behind = self.s + self.setup.vehicle.rear - n.front
-        where = located(self.gap(n) if self.gap(n) > 0.0 else -max(behind, 0.0))
+        gap, behind = self.gap(n), self.s + self.setup.vehicle.rear - n.front
+        where = located(gap if gap > 0.0 else -max(behind, 0.0))
         if abs(n.remote.v_x) < _PARKED:
             return f"{where}, stationary"
-        crosses, meets = abs(math.sin(n.angle)) > 0.5, n.v_s < -_PARKED
-        how = "crossing at" if crosses else "oncoming at" if meets else "at"
+        crosses = abs(math.sin(n.angle)) > 0.5
+        how = "crossing at" if crosses else "oncoming at" if n.v_s < -_PARKED else "at"
         return f"{where} {how} {abs(n.remote.v_x):.1f} m/s"
 
     def arrival(self) -> str:
@@ -163,7 +170,7 @@ def _return(c: _Cycle) -> Decision | None:
 
 
 def _yield(c: _Cycle) -> Decision | None:
-    n = c.vehicles.get(c.plan.yields_to)
+    n = c.vehicles.get(c.plan.yields_to) if c.plan.yields_to else None
     if n is None:
         return None
     verb = "stopped for" if c.stands else "braking for" if _brakes_hard(c) else "yielding to"
@@ -191,7 +198,7 @@ def _follow(c: _Cycle) -> Decision | None:
 
 def _hold(c: _Cycle) -> Decision | None:
     """Drive slower because of a vehicle that is not followed."""
-    return _slow_for(c, c.holder) if c.is_held and c.mode is not Mode.KEEP and c.holder else None
+    return _slow_for(c, c.holder) if c.mode is not Mode.KEEP and c.is_held and c.holder else None
 
 
 def _slow_for(c: _Cycle, n: FrenetVehicle) -> Decision:
@@ -210,8 +217,10 @@ def _wait_for_lane(c: _Cycle) -> Decision | None:
 
 
 def _approach(c: _Cycle) -> Decision | None:
+    if c.brakes or not _starts_later(c):
+        return None
     first = min(c.plan.path.overtaken & c.vehicles.keys(), default=None)
-    if first is None or not _starts_later(c) or c.brakes:
+    if first is None:
         return None
     return c.decision(f"approaching {first}", cause=_alternative(c), vehicle=first)
 
@@ -249,17 +258,22 @@ def _keep(c: _Cycle) -> Decision:
     numbers, vehicle = "no vehicle ahead", None
     if n is not None:
         numbers, vehicle = f"{n.id} {c.position(n)}", n.id if n is c.lead else None
-    wanted = math.sqrt(max(float(np.interp(c.s, *c.profile)), 0.0))
-    if c.a_x > (0.0 if c.v < _STANDS else 3.0 * _NOISE) and wanted > c.v + _UNEXPLAINED:
-        return c.decision(f"speeding up to {wanted:.1f} m/s", numbers, vehicle=vehicle)
+    if c.a_x > (0.0 if c.v < _STANDS else 3.0 * _NOISE):
+        wanted = math.sqrt(max(float(np.interp(c.s, *c.profile)), 0.0))
+        if wanted > c.v + _UNEXPLAINED:
+            return c.decision(f"speeding up to {wanted:.1f} m/s", numbers, vehicle=vehicle)
     return c.decision("standing" if c.stands else f"keeping lane at {c.v:.1f} m/s", numbers, vehicle=vehicle)
 
 
-_RULES: tuple[Callable[[_Cycle], Decision | None], ...] = (
-    _change_lane, _pass, _return, _yield, _follow, _hold, _wait_for_lane, _approach, _slow_for_route,
-    _release, _brake, _keep,
+_Rule = Callable[[_Cycle], Decision | None]
+
+_IN_LANE: tuple[_Rule, ...] = (
+    _yield, _follow, _hold, _wait_for_lane, _approach, _slow_for_route, _release, _brake,
 )  # fmt: skip
-"""The first one that applies gives the reason."""
+"""The first one that applies gives the reason; without one the ego keeps its speed."""
+
+_AWAY: tuple[_Rule, ...] = (_change_lane, _pass, _return)
+"""The same while the ego changes its lane, passes or returns; one of them applies."""
 
 
 def _brakes_hard(c: _Cycle) -> bool:
@@ -292,9 +306,9 @@ def _why_not_passing(c: _Cycle) -> str:
 
 def _ahead(c: _Cycle) -> FrenetVehicle | None:
     """Return the next vehicle ahead in the ego lane."""
-    lane = c.setup.road.ego_lane
-    in_lane = (
-        n for n in c.observation.vehicles
-        if lane.right < n.d + n.half_width and n.d - n.half_width < lane.left and c.gap(n) > 0.0
-    )  # fmt: skip
-    return min(in_lane, key=lambda n: n.rear, default=None)
+    lane, ahead, nearest = c.setup.road.ego_lane, None, math.inf
+    for n in c.observation.vehicles:
+        in_lane = lane.right < n.d + n.half_width and n.d - n.half_width < lane.left
+        if in_lane and n.rear < nearest and c.gap(n) > 0.0:
+            ahead, nearest = n, n.rear
+    return ahead
