@@ -155,7 +155,7 @@ class Suite:
 
 
 def inputs(file: Path) -> set[Path]:
-    """What a test file depends on: its package, what these import, directly or not, and files beside that.
+    """What a test file depends on: its package, what these import, directly or not, and files next to that.
 
     One that compares both forms of kernels depends on those that it imports, not on the other kernels.
     """
@@ -171,8 +171,8 @@ def inputs(file: Path) -> set[Path]:
         found |= waiting
         waiting = {used for one in waiting if one.suffix == ".py" for used in uses(one)} - found
     folders = {p.parent for p in found} - {ROOT / "cca_core", TESTS, TESTS / "support"}
-    beside = {p for folder in folders for p in folder.iterdir() if p.is_file()}
-    return found | {p for p in beside if p.suffix not in (".py", ".so")}
+    others = {p for folder in folders for p in folder.iterdir() if p.is_file()}
+    return found | {p for p in others if p.suffix not in (".py", ".so")}
 
 
 @cache

@@ -76,7 +76,8 @@ def recall(
             now[remote.id] = Known(remote, t, t, not blind, n.d, n.angle, t)
             continue
         d, angle, measured = n.d, n.angle, t
-        if remote.age > last.remote.age + 0.5 * (t - last.t):  # it has only grown older
+        aged = remote.age - last.remote.age
+        if 0.5 * (t - last.t) < aged < 1.5 * (t - last.t):  # the same report, which has grown older
             d, angle, measured = last.d, last.angle, last.measured
         now[remote.id] = Known(remote, t, last.since, not blind or last.confirmed, d, angle, measured)
     memory, faults = Memory(known=now, blind_since=since, listen_until=listen_until), []

@@ -120,6 +120,24 @@ def test_motion_since_report_is_bounded(block: int, index: int) -> None:
     assert gap > 0.0 or not certificate.keeps_worst_case
 
 
+def test_report_of_an_earlier_time_counts_as_it_is() -> None:
+    """It was measured before the last one and tells of lateral motion: it is not that one grown older."""
+    lead = Sender(
+        s=534.7390179373783, d=1.0035896754313978, v=12.26363954108051, v_d=0.3560652065631123,
+        a=-1.620943367378082, age=0.649066368340512, length=4.5, width=1.8, along=0.4109998980338052,
+        across=-0.1274183989527822, first=0.9657844769730058, second=0.5978829395137153,
+        switch=3.4649029764915227,
+    )  # fmt: skip
+    case = Case(
+        road=12, v=21.031174861317457, cruise=30.770861180324474, driven=3.8972624081017138,
+        sigma=0.1830174909230344, senders=(lead,),
+    )  # fmt: skip
+    decided = decide(case, CAUTIOUS)
+    certificate = decided.command.certificate
+    assert certificate is not None
+    assert min_gap(decided, np.random.default_rng(1), reacts=False) > 0.0 or not certificate.keeps_worst_case
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(1, 101))
 def test_certified_safe_stop_is_not_touched_in_many(block: int) -> None:
