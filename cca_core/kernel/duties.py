@@ -1,8 +1,10 @@
 """Duties: which vehicles behind the ego keep their distance to it, and how far their drivers can."""
 
+import math
+
 from cca_core.kernel.rollout import ONCOMING, TIME_EPS
 from cca_core.kernel.scene import TOLERANCE, Scene, is_outside
-from cca_core.kernel.traffic import AGE, HALF_W, SIDE_SPEED, SURE_W, D
+from cca_core.kernel.traffic import AGE, AHEAD, HALF_L, HALF_W, SIDE_SPEED, SURE_W, D
 from cca_core.kernel.types import Flag, Int, Real
 
 __all__ = [
@@ -58,8 +60,12 @@ def merges_behind(w: Scene, row: Int, j: Int) -> Int:
 def is_behind(w: Scene, row: Int, p: Int, j: Int, back: Int) -> Flag:
     """Whether a vehicle that is nominally behind cannot be alongside: far enough, or in the ego's lane."""
     high = w.high_passed[j, back] if w.overtakes[p, j] != 0.0 else w.high[j, back]
-    in_lane = w.half_width + min(w.seen[j, SURE_W], 0.0)
-    return high < w.rear or abs(w.d_o[j, back] - w.offset_at[row, back]) < in_lane
+    ahead = w.seen[j, AHEAD]
+    front = w.seen[j, HALF_L] * math.sqrt(max(1.0 - ahead * ahead, 0.0))  # so far aside, if it is oblique
+    in_lane = w.half_width + min(w.seen[j, SURE_W], 0.0) - front - TOLERANCE
+    now = w.d_o[j, back] - w.offset_at[row, back]
+    reported = now - w.seen[j, SIDE_SPEED] * w.seen[j, AGE]
+    return high < w.rear or (abs(now) < in_lane and abs(reported) < in_lane)
 
 
 def is_surely_in(w: Scene, j: Int, right: Real, left: Real) -> Flag:

@@ -109,9 +109,9 @@ def test_vehicle_that_may_be_alongside_is_seen(block: int, index: int) -> None:
     assert gap > 0.0 or not certificate.keeps_worst_case
 
 
-@pytest.mark.parametrize(("block", "index"), [(34, 144), (47, 154), (62, 879)])
+@pytest.mark.parametrize(("block", "index"), [(34, 144), (47, 154), (62, 879), (138, 807)])
 def test_motion_since_report_is_bounded(block: int, index: int) -> None:
-    """It moved sideways, may not have braked, or drives in the inner lane of a bend since its report."""
+    """It moved sideways, may not have braked, drives in the inner lane of a bend, or is long and oblique."""
     reacts = block % 2 == 0
     decided = decide(sample_case(np.random.default_rng((block, index))), DEFAULT if reacts else CAUTIOUS)
     certificate = decided.command.certificate

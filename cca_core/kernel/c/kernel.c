@@ -3815,9 +3815,13 @@ bool cca_is_behind(const Scene *w, int row, int p, int j, int back)
 {
     double high = w->overtakes[p * w->max_m + j] != 0.0 ? w->high_passed[j * w->steps + back] : w->high[j
         * w->steps + back];
-    double in_lane = w->half_width + real_min(w->seen[j * 27 + TRAFFIC_SURE_W], 0.0);
-    return high < w->rear || fabs(w->d_o[j * w->steps + back] - w->offset_at[row * w->steps + back])
-        < in_lane;
+    double ahead = w->seen[j * 27 + TRAFFIC_AHEAD];
+    double front = w->seen[j * 27 + TRAFFIC_HALF_L] * sqrt(real_max(1.0 - ahead * ahead, 0.0));
+    double in_lane = w->half_width + real_min(w->seen[j * 27 + TRAFFIC_SURE_W], 0.0) - front
+        - SCENE_TOLERANCE;
+    double now = w->d_o[j * w->steps + back] - w->offset_at[row * w->steps + back];
+    double reported = now - w->seen[j * 27 + TRAFFIC_SIDE_SPEED] * w->seen[j * 27 + TRAFFIC_AGE];
+    return high < w->rear || (fabs(now) < in_lane && fabs(reported) < in_lane);
 }
 
 /* Whether a body is at least in part in a lane, wherever it is within its bounds.
