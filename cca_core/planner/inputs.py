@@ -153,6 +153,8 @@ def _warn_once_of_gains(*_: float) -> None:
 
 def _as_time(t: object) -> float:
     """Return a time stamp in seconds, NaN if it is none."""
+    if type(t) is float:  # an abstract class is slow to ask
+        return t if abs(t) < _MAX_TIME else math.nan
     try:
         time = float(t) if is_finite_number(t) else math.nan  # type: ignore[arg-type]
     except Exception:  # a number type of the caller's

@@ -69,7 +69,7 @@ class RemoteVehicle:
     def invalid_reason(self) -> str | None:
         """Why the record cannot be used; None if it can."""
         values = _REMOTE_VALUES(self)
-        if not (_FLOATS.issuperset(map(type, values)) and math.isfinite(sum(values))):
+        if not (_FLOATS.issuperset(map(type, values)) and all(map(math.isfinite, values))):
             for name, value in zip(_REMOTE_NUMBERS, values, strict=True):
                 if not is_finite_number(value):
                     return f"{name} must be a finite number, was {type(value).__name__} {str(value)[:20]}"
@@ -100,8 +100,6 @@ _REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)
 
 def is_finite_number(value: object) -> bool:
     """Return whether a value is a real number that a float can hold."""
-    if type(value) is float:  # an abstract class is slow to ask
-        return math.isfinite(value)
     try:
         return isinstance(value, Real) and math.isfinite(value)
     except OverflowError:  # a whole number beyond all floats
