@@ -2,7 +2,7 @@
 
 import math
 
-from cca_core.kernel.constants import STANDSTILL_SPEED
+from cca_core.kernel.constants import STALE_AGE, STANDSTILL_SPEED
 from cca_core.kernel.order import set_following_speed, set_order
 from cca_core.kernel.reach import measured_motion, reach
 from cca_core.kernel.scene import Scene, station
@@ -95,14 +95,18 @@ def reach_along(w: Scene, j: Int, passed: Flag) -> None:
     v = w.seen[j, SPEED] * scale
     rate = w.seen[j, RATE] * scale
     nominal = w.seen[j, NOMINAL_RATE]
-    if passed and rate > 0.0:
-        rate = 0.0  # a driver who is overtaken does not accelerate
-        nominal = min(nominal, 0.0)
     braking = max(w.b_other, -rate)
+    age = w.seen[j, AGE]
+    slowest, so_far, stops = measured_motion(v, age, rate, braking)
+    # one that stands by dead reckoning may have braked harder since its report
+    stood = min(0.5 * slowest * min(stops, STALE_AGE) - so_far, 0.0) / scale
+    if passed and rate > 0.0:
+        rate = 0.0  # a driver who is overtaken does not accelerate any more
+        nominal = min(nominal, 0.0)
     acceleration = max(w.a_passed if passed else w.a_other, rate)
     rear = w.seen[j, S] - w.seen[j, HALF_L]
     front = w.seen[j, S] + w.seen[j, HALF_L]
-    measured, counted, stops = measured_motion(v, w.seen[j, AGE], rate, braking)
+    measured, counted, _ = measured_motion(v, age, rate, braking)
     fastest = max(w.v_limit, max(abs(v), measured) + SPEEDING)  # it may not have braked since its report
     sum_low = 0.0
     sum_high = 0.0
@@ -118,7 +122,8 @@ def reach_along(w: Scene, j: Int, passed: Flag) -> None:
             low = math.copysign(1.0, v) * distance
             high = low
         else:
-            low, high = reach(v, w.t[k], w.seen[j, AGE], braking, acceleration, measured, counted, stops)
+            low, _ = reach(v, w.t[k], age, braking, acceleration, slowest, so_far, stops)
+            _, high = reach(v, w.t[k], age, braking, acceleration, measured, counted, stops)
             if k == 0:
                 low_0 = low / scale
                 high_0 = high / scale
@@ -134,9 +139,9 @@ def reach_along(w: Scene, j: Int, passed: Flag) -> None:
             high = high_0 + sum_high
             if abs(v) < STANDSTILL_SPEED:  # what stands does not reverse, nor has it since its report
                 if w.seen[j, AHEAD] > 0.0:
-                    low = max(low, 0.0)
+                    low = max(low, stood)
                 else:
-                    high = min(high, 0.0)
+                    high = min(high, -stood)
         if passed:
             if v >= 0.0:  # a reported acceleration is believed for a while
                 distance, _ = travel(

@@ -16,6 +16,7 @@ __all__ = ["Known", "Memory", "dead_reckoned", "recall"]
 
 _BRAKING, _LATERAL = 8.0, 1.0  # assumed of a stale vehicle, as in the bounds of a tracker [m/s^2]
 _MAX_SIGMA, _MAX_AGE, _MAX_REVERSING = 1e3, 3600.0, 20.0  # of a valid record [m, s, m/s]
+_SAME_HEADING = 2e-3  # error of a heading that is dead-reckoned at a constant turn rate [rad]
 _SAME_BODY = 0.3  # gap to a dead-reckoned body below which another id is that of the same vehicle [m]
 
 
@@ -76,8 +77,7 @@ def recall(
             now[remote.id] = Known(remote, t, t, not blind, n.d, n.angle, t)
             continue
         d, angle, measured = n.d, n.angle, t
-        aged = remote.age - last.remote.age
-        if 0.5 * (t - last.t) < aged < 1.5 * (t - last.t):  # the same report, which has grown older
+        if _is_same_report(last, remote, t):  # it has only grown older
             d, angle, measured = last.d, last.angle, last.measured
         now[remote.id] = Known(remote, t, last.since, not blind or last.confirmed, d, angle, measured)
     memory, faults = Memory(known=now, blind_since=since, listen_until=listen_until), []
@@ -94,6 +94,14 @@ def recall(
         return memory, [], tuple(faults)
     recalled = [dead_reckoned(last.remote, t - last.t) for last in missing.values()]
     return replace(memory, known=missing | now), recalled, tuple(faults)
+
+
+def _is_same_report(last: Known, remote: RemoteVehicle, t: float) -> bool:
+    """Return whether a report is the last one, dead-reckoned: measured at the same time, with its turn."""
+    elapsed, before = t - last.t, last.remote
+    turned = math.remainder(remote.psi - before.psi, 2.0 * math.pi)
+    is_as_old = 0.5 * elapsed < remote.age - before.age < 1.5 * elapsed
+    return is_as_old and min(abs(turned), abs(turned - before.r * elapsed)) < _SAME_HEADING
 
 
 def _missing(

@@ -109,9 +109,9 @@ def test_vehicle_that_may_be_alongside_is_seen(block: int, index: int) -> None:
     assert gap > 0.0 or not certificate.keeps_worst_case
 
 
-@pytest.mark.parametrize(("block", "index"), [(34, 144), (47, 154), (62, 879), (138, 807)])
+@pytest.mark.parametrize(("block", "index"), [(34, 144), (47, 154), (62, 879), (138, 807), (150, 476)])
 def test_motion_since_report_is_bounded(block: int, index: int) -> None:
-    """It moved sideways, may not have braked, drives in the inner lane of a bend, or is long and oblique."""
+    """It moved sideways, did not brake, is in the inner lane of a bend, is long and oblique, or stands."""
     reacts = block % 2 == 0
     decided = decide(sample_case(np.random.default_rng((block, index))), DEFAULT if reacts else CAUTIOUS)
     certificate = decided.command.certificate
@@ -131,6 +131,38 @@ def test_report_of_an_earlier_time_counts_as_it_is() -> None:
     case = Case(
         road=12, v=21.031174861317457, cruise=30.770861180324474, driven=3.8972624081017138,
         sigma=0.1830174909230344, senders=(lead,),
+    )  # fmt: skip
+    decided = decide(case, CAUTIOUS)
+    certificate = decided.command.certificate
+    assert certificate is not None
+    assert min_gap(decided, np.random.default_rng(1), reacts=False) > 0.0 or not certificate.keeps_worst_case
+
+
+def test_passed_vehicle_may_have_braked_since_its_report() -> None:
+    """It reported acceleration, which dead reckoning counts; it is not expected to accelerate further."""
+    senders = (
+        Sender(
+            s=525.5308940013279, d=-0.48344568562912676, v=6.789816223941543,
+            v_d=-0.33854258962427086, a=3.0, age=0.882687102938157, length=4.5, width=1.8,
+            along=0.8889428367938016, across=-1.0, first=0.9950824335376349,
+            second=0.06035870926321785, switch=6.691374843453784,
+        ),
+        Sender(
+            s=528.4317004953879, d=-3.2497447266143737, v=23.68962747630462,
+            v_d=0.1320288540055305, a=-1.4615628057907135, age=0.7793737926605375, length=12.0,
+            width=2.55, along=0.2923331737201146, across=-0.8220857106844693, first=-1.0,
+            second=-0.8459497266197588, switch=0.16794860444001786,
+        ),
+        Sender(
+            s=528.6851695668685, d=-2.2599005227217397, v=35.77753298628746,
+            v_d=0.9727149265124081, a=-0.5298990993236211, age=0.8154705561088346, length=4.5,
+            width=1.8, along=-0.35885166691699555, across=-0.3426442673143284,
+            first=0.8776780462228425, second=-0.9964818374597932, switch=3.3140459625100562,
+        ),
+    )  # fmt: skip
+    case = Case(
+        road=32, v=10.770710103981123, cruise=11.773562299627311, driven=4.6347214647948265,
+        sigma=0.3297036824259719, senders=senders,
     )  # fmt: skip
     decided = decide(case, CAUTIOUS)
     certificate = decided.command.certificate

@@ -3517,18 +3517,23 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
     double v = w->seen[j * 27 + TRAFFIC_SPEED] * scale;
     double rate = w->seen[j * 27 + TRAFFIC_RATE] * scale;
     double nominal = w->seen[j * 27 + TRAFFIC_NOMINAL_RATE];
+    double braking = real_max(w->b_other, -rate);
+    double age = w->seen[j * 27 + TRAFFIC_AGE];
+    const cca_ddd result1_ = reach_measured_motion(v, age, rate, braking);
+    double slowest = result1_.item0;
+    double so_far = result1_.item1;
+    double stops = result1_.item2;
+    double stood = real_min(0.5 * slowest * real_min(stops, CONSTANTS_STALE_AGE) - so_far, 0.0) / scale;
     if (passed && rate > 0.0) {
         rate = 0.0;
         nominal = real_min(nominal, 0.0);
     }
-    double braking = real_max(w->b_other, -rate);
     double acceleration = real_max(passed ? w->a_passed : w->a_other, rate);
     double rear = w->seen[j * 27 + TRAFFIC_S] - w->seen[j * 27 + TRAFFIC_HALF_L];
     double front = w->seen[j * 27 + TRAFFIC_S] + w->seen[j * 27 + TRAFFIC_HALF_L];
-    const cca_ddd result1_ = reach_measured_motion(v, w->seen[j * 27 + TRAFFIC_AGE], rate, braking);
-    double measured = result1_.item0;
-    double counted = result1_.item1;
-    double stops = result1_.item2;
+    const cca_ddd result2_ = reach_measured_motion(v, age, rate, braking);
+    double measured = result2_.item0;
+    double counted = result2_.item1;
     double fastest = real_max(w->v_limit, real_max(fabs(v), measured) + TRAFFIC_SPEEDING);
     double sum_low = 0.0;
     double sum_high = 0.0;
@@ -3540,16 +3545,18 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
         double low = 0.0;
         double high = 0.0;
         if (w->keeps) {
-            const cca_dd result2_ = traffic_travel(w, fabs(w->seen[j * 27 + TRAFFIC_SPEED]), nominal,
+            const cca_dd result3_ = traffic_travel(w, fabs(w->seen[j * 27 + TRAFFIC_SPEED]), nominal,
                 w->acceleration_time, w->t[k]);
-            double distance = result2_.item0;
+            double distance = result3_.item0;
             low = copysign(1.0, v) * distance;
             high = low;
         } else {
-            const cca_dd result3_ = reach_reach(v, w->t[k], w->seen[j * 27 + TRAFFIC_AGE], braking,
-                acceleration, measured, counted, stops);
-            low = result3_.item0;
-            high = result3_.item1;
+            const cca_dd result4_ = reach_reach(v, w->t[k], age, braking, acceleration, slowest, so_far,
+                stops);
+            low = result4_.item0;
+            const cca_dd result5_ = reach_reach(v, w->t[k], age, braking, acceleration, measured, counted,
+                stops);
+            high = result5_.item1;
             if (k == 0) {
                 low_0 = low / scale;
                 high_0 = high / scale;
@@ -3566,17 +3573,17 @@ static void traffic_reach_along(Scene *w, int j, bool passed)
             high = high_0 + sum_high;
             if (fabs(v) < CONSTANTS_STANDSTILL_SPEED) {
                 if (w->seen[j * 27 + TRAFFIC_AHEAD] > 0.0) {
-                    low = real_max(low, 0.0);
+                    low = real_max(low, stood);
                 } else {
-                    high = real_min(high, 0.0);
+                    high = real_min(high, -stood);
                 }
             }
         }
         if (passed) {
             if (v >= 0.0) {
-                const cca_dd result4_ = traffic_travel(w, w->seen[j * 27 + TRAFFIC_SPEED], w->seen[j * 27
+                const cca_dd result6_ = traffic_travel(w, w->seen[j * 27 + TRAFFIC_SPEED], w->seen[j * 27
                     + TRAFFIC_NOMINAL_RATE], w->acceleration_time, w->t[k]);
-                double distance = result4_.item0;
+                double distance = result6_.item0;
                 high = real_max(high, distance);
             }
             w->low_passed[j * w->steps + k] = rear + low;

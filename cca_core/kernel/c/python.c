@@ -2403,7 +2403,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "bf7895072e8ced3cfcf9942e9acb136d443394c383c5d7c263b4d967e2c4b79c") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "15fc444f3f9d9253f342ecdb77fab748a74f64aa35f86d7c8cdf7f404750a21f") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
