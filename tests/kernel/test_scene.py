@@ -185,7 +185,8 @@ def test_worst_case_along_equals_reachable_interval(v: float, rate: float, age: 
     rows = locate_one(s=40.0, v=v, half_l=2.0, rate=rate, nominal_rate=rate, age=age, ahead=v)
     limits = {"braking": max(6.0, -rate), "acceleration": max(2.0, rate)}
     low, high = reachable_interval(v, rows["t"], age=age, a_reported=rate, **limits)
-    low = np.maximum(low, 0.0) if abs(v) < 0.5 else low  # what stands does not reverse
+    if abs(v) < 0.5:  # what stands does not reverse, but may have braked since its report
+        low = np.maximum(low, 0.5 * v * v / limits["braking"] - v * age)
     np.testing.assert_allclose(rows["low"][0], 38.0 + low, atol=1e-9)
     np.testing.assert_allclose(rows["high"][0], 42.0 + high, atol=1e-9)
 

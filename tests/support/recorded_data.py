@@ -98,7 +98,8 @@ def public_records() -> set[type]:
     found = set()
     for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
         package = module.name.removeprefix("cca_core.")
-        if package.startswith("_") or package in ("plot", "report", "baselines", "sim", "rig", "fmi"):
+        outer = ("plot", "report", "baselines", "sim", "rig", "fmi", "adapters")  # and what derives from sim
+        if package.startswith("_") or package in outer:
             continue
         loaded = importlib.import_module(module.name)
         values = (getattr(loaded, name) for name in getattr(loaded, "__all__", ()))
