@@ -98,13 +98,13 @@ def public_records() -> set[type]:
     found = set()
     for module in pkgutil.iter_modules(cca_core.__path__, "cca_core."):
         package = module.name.removeprefix("cca_core.")
-        outer = ("plot", "report", "baselines", "sim", "rig", "fmi", "adapters")  # and what derives from sim
-        if package.startswith("_") or package in outer:
+        if package.startswith("_") or package in ("plot", "report", "baselines", "sim", "rig", "fmi"):
             continue
         loaded = importlib.import_module(module.name)
         values = (getattr(loaded, name) for name in getattr(loaded, "__all__", ()))
         found |= {value for value in values if isinstance(value, type) and dataclasses.is_dataclass(value)}
-    return found
+    # what derives from a record of the simulation belongs to it, wherever it is public
+    return {kind for kind in found if not any(b.__module__.startswith("cca_core.sim") for b in kind.__mro__)}
 
 
 def examples() -> dict[str, Any]:
