@@ -128,9 +128,9 @@ class _Cycle:
             return "stopped, " if self.holder is None else f"stopped for {self.holder.id}, "
         if self.a_x > -_FIRM:
             return ""
-        if self.is_releasing:
-            return "releasing the brakes, "
         n, limit = self.holder, self.route_limit
+        if self.is_releasing and not self.is_held and limit is None:
+            return "releasing the brakes, "
         what = n.id if n is not None else limit.why if limit else "no faster plan is certified"
         return f"braking {-self.a_x:.1f} m/s²{' for ' if n is not None or limit else ', '}{what}, "
 

@@ -16,6 +16,8 @@ from cca_core.sim.commonroad.drive import CommonRoadRun
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_LEFT, _BETWEEN, _LINE, _ENDS = 0.75, 0.25, 0.155, 0.7  # margins and height of a line of text [in]
+
 
 def plot_commonroad(run: CommonRoadRun, *, times: Sequence[float] | None = None) -> "Figure":
     """Draw lanelets, recorded traffic and the ego at several times.
@@ -45,19 +47,25 @@ def plot_commonroad(run: CommonRoadRun, *, times: Sequence[float] | None = None)
     if not len(instants):
         raise InputError("times must hold at least one time")
     regions = [region for goal in run.problem.goals for region in goal.regions]
-    shown = np.vstack([run.ego[:, :2], *regions])
+    moments = [int(np.argmin(np.abs(run.t - t))) for t in instants.tolist()]
+    shown = np.vstack([run.ego[:, :2], *regions, *_nearest(run, moments)])
     low, high = shown.min(axis=0) - 7.0, shown.max(axis=0) + 7.0  # a margin of 7 m
     tall = bool((high - low)[1] > 0.6 * (high - low)[0])
     columns = 2 if tall else 1
     rows = -(-len(instants) // columns)
-    height = rows * (0.7 + COLUMN_WIDTH / columns * float((high - low)[1] / (high - low)[0])) + 0.5
-    figure = new_figure(height, COLUMN_WIDTH)
+    titles = [_title(run, row, 64 // columns) for row in moments]
+    lines = sum(
+        max(t.count("\n") + 1 for t in titles[k : k + columns]) for k in range(0, len(titles), columns)
+    )
+    view = (COLUMN_WIDTH - _LEFT) / columns * float((high - low)[1] / (high - low)[0])
+    figure = new_figure(rows * (view + _BETWEEN) + lines * _LINE + _ENDS, COLUMN_WIDTH)
+    figure.set_layout_engine("compressed")
     figure.suptitle(f"{run.scenario.name} ({run.plant})", weight="bold", fontsize=TEXT.heading)
     axes = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
-    characters = 64 // columns
-    for view, (axis, t) in enumerate(zip(axes, instants.tolist(), strict=False), start=1):
+    for number, (axis, row, title) in enumerate(zip(axes, moments, titles, strict=False), start=1):
         _draw_world(axis, run, regions)
-        _draw_moment(axis, run, t, view, (low, high), characters)
+        _draw_moment(axis, run, row, number, (low, high))
+        axis.set_title(title, fontsize=TEXT.legend, loc="left")
         axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     for axis in axes[len(instants) :]:
         axis.set_axis_off()
@@ -66,6 +74,16 @@ def plot_commonroad(run: CommonRoadRun, *, times: Sequence[float] | None = None)
     for axis in axes[::columns]:
         axis.set_ylabel("y [m]", fontsize=TEXT.axis)
     return figure
+
+
+def _nearest(run: CommonRoadRun, rows: list[int]) -> list[Array]:
+    """Center of the vehicle that is nearest to the ego in each row, if within 30 m."""
+    centers = []
+    for row in rows:
+        if run.gaps[row].min(initial=np.inf) < 30.0:
+            near = run.scenario.obstacles[int(np.argmin(run.gaps[row]))].at(float(run.t[row]))
+            centers += [] if near is None else [np.array((near.x, near.y))]
+    return centers
 
 
 def _draw_world(axis: Any, run: CommonRoadRun, regions: list[Array]) -> None:
@@ -77,10 +95,16 @@ def _draw_world(axis: Any, run: CommonRoadRun, regions: list[Array]) -> None:
         axis.fill(*region.T, facecolor="none", edgecolor=COLORS.goal, linewidth=1.5, zorder=2)
 
 
-def _draw_moment(
-    axis: Any, run: CommonRoadRun, t: float, view: int, limits: tuple[Array, Array], characters: int
-) -> None:
-    row = int(np.argmin(np.abs(run.t - t)))
+def _title(run: CommonRoadRun, row: int, characters: int) -> str:
+    """Time, action, least gap and reason."""
+    name = next(name for begin, name, _ in reversed(run.decisions) if begin <= run.t[row] + 1e-9)
+    gap = run.gaps[row].min(initial=np.inf)
+    min_gap = f", min gap {gap:.1f} m" if np.isfinite(gap) else ""
+    texts = f"{run.t[row]:.1f} s   {name}{min_gap}", run.cycle_reasons[row]
+    return "\n".join(fill_text(text, characters) for text in texts)
+
+
+def _draw_moment(axis: Any, run: CommonRoadRun, row: int, number: int, limits: tuple[Array, Array]) -> None:
     axis.plot(*run.ego[: row + 1, :2].T, color=COLORS.ego, linewidth=1.4, zorder=3)
     axis.plot(*run.ego[row:, :2].T, color=COLORS.ego, linewidth=1.0, linestyle=":", zorder=3)
     halo = require_extra("matplotlib.patheffects", "plot").withStroke(linewidth=2.0, foreground="white")
@@ -96,19 +120,10 @@ def _draw_moment(
     low, high = limits
     for id_, x, y, psi, length, width, v_x, color in bodies:
         corners = boxes(x, y, psi, length, width).corners()
-        axis.fill(*corners.T, color=color, alpha=0.85, zorder=4, gid=f"{id_}@{view}")
+        axis.fill(*corners.T, color=color, alpha=0.85, zorder=4, gid=f"{id_}@{number}")
         if low[0] < x < high[0] and low[1] < y < high[1]:
             axis.annotate(
                 f"{id_} {v_x:.0f} m/s", (x, y), color="black", fontsize=TEXT.tiny,
                 ha="center", va="center", zorder=5, clip_on=True, path_effects=[halo],
             )  # fmt: skip
-    name, reason = next(
-        (name, text) for begin, name, text in reversed(run.decisions) if begin <= run.t[row] + 1e-9
-    )
-    gap = run.gaps[row].min(initial=np.inf)
-    min_gap = f", min gap {gap:.1f} m" if np.isfinite(gap) else ""
-    text = "\n".join(
-        fill_text(line, characters) for line in (f"{run.t[row]:.1f} s   {name}{min_gap}", reason)
-    )
-    axis.set_title(text, fontsize=TEXT.legend, loc="left")
     axis.tick_params(labelsize=TEXT.axis)

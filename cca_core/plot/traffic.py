@@ -15,6 +15,7 @@ from cca_core.plot.labels import escape_figure_text, fill_text, title_lines
 from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, assign_colors, darken, draw_lanes, set_text_sizes
 from cca_core.plot.text_slots import TextSlots, offsets_around
 from cca_core.sim import Log
+from cca_core.sim.export import decision_index, reasons_of_cycles
 from cca_core.sim.outcome import row_at
 
 if TYPE_CHECKING:
@@ -116,11 +117,12 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str
 
 
 def _frames_at(log: Log, times: list[float]) -> list[KeyFrame]:
-    frames = []
-    for t in times:
-        begun = ((name, reason) for begin, name, reason in reversed(log.decisions) if begin <= t)
-        frames.append(KeyFrame(t=t, text=": ".join(next(begun, ("", "")))))
-    return frames
+    index, reasons = decision_index(log), reasons_of_cycles(log)
+    rows = [row_at(log, t) for t in times]
+    return [
+        KeyFrame(t=t, text=f"{log.decisions[index[row]][1]}: {reasons[row]}")
+        for t, row in zip(times, rows, strict=True)
+    ]
 
 
 def _palette(log: Log) -> dict[str, str]:

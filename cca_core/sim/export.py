@@ -34,6 +34,11 @@ def decision_index(log: "Log") -> Index:
     return np.searchsorted([t for t, _, _ in log.decisions], log.t, side="right") - 1
 
 
+def reasons_of_cycles(log: "Log") -> Sequence[str]:
+    """Return the reason of each cycle; in a log of a file without them, that of its decision."""
+    return log.cycle_reasons or [log.decisions[i][2] for i in decision_index(log)]
+
+
 def run_columns(log: "Log") -> Columns:
     """Return everything that changes from cycle to cycle; the numbers of absent vehicles are NaN."""
     gaps, present, index = log.gaps(), log.present, decision_index(log)
@@ -43,7 +48,7 @@ def run_columns(log: "Log") -> Columns:
         "s": log.ego_frenet[:, 0], "d": log.ego_frenet[:, 1], "tracking_error": log.tracking,
         "gap": gaps.min(axis=1, initial=np.inf), "degraded": log.degraded,
         "action": np.array([action for _, action, _ in log.decisions])[index],
-        "reason": np.array([reason for _, _, reason in log.decisions])[index],
+        "reason": np.array(reasons_of_cycles(log)),
     }  # fmt: skip
     for i, user in enumerate(log.scenario.road_users):
         motion = np.column_stack((log.road_users[:, i], log.user_motion[:, i], log.user_frenet[:, i]))

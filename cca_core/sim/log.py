@@ -71,6 +71,8 @@ class Log:
         Number of cycles of a real-time run that ended after their deadline.
     reasons : tuple of (str, str)
         Activity and cause of each of `decisions`, as in `Decision`; none in a log of a file without them.
+    cycle_reasons : tuple of str
+        Reason of the command of each cycle; none in a log of a file without them.
     remotes : tuple of tuple of RemoteVehicle, optional
         Vehicles that the controller was given in each cycle of a recorded run (`Recorder`). In a simulated
         run they follow from `received` and `visible`.
@@ -102,6 +104,7 @@ class Log:
     wall_s: float | None
     missed_deadlines: int = 0
     reasons: tuple[tuple[str, str], ...] = ()
+    cycle_reasons: tuple[str, ...] = ()
     remotes: tuple[tuple[RemoteVehicle, ...], ...] | None = None
     awareness_range: Array | None = None
 

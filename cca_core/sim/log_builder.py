@@ -31,6 +31,7 @@ class EventRecorder:
         self._first: dict[tuple[str, str], float] = {}
         self.decisions: list[tuple[float, str, str]] = []
         self.reasons: list[tuple[str, str]] = []
+        self.cycle_reasons: list[str] = []
 
     @property
     def events(self) -> list[tuple[float, str, str]]:
@@ -51,6 +52,7 @@ class EventRecorder:
     ) -> None:
         """Record a cycle; motions are id, speed, acceleration and whether it moves laterally, in SI units."""
         decision = command.decision
+        self.cycle_reasons.append(decision.reason)
         if not self.decisions or self.decisions[-1][1] != decision.action.value:
             self.decisions.append((t, decision.action.value, decision.reason))
             self.reasons.append((decision.activity or decision.reason, decision.cause))
@@ -172,7 +174,7 @@ class LogBuilder:
             reasons=tuple(self._events.reasons), events=tuple(self._events.events),
             received=tuple(self._received), messages=dict(messages),
             degraded=self._degraded[:n], cycle_us=self._cycle_us[:n], wall_s=wall_s,
-            missed_deadlines=missed_deadlines,
+            missed_deadlines=missed_deadlines, cycle_reasons=tuple(self._events.cycle_reasons),
         )  # fmt: skip
 
 

@@ -100,6 +100,7 @@ def load_log(path: str | FilePath) -> Log:
             (row, blob[begin:end]) for row, begin, end in zip(rows, [0, *ends][:-1], ends, strict=True)
         )
         meta["reasons"] = tuple(map(tuple, meta.get("reasons", ())))
+        meta["cycle_reasons"] = tuple(map(str, meta.get("cycle_reasons", ())))
         meta["scenario"] = from_dict(Scenario, meta["scenario"])
         if meta.get("remotes") is not None:
             meta["remotes"] = tuple(
@@ -165,6 +166,8 @@ def _check_shapes(log: Log) -> None:
         inner = (users, *per_user[name]) if name in per_user else per_cycle.get(name, ())
         if array.shape != (n, *inner) or array.dtype.kind not in "bf" or not n:
             raise ValueError(f"{name} has shape {array.shape} and type {array.dtype}, t has {n} times")
+    if len(log.cycle_reasons) not in (0, n):
+        raise ValueError(f"cycle_reasons has {len(log.cycle_reasons)} cycles, t has {n} times")
     if log.remotes is not None and len(log.remotes) != n:
         raise ValueError(f"remotes has {len(log.remotes)} cycles, t has {n} times")
 

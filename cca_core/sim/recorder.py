@@ -233,7 +233,7 @@ class Recorder:
             gap_held=np.zeros(len(rows), dtype=bool), decisions=tuple(self._events.decisions),
             events=tuple(self._events.events), received=(), messages={}, degraded=rows[:, 16] != 0.0,
             cycle_us=None, wall_s=None, reasons=tuple(self._events.reasons), remotes=tuple(self._remotes),
-            awareness_range=rows[:, 15],
+            awareness_range=rows[:, 15], cycle_reasons=tuple(self._events.cycle_reasons),
         )  # fmt: skip
 
     def _road_user(self, last: RemoteVehicle, rows: Array, *, connected: bool) -> RoadUser:

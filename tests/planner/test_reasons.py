@@ -114,6 +114,20 @@ def test_release_of_brakes_names_former_cause() -> None:
     assert drive.begin("braking for Y") < drive.begin("releasing") < drive.begin("speeding up to 20.0 m/s")
 
 
+def test_released_brakes_do_not_slow_the_ego() -> None:
+    drive = Reasons(
+        ScriptedVehicle("P", 100.0, 0.0, 0.0),
+        ScriptedVehicle("R1", 140.0, 0.0, 12.0, a=lambda t: -3.0 if t > 5.0 else 0.0),
+        lanes=TWO_LANES,
+        seconds=10.0,
+    )
+    braking = [k for k, text in enumerate(drive.texts) if "braking" in text]
+    released = [k for k, text in enumerate(drive.texts) if "releasing the brakes" in text]
+    assert braking
+    assert released
+    assert all(drive.run.v[k + 25] > drive.run.v[k] - 0.7 for k in released)  # in half a second
+
+
 def test_stop_behind_parked_car_gives_cause_of_not_passing() -> None:
     drive = Reasons(ScriptedVehicle("R1", 100.0, 0.0, 0.0), seconds=20.0)
     assert drive.texts[-1] == "stopped behind R1: gap 3 m; not passing on the left or right: no lane"

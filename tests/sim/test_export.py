@@ -48,6 +48,14 @@ def test_columns_are_those_of_the_log(simulated: Log) -> None:
     assert columns["reason"][changes].tolist() == [reason for _, _, reason in simulated.decisions[1:]]
 
 
+def test_reason_changes_while_the_action_stays(simulated: Log) -> None:
+    columns = simulated.columns()
+    during = columns["reason"][columns["action"] == "FOLLOW"]
+    assert len(set(during)) > len([name for name in simulated.actions if name == "FOLLOW"])
+    without = replace(simulated, cycle_reasons=()).columns()["reason"]
+    assert set(without) == {reason for _, _, reason in simulated.decisions}
+
+
 @pytest.mark.parametrize("name", ["simulated", "recorded"])
 def test_csv_reads_back_exactly(name: str, request: pytest.FixtureRequest, tmp_path: FilePath) -> None:
     log: Log = request.getfixturevalue(name)

@@ -19,7 +19,8 @@ ARRAYS = (
     "degraded", "visible", "tracked", "gap_held",
 )  # fmt: skip
 EXACT = (
-    "decisions", "reasons", "events", "received", "messages", "seed", "plant", "remotes", "awareness_range",
+    "decisions", "reasons", "cycle_reasons", "events", "received", "messages", "seed", "plant", "remotes",
+    "awareness_range",
 )  # fmt: skip
 
 

@@ -55,6 +55,8 @@ class CommonRoadRun:
         absent.
     decisions : tuple of (float, str, str)
         Time [s], action and reason at each change of action.
+    cycle_reasons : tuple of str
+        Reason of the command of each cycle.
     dropped : tuple of str
         Remote vehicles that the planner could not use, with the reason.
     t_goal : float or None
@@ -73,6 +75,7 @@ class CommonRoadRun:
     ego_frenet: Array
     gaps: Array
     decisions: tuple[tuple[float, str, str], ...]
+    cycle_reasons: tuple[str, ...]
     dropped: tuple[str, ...]
     t_goal: float | None
 
@@ -237,6 +240,7 @@ def _drive(
     n = max(1, round((max(g.t[1] for g in problem.goals) - problem.t) / step) + 1)
     rows, gaps = np.empty((n, 12)), np.full((n, len(scenario.obstacles)), np.inf)
     decisions: list[tuple[float, str, str]] = []
+    reasons: list[str] = []
     dropped = set(scenario.left_out)
     s, t_goal = float(road.path.project((car.state.x, car.state.y))[0]), None
     for k in range(n):
@@ -253,8 +257,9 @@ def _drive(
         gaps[k, present] = _gaps(state, vehicle, remotes)
         dropped.update(f"{id_}: {reason}" for id_, reason in command.dropped)
         action = command.decision.action.value
+        reasons.append(command.decision.reason)
         if not decisions or decisions[-1][1] != action:
-            decisions.append((t, action, command.decision.reason))
+            decisions.append((t, action, reasons[-1]))
         x, y = vehicle.center_at(state.x, state.y, state.psi)
         body = VehicleState(x=x, y=y, psi=state.psi, v_x=state.v_x)
         if any(g.reached(t, body) for g in problem.goals):
@@ -266,7 +271,7 @@ def _drive(
         scenario=scenario, problem=problem, vehicle=vehicle, plant=plant, road=road,
         cruise_speed=planner.cruise_speed, t=rows[:, 0], ego=rows[:, 1:9], a_y=rows[:, 9],
         ego_frenet=rows[:, 10:12], gaps=gaps[:n], decisions=tuple(decisions),
-        dropped=tuple(sorted(dropped)), t_goal=t_goal,
+        cycle_reasons=tuple(reasons), dropped=tuple(sorted(dropped)), t_goal=t_goal,
     )  # fmt: skip
 
 
