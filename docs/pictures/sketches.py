@@ -233,12 +233,12 @@ def warning_zones() -> Figure:
     axis.text(24.5, LANE, "DNPW, LTA: oncoming", color=COLORS.ink, ha="center", va="center", fontsize=8)
     axis.plot((3.0, 42.0, 42.0, 3.0, 3.0), (-5.0, -5.0, 5.1, 5.1, -5.0), ":", color=GRAY, linewidth=1.2)
     axis.text(
-        42.0,
+        41.3,
         -LANE,
-        "EEBL: hard braking, up to 300 m, any lane  ",
+        "EEBL: hard braking within 300 m, any lane",
         ha="right",
         va="center",
-        fontsize=8,
+        fontsize=7.5,
     )
     axis.text(-3.4, 0.0, "ego", color=EGO, ha="right", va="center", fontsize=8)
     axis.set_ylim(-6.0, 6.0)
