@@ -9,6 +9,7 @@ pytest.importorskip("matplotlib")
 from cca_core.sim.study.parameters import ParameterRanges
 from cca_core.sim.study.run import simulate_run
 from cca_core.sim.study.statistics import StudyTable
+from cca_core.sim.study.store import Store
 from tests import validate
 
 
@@ -73,3 +74,22 @@ def test_page_shows_complete_and_partial_studies() -> None:
     assert first.startswith("| eebl | 0 | red |")
     assert "first message of the hazard at 2.00 s" in first
     assert "**avoidable** (brake)" in second
+
+
+def test_parts_may_run_at_the_same_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(validate, "STATE", tmp_path)
+    result = {"tests": 7, "skipped": 0, "failed": 0, "seconds": 60}
+    name, other = "tests/test_geometry.py", validate.Suite()
+
+    def run_file(_: str) -> dict[str, int]:
+        other.rows["tests/test_ncap.py"] = result | {"code": "a"}
+        other.save()
+        return result
+
+    monkeypatch.setattr(validate, "run_file", run_file)
+    assert validate.Suite((name,)).run() == []
+    assert validate.Suite().rows.keys() == {name, "tests/test_ncap.py"}
+    study, path = validate.study_of("eebl")
+    with Store(path, study.fingerprint):
+        assert validate.progress_of("eebl") == (0, None)
+    assert validate.progress_of("eebl") == (0, None)

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from cca_core.errors import InputError
 from cca_core.plot.study import plot_study
 from cca_core.sim.scenarios.scenario import EGO_TYPES
 from cca_core.sim.study.parameters import ParameterRanges
@@ -108,7 +109,7 @@ class Suite:
         self.files = {p.relative_to(ROOT).as_posix(): digest(inputs(p)) for p in files}
         self.wanted = wanted
         self.memory = STATE / "passed.json"
-        self.rows = json.loads(self.memory.read_text()) if self.memory.exists() else {}
+        self.rows = self.stored()
         self.seconds = {name: row["seconds"] for name, row in self.rows.items()}
 
     @property
@@ -141,11 +142,16 @@ class Suite:
                     failed.append(name)
                     tqdm.write(f"{name} failed")
                 else:
-                    self.rows[name] = {**result, "code": self.files[name]}
+                    # another process may run other parts at the same time
+                    self.rows = self.stored() | {name: {**result, "code": self.files[name]}}
                     self.save()
         finally:
             pool.shutdown(cancel_futures=True)
         return failed
+
+    def stored(self) -> dict[str, dict[str, Any]]:
+        """Results of all runs up to now."""
+        return json.loads(self.memory.read_text()) if self.memory.exists() else {}
 
     def save(self) -> None:
         """Write the results, whole or not at all."""
@@ -239,8 +245,11 @@ def progress_of(name: str) -> tuple[int, StudyTable | None]:
     study, path = study_of(name)
     if not path.exists():
         return 0, None
-    with Store(path, study.fingerprint) as store:
-        return study.table(store.rows)
+    try:
+        with Store(path, study.fingerprint) as store:
+            return study.table(store.rows)
+    except InputError:  # another process drives it now
+        return 0, None
 
 
 def drive_study(name: str) -> list[str]:

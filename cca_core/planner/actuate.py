@@ -29,8 +29,10 @@ def planned_acceleration(
     before, after = plan.a_0 if i == 1 else plan.a.item(i - 2), plan.a.item(i - 1)
     a = (after - before) / (_TIMES[i] - _TIMES[i - 1]) * (elapsed - _TIMES[i - 1]) + before
     fraction = limits.grip / (mu * GRAVITY)
-    if plan.grade >= Grade.SEVERITY and a <= -_FULL * limits.b_max:
-        a, fraction = -limits.b_emergency, 1.0
+    if plan.grade >= Grade.RESPONSE and after <= -_FULL * limits.b_max:  # less is not known to be enough
+        is_full = before <= -_FULL * limits.b_max  # else the ramp to full braking goes on to its end
+        a = -limits.b_emergency if is_full else before - limits.jerk_emergency * (elapsed - _TIMES[i - 1])
+        a, fraction = max(a, -limits.b_emergency), 1.0
     a = friction_limited(a, a_y, mu, grip_fraction=fraction)
     return max(a, -_HOLD) if v < 0.05 and a < 0.0 else a
 

@@ -14,7 +14,8 @@ class Limits:
     a_max: float
     b_comfort: float
     b_max: float
-    b_emergency: float  # without the reserve of grip, where a collision is predicted
+    b_emergency: float  # without the reserve of grip, where the worst case cannot be excluded
+    jerk_emergency: float  # at which braking builds up then [m/s^3]
     grip: float  # of all tires together
     a_y: float  # at which a comfortable path aims
     a_y_hard: float  # at which a hard path aims
@@ -30,7 +31,7 @@ def limits_of(vehicle: VehicleParams, speed: SpeedSettings, settings: EvasionSet
     return Limits(
         a_max=min(speed.a_max, 0.5 * grip), b_comfort=min(speed.b_comfort, 0.5 * grip),
         b_max=min(speed.b_max, grip), b_emergency=min(speed.b_max, vehicle.mu * GRAVITY), grip=grip,
-        a_y=min(settings.lateral_acceleration, 0.5 * grip),
+        jerk_emergency=speed.jerk_emergency, a_y=min(settings.lateral_acceleration, 0.5 * grip),
         a_y_hard=min(resort.lateral_acceleration, 0.5 * grip),
         a_y_limit=min(settings.lateral_acceleration_limit, 0.7 * grip),
         a_y_max=min(resort.grip_fraction * vehicle.mu * GRAVITY, grip),

@@ -56,7 +56,7 @@ class ReplanSettings:
     """
 
     committed_time: float = 0.5
-    min_clearance: float = 0.3
+    min_clearance: float = 0.5
 
     __repr__ = short_repr
 

@@ -2,31 +2,16 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from cca_core.planner.certificate import Certificate, Grade, SafeStop
 from cca_core.planner.modes import ACTIONS, advance, wished_mode
-from cca_core.planner.records import DrivenPlan, LateralPath, Mode, PathKind, PlannerState, Profile
-from cca_core.planner.scene import TIMES
+from cca_core.planner.records import DrivenPlan, Mode, PathKind, PlannerState
 from cca_core.planner.tuning import DecisionSettings
-from tests.support.planner_drives import straight
+from tests.support.driven_plan import ROUTE, plan
 
 SETTINGS = DecisionSettings()
-ROUTE = LateralPath(kind=PathKind.ROUTE, base=0, d=np.zeros(100))
 EVASIVE = replace(ROUTE, kind=PathKind.LEFT, begin=30.0, end=90.0)
-STOP = SafeStop(t=np.zeros(1), delta=np.zeros(1), a_x=np.zeros(1), v=np.zeros(1), poses=np.zeros((1, 3)))
 BEGUN = PlannerState(s=0.0)
-
-
-def plan(path: LateralPath = ROUTE, a: float = 0.0, free_a: float = 0.0) -> DrivenPlan:
-    """A plan with a constant acceleration, and the acceleration without other vehicles [m/s^2]."""
-    return DrivenPlan(
-        t=0.0, path=path, reference=straight(), profile=Profile("go"), s=20.0 * TIMES, v=0.0 * TIMES + 20.0,
-        a=np.full(len(TIMES), a), a_0=a, certificate=Certificate(grade=Grade.COMFORTABLE),
-        limited_by="", yields_to="", free_a=free_a,
-        safe_stop=STOP,
-    )  # fmt: skip
 
 
 @pytest.mark.parametrize(

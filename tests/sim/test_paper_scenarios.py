@@ -116,6 +116,8 @@ def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
         pytest.param("ima", 27, 1299, id="continue-instead-of-brake-2", marks=pytest.mark.slow),
         pytest.param("ima", 27, 1635, id="continue-instead-of-brake-3", marks=pytest.mark.slow),
         pytest.param("eebl", 9, 445, id="full-braking-just-helps"),
+        pytest.param("eebl", 29, 542, id="all-grip-just-helps"),
+        pytest.param("eebl", 29, 1512, id="full-braking-without-delay"),
         pytest.param("maneuver", 8, 64, id="vehicle-alongside-leaves-view", marks=pytest.mark.slow),
         pytest.param("maneuver", 9, 511, id="brake-release-ahead-of-R2", marks=pytest.mark.slow),
         # abort behind a slower vehicle that is already behind; braking ahead of A, stale behind
