@@ -70,14 +70,14 @@ table1: .venv/bench.stamp .venv/kernel.stamp
 	$(ONE_THREAD) $(BIN)/python -m cca_core.baselines.table1
 
 validate: .venv/kernel.stamp
-	$(BIN)/python tests/validate.py
+	$(BIN)/python -m tests.validate
 
 trials: .venv/kernel.stamp
 	$(ONE_THREAD) $(BIN)/python -m tests.trials.faults
 	$(ONE_THREAD) $(BIN)/python -m tests.trials.closed_loop --seeds 0:60
 
 package:
-	$(PYTHON) tests/packaging.py
+	$(PYTHON) tests/build_packages.py
 
 clean:
 	rm -rf out build dist docs/_build docs/generated .benchmarks .hypothesis .import_linter_cache .mypy_cache \

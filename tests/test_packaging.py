@@ -1,4 +1,4 @@
-"""Metadata of the package; `tests/packaging.py` builds and installs it."""
+"""Metadata of the package; `tests/build_packages.py` builds and installs it."""
 
 import re
 import tomllib

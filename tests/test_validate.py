@@ -1,5 +1,6 @@
 """`tests/validate.py`: a file is run and counted, its sources are known, the page shows each result."""
 
+import importlib.metadata
 from pathlib import Path
 
 import pytest
@@ -93,3 +94,9 @@ def test_parts_may_run_at_the_same_time(tmp_path: Path, monkeypatch: pytest.Monk
     with Store(path, study.fingerprint):
         assert validate.progress_of("eebl") == (0, None)
     assert validate.progress_of("eebl") == (0, None)
+
+
+def test_scripts_of_the_tests_hide_no_installed_module() -> None:
+    """Python looks first into the folder of a script: a file of that name would be imported instead."""
+    installed = importlib.metadata.packages_distributions()
+    assert not {file.stem for file in validate.TESTS.glob("*.py")} & installed.keys()

@@ -1,6 +1,6 @@
 """Run all tests with the full number of random cases, and the studies; write docs/validation.md.
 
-    python tests/validate.py [tests | tests/planner | tests/planner/test_work.py | studies | eebl | ...]
+    python -m tests.validate [tests | tests/planner | tests/planner/test_work.py | studies | eebl | ...]
 
 Without a part it runs everything. It resumes where it was stopped: test files that passed with the same
 sources are not run again, nor are runs of a study. Called by `make validate`.

@@ -1,6 +1,6 @@
 """Build the distributions, check their contents and use them in clean environments. Called by `make package`.
 
-`python tests/packaging.py all` also installs every extra (1.5 GB) and runs an example of them.
+`python tests/build_packages.py all` also installs every extra (1.5 GB) and runs an example of them.
 """
 
 import os
