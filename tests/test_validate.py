@@ -7,27 +7,33 @@ import pytest
 
 pytest.importorskip("matplotlib")
 
+from matplotlib.figure import Figure
+
 from cca_core.sim.study.parameters import ParameterRanges
 from cca_core.sim.study.run import simulate_run
 from cca_core.sim.study.statistics import StudyTable
 from cca_core.sim.study.store import Store
+from cca_core.sim.study.study import Study
 from tests import validate
 
 
-def test_passing_file_is_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(autouse=True)
+def other_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(validate, "STATE", tmp_path)
+    monkeypatch.setattr(validate, "PAGE", tmp_path / "validation.md")
+
+
+def test_passing_file_is_counted() -> None:
     result = validate.run_file("tests/test_public_api.py")
     assert result["failed"] == 0
     assert result["tests"] > 20
 
 
-def test_missing_file_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(validate, "STATE", tmp_path)
+def test_missing_file_fails() -> None:
     assert validate.run_file("tests/test_nothing.py")["failed"] == 1
 
 
-def test_result_counts_until_sources_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(validate, "STATE", tmp_path)
+def test_result_counts_until_sources_change() -> None:
     suite = validate.Suite()
     name = "tests/test_geometry.py"
     row = {"tests": 7, "skipped": 0, "failed": 0, "seconds": 60, "code": suite.files[name]}
@@ -53,8 +59,7 @@ def test_only_what_a_file_uses_counts() -> None:
     assert {"cca_core/cli", "cca_core/sim", "cca_core/report"} <= used("tests/cli/test_drive.py")
 
 
-def test_chosen_folder_alone_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(validate, "STATE", tmp_path)
+def test_chosen_folder_alone_is_missing() -> None:
     assert all(name.startswith("tests/band/") for name in validate.Suite(("tests/band/",)).missing)
 
 
@@ -70,15 +75,47 @@ def test_page_shows_complete_and_partial_studies() -> None:
     table = StudyTable(scenario="eebl", rows=(row, {**row, "index": 1, "avoiding_action": "brake"}))
     lines = validate.study_lines({"eebl": (1, table), "ima": (12, None)})
     assert any(line.startswith("| eebl | 2 | 1 | 1: 100.00%") for line in lines)
-    assert "| ima | not complete | 12 of 2000 | | | | |" in lines
-    first, second = validate.collision_lines([table])[-2:]
+    assert "| ima | not complete | 12 of 2000 | | | | | |" in lines
+    first, second = validate.collision_lines([table], [])[-2:]
     assert first.startswith("| eebl | 0 | red |")
     assert "first message of the hazard at 2.00 s" in first
     assert "**avoidable** (brake)" in second
 
 
-def test_parts_may_run_at_the_same_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(validate, "STATE", tmp_path)
+def test_other_clone_resumes_from_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(validate, "commit", lambda: "abcdef0")
+    suite = validate.Suite()
+    suite.rows = {
+        name: {"tests": 7, "skipped": 1, "failed": 0, "seconds": 60, "code": code}
+        for name, code in (
+            ("tests/test_ncap.py", suite.files["tests/test_ncap.py"]),
+            ("tests/test_serial.py", "0" * 12),
+        )
+    }
+    row = simulate_run(ParameterRanges(scenario="eebl"), validate.SEED, 0)
+    safe = {**row, "v2v_collided_with": "", "avoiding_action": "brake"}
+    late = {**row, "index": 2000, "v2v_collided_with": "red", "avoiding_action": "", "t_hazard": 2.0}
+    rows = (*({**safe, "index": i} for i in range(2000)), late)
+    table = StudyTable(scenario="eebl", rows=rows)
+    with monkeypatch.context() as context:
+        context.setattr(validate, "progress_of", lambda name: (2000, table) if name == "eebl" else (3, None))
+        context.setattr(validate, "plot_study", lambda *_, **__: Figure())
+        context.setattr(validate, "FIGURE", validate.PAGE.with_suffix(".png"))
+        validate.write_page(suite)
+    page = validate.PAGE.read_text(encoding="utf-8")
+    again = validate.Suite()
+    assert again.passed.keys() == {"tests/test_ncap.py"}
+    assert again.passed["tests/test_ncap.py"] == suite.rows["tests/test_ncap.py"]
+    assert validate.progress_of("eebl") == (2000, None)
+    assert validate.progress_of("ima") == (0, None)
+    assert validate.drive_study("eebl") == []
+    validate.write_page(again)
+    assert validate.PAGE.read_text(encoding="utf-8") == page.replace("3 of 2000", "0 of 2000")
+    monkeypatch.setattr(Study, "fingerprint", "other sources")
+    assert validate.progress_of("eebl") == (0, None)
+
+
+def test_parts_may_run_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:
     result = {"tests": 7, "skipped": 0, "failed": 0, "seconds": 60}
     name, other = "tests/test_geometry.py", validate.Suite()
 
@@ -90,7 +127,7 @@ def test_parts_may_run_at_the_same_time(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(validate, "run_file", run_file)
     assert validate.Suite((name,)).run() == []
     assert validate.Suite().rows.keys() == {name, "tests/test_ncap.py"}
-    study, path = validate.study_of("eebl")
+    study, path, _ = validate.study_of("eebl")
     with Store(path, study.fingerprint):
         assert validate.progress_of("eebl") == (0, None)
     assert validate.progress_of("eebl") == (0, None)

@@ -25,6 +25,7 @@ _TAIL = N_ROWS - 1  # row of the braking tail
 _BISECTIONS = 3
 _SAME = 0.05  # difference of accelerations of the same motion [m/s^2]
 _ALL, _ADJACENT = 0, 1  # vehicles of a check
+_BETWEEN_STEPS = 0.1  # by which a fast vehicle comes nearer between two steps of a check [m]
 _GRIP_SHARE = 0.95  # of all tires that a path may use [-]
 
 
@@ -95,7 +96,11 @@ class Certifier:
         pet = around.settings.crossing.min_pet * (0.5 if is_kept else 1.0)
         asked = min(clearance, plan.path.clearance)
         out = self._set_zone(plan)
-        check_gaps(work, plan.row, plan.path_row, touch, asked, settings.duty_delay, pet)
+        met = touch
+        if out.any():  # what comes towards it there is passed as well
+            passing = asked if plan.path.overtaken else around.settings.replan.min_clearance
+            met = max(touch, passing + _BETWEEN_STEPS)
+        check_gaps(work, plan.row, plan.path_row, met, asked, settings.duty_delay, pet)
         which, plan.gap = work.which, work.gap if self.names else math.inf
         plan.decides = self._name(which)
         if not work.min_margin >= 0.0:
@@ -104,7 +109,7 @@ class Certifier:
             if plan.path.kind.is_evasive and plan.decides:
                 plan.rejection = Rejection(
                     kind=RejectionKind.CLEARANCE, side=plan.path.side, vehicle_id=plan.decides,
-                    value=max(plan.gap, 0.0), limit=asked if plan.decides in plan.path.overtaken else touch,
+                    value=max(plan.gap, 0.0), limit=asked if plan.decides in plan.path.overtaken else met,
                 )  # fmt: skip
             return
         if plan.peak > _GRIP_SHARE * around.limits.grip:

@@ -47,7 +47,7 @@ class ReplanSettings:
     committed_time : float
         Time in which the path no longer changes [s].
     min_clearance : float
-        Clearance to an overtaken vehicle that the maneuver being driven must keep [m].
+        Clearance to the vehicles passed and met that the maneuver being driven must keep [m].
 
     Raises
     ------

@@ -94,7 +94,7 @@ def test_immediate_and_delayed_passes_both_occur() -> None:
     ("gap", "v"),
     [(gap, v) for gap in GAPS for v in SPEEDS]
     if FULL
-    else [(320.0, 10.0), (470.0, 10.0), (450.0, 30.0), (470.0, 30.0)],
+    else [(320.0, 10.0), (470.0, 10.0), (396.0, 30.0), (402.0, 30.0), (450.0, 30.0), (470.0, 30.0)],
 )
 def test_accelerating_oncoming_car_is_not_hit(gap: float, v: float) -> None:
     """A car closer than 235 m and 7 s may have gone by before the maneuver starts."""

@@ -32,7 +32,7 @@ def simulate_run(
             f"{ego_type}_speed": log.closing_speed() if log.collided_with else 0.0,  # [m/s]
             f"{ego_type}_gap": float(log.gaps().min()) if scenario.road_users else None,  # [m]
             f"{ego_type}_deceleration": max(0.0, -float(log.ego[:, 7].min())),  # [m/s^2]
-            f"{ego_type}_last_decision": ": ".join(log.decisions[-1][1:]),
+            f"{ego_type}_last_decision": f"{log.decisions[-1][1]}: {log.cycle_reasons[-1]}",
         }
     return row
 
