@@ -97,7 +97,8 @@ class Certifier:
         asked = min(clearance, plan.path.clearance)
         out = self._set_zone(plan)
         met = touch
-        if out.any():  # what comes towards it there is passed as well
+        if out.any() and (is_kept or not plan.path.kind.is_evasive):
+            # what comes towards it there is passed as well, by a maneuver under way and on the way back
             passing = asked if plan.path.overtaken else around.settings.replan.min_clearance
             met = max(touch, passing + _BETWEEN_STEPS)
         check_gaps(work, plan.row, plan.path_row, met, asked, settings.duty_delay, pet)
