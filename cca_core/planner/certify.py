@@ -26,6 +26,7 @@ _BISECTIONS = 3
 _SAME = 0.05  # difference of accelerations of the same motion [m/s^2]
 _ALL, _ADJACENT = 0, 1  # vehicles of a check
 _BETWEEN_STEPS = 0.1  # by which a fast vehicle comes nearer between two steps of a check [m]
+_SLACK = 0.05  # by which a gap may shrink before it counts [m]
 _GRIP_SHARE = 0.95  # of all tires that a path may use [-]
 
 
@@ -97,10 +98,10 @@ class Certifier:
         asked = min(clearance, plan.path.clearance)
         out = self._set_zone(plan)
         met = touch
-        if out.any() and (is_kept or not plan.path.kind.is_evasive):
-            # what comes towards it there is passed as well, by a maneuver under way and on the way back
-            passing = asked if plan.path.overtaken else around.settings.replan.min_clearance
-            met = max(touch, passing + _BETWEEN_STEPS)
+        if out.any() and plan.path.kind is not PathKind.ROUTE and (is_kept or not self._inside):
+            # what comes towards it is passed as well; no more is asked than there was when it was chosen
+            met = min(around.settings.replan.min_clearance + _BETWEEN_STEPS, plan.path.gap - _SLACK)
+            met = max(touch, met)
         check_gaps(work, plan.row, plan.path_row, met, asked, settings.duty_delay, pet)
         which, plan.gap = work.which, work.gap if self.names else math.inf
         plan.decides = self._name(which)

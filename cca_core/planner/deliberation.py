@@ -189,7 +189,7 @@ class Deliberation:
             reference = setup.road.path
         else:
             reference = reference_of(path, setup.road, observation.s)
-            path = replace(path, reference=reference)
+            path = replace(path, reference=reference, gap=best.gap)
         if best.is_prolonged and last is not None:
             stop = since(last.safe_stop, observation.t - last.t)
             certificate, assumptions = last.certificate, last.assumptions
