@@ -1,4 +1,4 @@
-"""Studies: how often the ego collides, over latency and loss of the messages."""
+"""Studies: how often the ego collides, over latency and loss of the messages, or over other samples."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -15,13 +15,17 @@ from cca_core.sim import EGO_TYPES, StudyTable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_AXES = {"latency": "latency [s]", "loss": "messages lost [-]"}
+_LABELS = {"latency": "latency [s]", "loss": "messages lost [-]"}
+_RESULTS = "t_hazard", "avoiding_action"  # columns behind the samples
+_MAX_PANELS = 2  # of a study
 
 
 def plot_study(
     tables: Sequence[StudyTable], *, bins: int = 5, egos: Sequence[str] = EGO_TYPES, log: bool = False
 ) -> "Figure":
     """Draw the fraction of runs that end in a collision over the latency and the loss of messages.
+
+    Where one of them is the same in all runs, the next sampled number that varies takes its place.
 
     Parameters
     ----------
@@ -55,11 +59,15 @@ def plot_study(
     if any(ego not in EGO_TYPES for ego in egos):
         raise InputError(f"egos must be in {', '.join(EGO_TYPES)}, were {', '.join(egos)}")
     ticker = require_extra("matplotlib.ticker", "plot")
+    names = [_varied(table) for table in tables]
     figure = new_figure(2.3 * len(tables) + 0.5, COLUMN_WIDTH)
-    for table, row in zip(tables, figure.subplots(len(tables), 2, squeeze=False, sharey="row"), strict=True):
-        for (name, label), axis in zip(_AXES.items(), row, strict=True):
+    axes = figure.subplots(len(tables), max(map(len, names)), squeeze=False, sharey="row")
+    for table, shown, row in zip(tables, names, axes, strict=True):
+        for axis in row[len(shown) :]:
+            axis.set_axis_off()
+        for name, axis in zip(shown, row, strict=False):
             _draw(axis, table, table.column(name), bins, egos)
-            axis.set_xlabel(label)
+            axis.set_xlabel(_LABELS.get(name, name))
             axis.set_yscale(*(("symlog",) if log else ("linear",)), **({"linthresh": 0.01} if log else {}))
             axis.set_ylim(0.0 if log else -0.02, 1.3 if log else 1.02)
             axis.yaxis.set_major_formatter(ticker.PercentFormatter(1.0, decimals=0))
@@ -72,6 +80,19 @@ def plot_study(
     )  # fmt: skip
     set_text_sizes(figure)
     return figure
+
+
+def _varied(table: StudyTable) -> list[str]:
+    """Names of up to two samples that vary; the index of the run if there is none."""
+    names = list(table.names)
+    last = min((names.index(name) for name in _RESULTS if name in names), default=len(names))
+    samples = [name for name in names[:last] if name not in ("index", "seed", *_LABELS)]
+    found = [name for name in (*_LABELS, *samples) if name in names and _varies(table.column(name))]
+    return found[:_MAX_PANELS] or ["index"]
+
+
+def _varies(values: Array) -> bool:
+    return values.dtype.kind in "fi" and bool(np.isfinite(values).all()) and bool(np.ptp(values) > 0.0)
 
 
 def _draw(axis: Any, table: StudyTable, x: Array, bins: int, egos: Sequence[str]) -> None:

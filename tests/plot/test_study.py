@@ -1,4 +1,4 @@
-"""Figure of studies: collision rates over latency and loss."""
+"""Figure of studies: collision rates over latency, loss or other samples."""
 
 from typing import Any
 
@@ -37,11 +37,27 @@ def test_lines_are_rates_of_their_bins() -> None:
     assert lines["sensor without V2V"].tolist() == [0.0] * 4
 
 
-def test_constant_parameter_and_log_scale() -> None:
-    held = tuple({**row, "latency": 0.1} for row in example_table().rows)
+def test_varying_samples_are_drawn() -> None:
+    rows = example_table().rows
+    held = tuple({**row, "latency": 0.1} for row in rows)
+    own = tuple({"index": i, "latency": 0.1, "v_red": 10.0 + i, **row} for i, row in enumerate(held))
     figure = plot_study([StudyTable(scenario="ima", rows=held)] * 2, egos=("v2v",), log=True)
     figure.canvas.draw()
-    assert len(figure.axes) == 4
+    assert [axis.get_xlabel() for axis in figure.axes] == ["messages lost [-]"] * 2
+    labels = [axis.get_xlabel() for axis in plot_study([StudyTable(scenario="own", rows=own)]).axes]
+    assert labels == ["messages lost [-]", "v_red"]
+
+
+def test_study_without_varying_samples() -> None:
+    held = tuple({**row, "latency": 0.1, "loss": 0.0} for row in example_table().rows)
+    (axis,) = plot_study([StudyTable(scenario="ima", rows=held)]).axes
+    assert axis.get_xlabel() == "index"
+
+
+def test_tables_with_different_samples_share_a_figure() -> None:
+    held = tuple({**row, "latency": 0.1} for row in example_table().rows)
+    figure = plot_study([example_table(), StudyTable(scenario="ima", rows=held)])
+    assert [axis.axison for axis in figure.axes] == [True, True, True, False]
 
 
 @pytest.mark.parametrize("change", [{"tables": []}, {"bins": 0}, {"egos": ("cat",)}])
