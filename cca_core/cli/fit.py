@@ -11,9 +11,9 @@ from cca_core.adapters.local_origin import Origin
 from cca_core.cli.maps import is_map, read_map_road, track_origin
 from cca_core.cli.words import counted
 from cca_core.errors import InputError
-from cca_core.path import Path, Road, Waypoints, clean_route, read_waypoints
+from cca_core.path import CleanedRoute, Path, Road, Waypoints, clean_route, read_waypoints
 from cca_core.path.clean import CleaningReport
-from cca_core.plot.svg import to_svg
+from cca_core.plot.svg import draw_fit, to_svg
 
 __all__ = ["run"]
 
@@ -41,15 +41,15 @@ def run(given: argparse.Namespace) -> int:
         points = read_waypoints(given.route)
         zero = track_origin(points)
         road = Road.from_file(given.route, part=given.part, max_gap=given.max_gap, origin=zero, **limits)
-    rms, cleaning = _compare(road, points, given.part, zero)
-    _print_facts(given.route, road.path, points, rms, cleaning)
+    rms, route = _compare(road, points, given.part, zero)
+    _print_facts(given.route, road.path, points, rms, route.report)
     _print_origin(zero)
     if road.elevation is not None:
         heights = road.elevation[:, 1]
         _print("heights", f"{np.nanmin(heights):.0f} m to {np.nanmax(heights):.0f} m above the begin")
     for each in noted:
         _print("warning", str(each.message))
-    _draw(road, given)
+    _draw(draw_fit(road.path, route.parts[0]), given)
     return 0
 
 
@@ -72,15 +72,15 @@ def _show_map(given: argparse.Namespace) -> int:
     default = f" ({_DEFAULT_LIMIT:g} where the map has none: set speed_limit)"
     limits = ", ".join(f"{limit:.1f} m/s" for limit in sorted(found))
     _print("speed limits", limits + (default if _DEFAULT_LIMIT in found else ""))
-    _draw(road, given)
+    _draw(to_svg(road.path), given)
     return 0
 
 
-def _draw(road: Road, given: argparse.Namespace) -> None:
-    """Draw a road if asked for."""
+def _draw(picture: str, given: argparse.Namespace) -> None:
+    """Write the picture of a road if asked for."""
     if given.plot is not None:
         file = given.plot if given.plot.name else FilePath(f"{given.route.stem}.svg")
-        file.write_text(to_svg(road.path), encoding="utf-8")
+        file.write_text(picture, encoding="utf-8")
         _print("picture", str(file))
 
 
@@ -92,8 +92,8 @@ def _print_origin(origin: Origin | None) -> None:
 
 def _compare(
     road: Road, points: Waypoints, part: int | None, origin: Origin | None
-) -> tuple[float, CleaningReport]:
-    """Return the root mean square of the waypoints' distance from the path, and what cleaning changed."""
+) -> tuple[float, CleanedRoute]:
+    """Return the root mean square of the waypoints' distance from the path, and the waypoints."""
     origin = origin if road.frame is None else (road.frame.lat0, road.frame.lon0)
     xy, t = points.to_local(origin), points.t
     if part is not None:
@@ -103,7 +103,7 @@ def _compare(
     s, _ = road.path.project(route.parts[0])
     # beyond its ends the path continues straight, where no waypoint is near
     nearest = road.path.position(s.clip(road.path.start, road.path.end))
-    return math.sqrt(np.mean(np.sum((nearest - route.parts[0]) ** 2, axis=1))), route.report
+    return math.sqrt(np.mean(np.sum((nearest - route.parts[0]) ** 2, axis=1))), route
 
 
 def _print_facts(file: FilePath, path: Path, points: Waypoints, rms: float, cleaning: CleaningReport) -> None:

@@ -78,6 +78,19 @@ def _(item: Path) -> str:
     return _drawing([Mark(xy=xy, color=COLORS.ego, kind=kind) for kind in ("line", "arrow")], repr(item))
 
 
+def draw_fit(path: Path, xy: Array) -> str:
+    """Draw a path over the waypoints that it was fitted to, shape (n, 2), and mark the largest error."""
+    marks = [Mark(xy=xy, color=COLORS.ink, kind="dots")]
+    curve = path.position(np.linspace(path.start, path.end, _SHEET.n_samples + 1))
+    marks += [Mark(xy=curve, color=COLORS.ego, kind=kind) for kind in ("line", "arrow")]
+    caption, report = f"{path!r}; {len(xy)} waypoints", path.fit_report
+    if report is not None:
+        worst = path.position(np.array([report.s_max_deviation]))
+        marks.append(Mark(xy=worst, color=COLORS.second, kind="dots"))
+        caption += ", the largest error in orange"
+    return _drawing(marks, caption)
+
+
 @to_svg.register
 def _(item: Road) -> str:
     path = item.path

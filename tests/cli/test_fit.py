@@ -59,7 +59,11 @@ def test_picture_has_the_name_of_the_route(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["fit", str(circle), "--plot"]) == 0
-    assert (tmp_path / "circle.svg").read_text(encoding="utf-8").startswith("<svg")
+    picture = (tmp_path / "circle.svg").read_text(encoding="utf-8")
+    assert picture.startswith("<svg")
+    points = re.search(r"; (\d+) waypoints, the largest error in orange", picture)
+    assert points is not None
+    assert picture.count("h0") == int(points[1]) + 1  # and that of the largest error
     assert main(["fit", str(circle), "--plot", "other.svg"]) == 0
     assert (tmp_path / "other.svg").is_file()
     assert main(["fit", str(circle), "--plot", "other.png"]) == 2
