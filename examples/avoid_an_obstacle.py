@@ -12,6 +12,7 @@ from cca_core import (
     Planner,
     RemoteVehicle,
     Road,
+    Status,
     VehicleParams,
     VehicleState,
     fit_path,
@@ -40,7 +41,7 @@ obstacle = RemoteVehicle(id="broken down", x=x, y=y, psi=psi, v_x=0.0, length=6.
 
 car = VehicleParams.bmw_320i()
 x, y = path.position(20.0)
-plant = SingleTrackPlant(car, VehicleState(x=x, y=y, psi=float(path.heading(20.0)), v_x=15.0))
+plant = SingleTrackPlant(car, VehicleState(x=x, y=y, psi=float(path.heading(20.0)), v_x=0.0))
 planner = Planner(car, road, cruise_speed=15.0, evasion=EvasionSettings(awareness_range=1000.0))
 
 s, last_action, k = 20.0, None, 0
@@ -52,4 +53,6 @@ while s < min(given.station + 80.0, path.length - 20.0) and k < 10_000:
     if k % 50 == 0 or command.decision.action is not last_action:
         last_action, reason = command.decision.action, command.decision.reason
         print(f"{0.02 * k:5.1f} s: s {s:4.0f} m, d {d:5.2f} m, {last_action.name:10} {reason}")
+    if command.status is Status.INVALID_INPUT and state.v_x == 0.0:
+        break  # a safe stop is over
     k += 1

@@ -100,17 +100,21 @@ def _draw_lateral(axis: Any, log: Log) -> None:
 
 
 def _near(log: Log, max_gap: float = 60.0) -> dict[str, Array]:
-    """Gaps to each vehicle that comes near, up to `max_gap` [m]."""
+    """Gaps to each vehicle that comes nearer than `max_gap` [m]; up to twice the nearest if that is more."""
     gaps = {user.id: each for user, each in zip(log.scenario.road_users, log.gaps().T, strict=True)}
-    return {id_: np.where(each < max_gap, each, np.nan) for id_, each in gaps.items() if each.min() < max_gap}
+    near = {id_: each for id_, each in gaps.items() if each.min() < max_gap}
+    shown = max(max_gap, 2.0 * min((float(each.min()) for each in near.values()), default=0.0))
+    return {id_: np.where(each < shown, each, np.nan) for id_, each in near.items()}
 
 
 def _draw_gaps(axis: Any, log: Log) -> None:
     palette = assign_colors([user.id for user in log.scenario.road_users])
-    for i, (id_, gaps) in enumerate(_near(log).items()):
+    near = _near(log)
+    for i, (id_, gaps) in enumerate(near.items()):
         axis.plot(log.t, gaps, ("-", "--", "-.", ":")[i % 4], color=palette[id_], label=id_)
     axis.axhline(0.0, color=COLORS.line, linewidth=0.8)
-    axis.set(ylim=(-3.0, 63.0), ylabel="gap between\nbodies [m]")
+    top = max(60.0, *(float(np.nanmax(gaps)) for gaps in near.values()))
+    axis.set(ylim=(-0.05 * top, 1.05 * top), ylabel="gap between\nbodies [m]")
 
 
 def _ttc(log: Log, limit: float = 9.5, critical: float = 5.0) -> dict[str, tuple[Array, Array]]:

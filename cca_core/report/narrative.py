@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cca_core.decide import Action
-from cca_core.plot.labels import case_name, join_names
+from cca_core.plot.labels import case_name, join_names, scenario_name
 from cca_core.report.selection import baseline_and_v2v, compares_v2v, one_run_per_ego
 from cca_core.sim import Log
 from cca_core.sim.outcome import MOVING_SPEED, ahead_at_ends, final_lead, first_collision, overtaken, row_at
@@ -53,9 +53,10 @@ def headline(groups: Sequence[Sequence[Log]]) -> str:
         and len(overtaken(pair[1])) > len(overtaken(pair[0]))
     ]
     if freed:
-        names = join_names([case_name(log.scenario) for log in freed])
-        text += f" When maneuvering ({names}) the ego stays behind slow traffic without V2V"
-        text += " and passes it with V2V."
+        where = f"In {join_names([scenario_name(log.scenario) for log in freed])}"
+        if all(log.scenario.name == "maneuver" for log in freed):
+            where = f"When maneuvering ({join_names([case_name(log.scenario) for log in freed])})"
+        text += f" {where} the ego stays behind slow traffic without V2V and passes it with V2V."
     return text
 
 
@@ -83,16 +84,19 @@ def summarize_outcome(log: Log) -> str:
         return f"collides with {collision.id} at {collision.speed:.1f} m/s"
     gaps, names = log.gaps(), [user.id for user in log.scenario.road_users]
     stationary = log.ego[:, 3] < MOVING_SPEED
-    lead = final_lead(log)
+    lead, passed = final_lead(log), overtaken(log)
+    passes = ""
+    if passed:
+        passes = f"passes {join_names([names[i] for i in passed])}, min gap {gaps[:, passed].min():.1f} m"
     if stationary[-1]:
-        return "stops" if lead is None else f"stops {gaps[-1, lead]:.1f} m behind {names[lead]}"
+        stops = "stops" if lead is None else f"stops {gaps[-1, lead]:.1f} m behind {names[lead]}"
+        return f"{passes}, then {stops}" if passes else stops
     min_gap = gaps.min(initial=np.inf)
     if stationary.any():
         waited = float(np.sum(np.diff(log.t)[stationary[:-1]]))
         return f"waits {waited:.1f} s, then drives on, min gap {min_gap:.1f} m"
-    passed = overtaken(log)
-    if passed:
-        return f"passes {join_names([names[i] for i in passed])}, min gap {gaps[:, passed].min():.1f} m"
+    if passes:
+        return passes
     if lead is not None:
         return f"ends {gaps[-1, lead]:.1f} m behind {names[lead]}, at {log.ego[-1, 3]:.1f} m/s"
     if any(user.route is not None for user in log.scenario.road_users):

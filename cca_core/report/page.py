@@ -25,9 +25,10 @@ from cca_core.report.selection import baseline_and_v2v, compared_runs, compares_
 from cca_core.sim import Log
 
 _REASON_WORDS = (
-    "Gap: distance between bumpers; wants: the gap that the ego keeps. Closing at: difference of the speeds."
-    " A value in m/s² after braking or slowing: the deceleration that avoids a collision. Limit: the value up"
-    " to which the program accepts a quantity. Awareness range: distance up to which it knows all vehicles."
+    "Gap: distance between bumpers, less the error that the other vehicle's position may have; wants: the gap"
+    " that the ego keeps. Closing at: difference of the speeds. A value in m/s² after braking or slowing: the"
+    " deceleration of the ego. Limit: the value up to which the program accepts a quantity. Awareness range:"
+    " distance up to which it knows all vehicles."
 )
 
 
