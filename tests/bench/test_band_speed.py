@@ -24,7 +24,6 @@ from cca_core.kernel.band_workspace import CODES, GIVEN_SIDES, OK, REALS, REALS_
 from cca_core.path import interpolate_path
 from tests.bench.peers import LENGTH, SPEED, WIDTH, Peer, Point, fiss, nmpc
 from tests.bench.timing import Budget, median_us
-from tests.support.random_situations import decide, roads, situation
 
 pytestmark = pytest.mark.benchmark(disable_gc=True, min_rounds=100, warmup=True, warmup_iterations=20)
 
@@ -303,22 +302,6 @@ def test_six_obstacles_with_free_sides(benchmark: Any, within: Within) -> None:
         relax_band, (route, cars), {"vehicle": CAR, "clearance": 0.5}, rounds=30, warmup_rounds=2
     ).ok
     within(5000.0)
-
-
-def test_first_steps_of_situations(benchmark: Any, budget: Budget, slowness: float) -> None:
-    """Worst of 400 first cycles of the planner."""
-    all_roads = roads()
-    cases = [situation(np.random.default_rng([77, k]), all_roads[k % len(all_roads)]) for k in range(400)]
-
-    spent = np.array(
-        [min(processor_ms(lambda case=case: decide(case, case.others)) for _ in range(2)) for case in cases]
-    )
-    benchmark.pedantic(decide, (cases[0], cases[0].others), rounds=10)
-    benchmark.extra_info.update(
-        {"median_ms": round(float(np.median(spent)), 2), "p99_ms": round(float(np.percentile(spent, 99)), 2)}
-    )
-    assert np.percentile(spent, 99) <= 5.0 * slowness * TOLERANCE
-    budget(float(spent.max()), "ms", max_value=10.0 * slowness * TOLERANCE)
 
 
 def test_ten_thousand_nodes(benchmark: Any, budget: Budget) -> None:
