@@ -22,7 +22,7 @@ help:
 	@echo "make bench     run times and budgets, into docs/performance.md (10 minutes)"
 	@echo "make table1    the planning methods of the paper's Table 1 compared, into docs/table1.md (10 minutes)"
 	@echo "make validate  the tests and studies in full, into docs/validation.md (hours, resumable)"
-	@echo "make trials    measure the library in cases and traffic from outside (a minute)"
+	@echo "make trials    measure the library in cases and traffic from outside (4 minutes)"
 	@echo "make package   check that wheel and sdist build, install and pass the tests in clean environments;"
 	@echo "               keeps neither (needs the network)"
 	@echo "make clean     remove what was built; .venv stays"
@@ -106,7 +106,7 @@ editable = $(BIN)/python -P -c 'import pathlib, sys, cca_core; \
 
 # --group needs pip 25.1
 .venv/dev.stamp: pyproject.toml
-	@echo "installing into .venv, with all extras and the developer tools: 1 to 3 minutes, 1.5 GB"
+	@echo "installing into .venv, with all extras and the developer tools: 1 to 3 minutes, 2.5 GB"
 	@test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade "pip>=25.1"
 	@$(BIN)/python -m pip install --quiet --editable ".[all]" --group dev
