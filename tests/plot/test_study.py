@@ -37,7 +37,7 @@ def test_lines_are_rates_of_their_bins() -> None:
     assert lines["sensor without V2V"].tolist() == [0.0] * 4
 
 
-def test_varying_samples_are_drawn() -> None:
+def test_figure_shows_varying_samples() -> None:
     rows = example_table().rows
     held = tuple({**row, "latency": 0.1} for row in rows)
     own = tuple({"index": i, "latency": 0.1, "v_red": 10.0 + i, **row} for i, row in enumerate(held))
