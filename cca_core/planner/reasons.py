@@ -24,6 +24,7 @@ from cca_core.planner.records import DrivenPlan, Mode, Observation, PathKind
 from cca_core.planner.route_limit import RouteLimit, limit_ahead
 from cca_core.planner.scene import TIMES
 from cca_core.planner.setup import Setup
+from cca_core.vehicle import STALE_AGE
 
 __all__ = ["explain"]
 
@@ -109,12 +110,16 @@ class _Cycle:
     def position(self, n: FrenetVehicle) -> str:
         """Where a vehicle is, and its speed."""
         gap, behind = self.gap(n), self.s + self.setup.vehicle.rear - n.front
-        where = located(gap if gap > 0.0 else -max(behind, 0.0))
+        where = located(gap if gap > 0.0 else -max(behind, 0.0)) + self.silence(n)
         if abs(n.remote.v_x) < _PARKED:
             return f"{where}, stationary"
         crosses = abs(math.sin(n.angle)) > 0.5
         how = "crossing at" if crosses else "oncoming at" if n.v_s < -_PARKED else "at"
         return f"{where} {how} {abs(n.remote.v_x):.1f} m/s"
+
+    def silence(self, n: FrenetVehicle) -> str:
+        """How old the last message of a vehicle is, if that is why it counts as nearer or slower."""
+        return f", silent for {n.remote.age:.1f} s" if n.remote.age > STALE_AGE else ""
 
     def arrival(self) -> str:
         """In which time the path ends."""
@@ -132,7 +137,7 @@ class _Cycle:
         if self.is_releasing and not self.is_held and limit is None:
             return "releasing the brakes, "
         what = n.id if n is not None else limit.why if limit else "no faster plan is certified"
-        return f"braking {-self.a_x:.1f} m/s²{' for ' if n is not None or limit else ', '}{what}, "
+        return f"braking {-self.a_x:.1f} m/s²{', ' if n is None else ' for '}{what}, "
 
     @cached_property
     def route_limit(self) -> RouteLimit | None:
@@ -183,7 +188,7 @@ def _follow(c: _Cycle) -> Decision | None:
     n = c.lead
     if n is None or not (c.mode in (Mode.FOLLOW, Mode.BRAKE) or c.brakes or c.stands) or c.holder is not n:
         return None
-    gap, is_parked = f"gap {c.gap(n):.0f} m", abs(n.v_s) < _PARKED
+    gap, is_parked = f"gap {c.gap(n):.0f} m{c.silence(n)}", abs(n.v_s) < _PARKED
     if c.stands:
         return c.decision(f"stopped behind {n.id}", gap, _alternative(c), n.id)
     if _brakes_hard(c):
