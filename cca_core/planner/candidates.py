@@ -173,15 +173,17 @@ def find_stops(scene: Lent[Scene], around: Surroundings, path: int) -> list[Stop
 
 
 def profiles(
-    path: LateralPath, n_stops: int, b_comfort: float, b_max: float, *, kept: bool, desperate: bool
-) -> list[Profile]:
-    """Return the speed profiles of a path."""
+    path: LateralPath, n_stops: int, b_comfort: float, b_max: float, *, eases: bool, kept: bool,
+    desperate: bool,
+) -> list[Profile]:  # fmt: skip
+    """Return the speed profiles of a path; `eases` for other vehicles, as the route is approached evenly."""
     found = [Profile("go", yields=y) for y in range(n_stops + 1)]
     passes = path.kind.is_evasive and path.to_lane is None
     if passes:  # a vehicle on the path now may have left it when the ego arrives
         found.append(Profile("pass", passes=True, yields=n_stops))
     if not path.kind.is_evasive or path.is_last or desperate:
-        for braking in (b_comfort, 0.5 * (b_comfort + b_max), b_max):
+        gentle = (0.5 * b_comfort,) if eases else ()
+        for braking in (*gentle, b_comfort, 0.5 * (b_comfort + b_max), b_max):
             found.append(
                 Profile(
                     f"brake {braking:.0f}", passes=passes, yields=n_stops, braking=braking

@@ -147,7 +147,8 @@ class Deliberation:
             row = self._rollout.add_path(path, limits.a_y_limit if is_comfortable else limits.a_y_max)
         keeps = path.is_last or (self._last_path is None and not path.kind.is_evasive)
         found = profiles(
-            path, len(self._stops), limits.b_comfort, limits.b_max, kept=keeps and self._kept is not None,
+            path, len(self._stops), limits.b_comfort, limits.b_max,
+            eases=bool(self._around.traffic.ids), kept=keeps and self._kept is not None,
             desperate=path.kind.is_evasive and not is_comfortable,
         )  # fmt: skip
         for profile in found:
