@@ -17,7 +17,7 @@ from cca_core.kernel.duties import (
     zone_begin,
 )
 from cca_core.kernel.rollout import ONCOMING
-from cca_core.kernel.scene import Scene, at_station, is_outside, slope, station
+from cca_core.kernel.scene import TOLERANCE, Scene, at_station, is_outside, slope, station
 from cca_core.kernel.traffic import BEND_W, BULGE
 from cca_core.kernel.types import Flag, Int, Real
 
@@ -101,8 +101,14 @@ def nominal_gap(w: Scene, row: Int, j: Int, k: Int, pet: Real, enough: Real) -> 
     return ego_gap(w, row, k, s - w.half_l[j], s + w.half_l[j], d - w.half_w[j], d + w.half_w[j], enough)
 
 
-def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait: Real, pet: Real) -> None:
-    """Least gap to the nominal motion of others beyond what is asked, and the first overlap."""
+def check_nominal(
+    w: Scene, row: Int, p: Int, touch: Real, met: Real, clearance: Real, wait: Real, pet: Real
+) -> None:
+    """Least gap to the nominal motion of others beyond what is asked, and the first overlap.
+
+    Asked are `clearance` of vehicles that are passed; of others `touch`, and `met` where the ego is outside
+    its lane.
+    """
     back = find_duty(w, row, p, wait)
     set_poses(w, row, p)
     begin = 0 if w.established != 0 else zone_begin(w, w.zone_from)
@@ -114,17 +120,24 @@ def check_nominal(w: Scene, row: Int, p: Int, touch: Real, clearance: Real, wait
     hit = steps
     w.impact = 0.0
     for j in range(w.m):
-        asked = clearance if w.overtakes[p, j] != 0.0 else touch
+        if is_established(w, j):
+            continue  # as in the ego's lane, its driver keeps the distance
+        passed = w.overtakes[p, j] != 0.0
+        least = clearance if passed else touch
+        outside = clearance if passed else met
         keeps_off = reacts(w, row, j, begin)
         until = w.duty_from if has_duty(w, j, back) else steps
         until = min(until, merges_behind(w, row, j))
         for k in range(min(until, steps)):
             if keeps_off and begin <= k and k <= back:
                 continue
+            asked = outside if is_outside(w, p, w.offset_at[row, k], TOLERANCE) else least
             # a gap that neither lowers a minimum nor is an overlap need not be exact
             enough = max(closest, asked + margin, 0.0) + ROUNDING if k > 0 else math.inf
             gap = nominal_gap(w, row, j, k, pet, enough)
-            if k == 0:
+            if k == 0:  # no more than there is now
+                least = min(least, max(gap - 0.02, 0.0))
+                outside = min(outside, max(gap - 0.02, 0.0))
                 asked = min(asked, max(gap - 0.02, 0.0))
             closest = min(closest, gap)
             if not gap - asked >= margin:

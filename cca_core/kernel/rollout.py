@@ -8,6 +8,7 @@ from cca_core.kernel.types import Flag, Int, Real
 __all__ = ["limit_path_speed", "roll_out", "sum_costs"]
 
 ONCOMING = -0.5  # speed below which a vehicle drives against the ego [m/s]
+OPENING = 2.0  # by which the ego is slower than a lead vehicle that is too close, so that the gap opens [m/s]
 CALM = 0.5  # by which a plan that is kept may brake less than one made anew [m/s^2]
 RELEASE = 12.0  # rate at which brakes are released [m/s^3]
 TIME_EPS = 1e-9
@@ -48,7 +49,7 @@ def follow_at_gap(w: Scene, v: Real, gap: Real, v_lead: Real, final_gap: Real, s
         need = max(need, v * v / (2.0 * max(final_gap - w.standstill_gap, 0.01)))
     surplus = gap - w.standstill_gap - w.time_gap * lead
     linear = w.b_comfort / (w.approach_rate * w.approach_rate)
-    shed = w.approach_rate * surplus
+    shed = max(w.approach_rate * surplus, -OPENING)
     rate = w.approach_rate
     if surplus > linear:
         shed = math.sqrt(2.0 * w.b_comfort * (surplus - 0.5 * linear))

@@ -98,11 +98,11 @@ class Certifier:
         asked = min(clearance, plan.path.clearance)
         out = self._set_zone(plan)
         met = touch
-        if out.any() and plan.path.kind is not PathKind.ROUTE and (is_kept or not self._inside):
+        if plan.path.kind is not PathKind.ROUTE and (is_kept or not self._inside):
             # what comes towards it is passed as well; no more is asked than there was when it was chosen
             met = min(around.settings.replan.min_clearance + _BETWEEN_STEPS, plan.path.gap - _SLACK)
             met = max(touch, met)
-        check_gaps(work, plan.row, plan.path_row, met, asked, settings.duty_delay, pet)
+        check_gaps(work, plan.row, plan.path_row, touch, met, asked, settings.duty_delay, pet)
         which, plan.gap = work.which, work.gap if self.names else math.inf
         plan.decides = self._name(which)
         if not work.min_margin >= 0.0:
@@ -119,6 +119,9 @@ class Certifier:
             return
         half, end = 0.5 * around.vehicle.width, float(plan.d[-1])
         lanes = [lane for lane in (around.lane, plan.path.to_lane) if lane is not None]
+        if not self._inside:  # it may stay where it drives already, if others there drive as it does
+            at, ahead = float(plan.s[-1]) + around.lateral.base, around.lane.direction
+            lanes += [n for n in around.road.lanes if n.direction == ahead and n.start <= at <= n.end]
         if not any(lane.right < end - half < end + half < lane.left for lane in lanes):
             plan.severity = 0.0  # it comes to rest, or drives on, where it must not stay
             return
@@ -171,7 +174,9 @@ class Certifier:
     def _set_severity(self, plan: Plan, clearance: float) -> None:
         """Rate a plan that comes too close: by the impact, or by the gap that lacks if bodies stay apart."""
         work, settings = self._scene.workspace, self._settings
-        check_gaps(work, plan.row, plan.path_row, settings.touch, clearance, settings.duty_delay, 0.0)
+        check_gaps(
+            work, plan.row, plan.path_row, settings.touch, settings.touch, clearance, settings.duty_delay, 0.0
+        )
         if work.gap < -self._doubt(work.which):
             plan.t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
             # a later impact is less certain: others and the ego can still react

@@ -145,7 +145,7 @@ SAMPLERS: dict[str, tuple[Callable[..., Any], Callable[[Random], tuple[Any, ...]
     )),
     "obstacles": (find_obstacles, obstacles),
     "costs": (sum_costs, lambda r: (scene_after(r, driven), 0, 1, float(r.uniform(0.0, 9.0)))),
-    "nominal": (check_nominal, lambda r: (scene_after(r, driven), 0, 1, *r.uniform(0.0, 1.0, 4).tolist())),
+    "nominal": (check_nominal, lambda r: (scene_after(r, driven), 0, 1, *r.uniform(0.0, 1.0, 5).tolist())),
     "worst case": (check_worst_case, lambda r: (
         scene_after(r, driven), 0, 1, *r.uniform(0.0, 1.0, 3).tolist(), float(r.choice([0.0, 5.0])),
         int(r.integers(0, 3)),

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleState
 from cca_core.path import fit_path
-from cca_core.planner import EvasionSettings
+from cca_core.planner import EvasionSettings, Grade
 from cca_core.sim import SingleTrackPlant
-from tests.support.planner_drives import CAR, CYCLE, ClosedLoop, ScriptedVehicle, make_planner
+from tests.support.planner_drives import CAR, CYCLE, ClosedLoop, ScriptedVehicle, make_planner, straight
 
 
 class TestHazards:
@@ -180,3 +180,42 @@ def test_replanning_past_parked_car_keeps_side_and_shape(v_x: float, d: float) -
     assert np.abs(np.diff(shapes, axis=0)).max() < 0.05
     assert max(a_y) <= settings.lateral_acceleration
     assert max(a_y) <= 1.1 * a_y[0]
+
+
+class TestPassingLane:
+    """A pass of trucks on the middle one of three lanes, whose lead vehicle brakes hard beside the first."""
+
+    LANES = tuple(Lane(d=d, width=3.75) for d in (0.0, 3.75, 7.5))
+
+    def drive(self, t: float, behind: float) -> ClosedLoop:
+        """The lead brakes from `t` on [s], a follower [m] 1.9 s later."""
+        trucks = [
+            ScriptedVehicle(f"truck{i}", 94.7 + 40.0 * i, 0.0, 21.3, length=14.0, width=2.5) for i in range(3)
+        ]
+        others = [
+            ScriptedVehicle("lead", 66.5, 3.75, 31.5, a=lambda now: -5.9 if now >= t else 0.0),
+            ScriptedVehicle("follower", -behind, 3.75, 32.0, a=lambda now: -7.0 if now >= t + 1.9 else 0.0),
+            ScriptedVehicle("left", 15.0, 7.5, 32.5),
+            ScriptedVehicle("left behind", -11.0, 7.5, 32.5),
+        ]
+        planner = Planner(CAR, Road(straight(3000.0), self.LANES), cruise_speed=33.0)
+        return ClosedLoop(planner, [*trucks, *others], 16.0, v=33.0)
+
+    @pytest.mark.parametrize("t", [6.0, 6.4, 6.8, 7.2])
+    @pytest.mark.parametrize("behind", [30.0, 60.0])
+    def test_ego_brakes_beside_truck(self, t: float, behind: float) -> None:
+        run = self.drive(t, behind)
+        assert run.collided_with is None
+        assert run.gaps["truck0"] > 0.5
+        grades = {command.certificate.grade for command in run.commands if command.certificate is not None}
+        assert max(grades) < Grade.SEVERITY
+
+
+class TestGap:
+    """What the ego does about a gap that is too small."""
+
+    def test_gap_opens_slowly(self) -> None:
+        """Behind an equally fast car, 10 m ahead, the ego is hardly slower than it."""
+        run = ClosedLoop(make_planner(None), [ScriptedVehicle("R", 10.0 + 4.5, 0.0, 20.0)], 15.0)
+        assert 17.5 < min(run.v) < 19.5
+        assert run.x[-1] < 15.0 * 20.0

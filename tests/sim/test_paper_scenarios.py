@@ -131,6 +131,8 @@ def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
         pytest.param("maneuver", 25, 364, id="early-return-as-fast-as-R1", marks=pytest.mark.slow),
         pytest.param("maneuver", 24, 370, id="slow-return-ahead-of-R1", marks=pytest.mark.slow),
         pytest.param("maneuver", 8, 423, id="stale-A-dead-reckoned-into-lane", marks=pytest.mark.slow),
+        # after the pass of R1 it braked for the gap to A, 500 m ahead, which it would meet back in its lane
+        pytest.param("maneuver", 29, 1699, id="gap-to-A-back-in-lane"),
     ],
 )
 def test_collision_regressions(name: str, seed: int, index: int) -> None:

@@ -2589,6 +2589,7 @@ static bool scene_is_outside(const Scene *w, int p, double d, double tolerance)
     return false;
 }
 #define ROLLOUT_ONCOMING (-0.5)
+#define ROLLOUT_OPENING 2.0
 #define ROLLOUT_CALM 0.5
 #define ROLLOUT_RELEASE 12.0
 #define ROLLOUT_TIME_EPS 1e-09
@@ -2638,7 +2639,7 @@ static double rollout_follow_at_gap(const Scene *w, double v, double gap, double
     }
     double surplus = gap - w->standstill_gap - w->time_gap * lead;
     double linear = w->b_comfort / (w->approach_rate * w->approach_rate);
-    double shed = w->approach_rate * surplus;
+    double shed = real_max(w->approach_rate * surplus, -ROLLOUT_OPENING);
     double rate = w->approach_rate;
     if (surplus > linear) {
         shed = sqrt(2.0 * w->b_comfort * (surplus - 0.5 * linear));
@@ -4026,8 +4027,12 @@ static double gap_checks_nominal_gap(const Scene *w, int row, int j, int k, doub
         + w->half_w[j], enough);
 }
 
-/* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
-void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet)
+/* Least gap to the nominal motion of others beyond what is asked, and the first overlap.
+
+Asked are `clearance` of vehicles that are passed; of others `touch`, and `met` where the ego is outside
+its lane. */
+void cca_check_nominal(Scene *w, int row, int p, double touch, double met, double clearance, double wait,
+    double pet)
 {
     int back = cca_find_duty(w, row, p, wait);
     gap_checks_set_poses(w, row, p);
@@ -4040,7 +4045,12 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
     int hit = steps;
     w->impact = 0.0;
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
-        double asked = w->overtakes[p * w->max_m + j] != 0.0 ? clearance : touch;
+        if (cca_is_established(w, j)) {
+            continue;
+        }
+        bool passed = w->overtakes[p * w->max_m + j] != 0.0;
+        double least = passed ? clearance : touch;
+        double outside = passed ? clearance : met;
         bool keeps_off = cca_reacts(w, row, j, begin);
         int until = cca_has_duty(w, j, back) ? w->duty_from : steps;
         until = int_min(until, cca_merges_behind(w, row, j));
@@ -4048,10 +4058,14 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance,
             if (keeps_off && begin <= k && k <= back) {
                 continue;
             }
+            double asked = scene_is_outside(w, p, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)
+                ? outside : least;
             double enough = k > 0 ? real_max(real_max(closest, asked + margin), 0.0) + GAP_CHECKS_ROUNDING
                 : HUGE_VAL;
             double gap = gap_checks_nominal_gap(w, row, j, k, pet, enough);
             if (k == 0) {
+                least = real_min(least, real_max(gap - 0.02, 0.0));
+                outside = real_min(outside, real_max(gap - 0.02, 0.0));
                 asked = real_min(asked, real_max(gap - 0.02, 0.0));
             }
             closest = real_min(closest, gap);

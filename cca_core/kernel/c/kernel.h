@@ -482,8 +482,12 @@ bool cca_reacts(const Scene *w, int row, int j, int begin);
 /* Least gap behind the ego to a vehicle of the adjacent lane, in its worst case until it reacts. */
 double cca_worst_rear_gap(const Scene *w, int row, int j, int begin);
 
-/* Least gap to the nominal motion of others beyond what is asked, and the first overlap. */
-void cca_check_nominal(Scene *w, int row, int p, double touch, double clearance, double wait, double pet);
+/* Least gap to the nominal motion of others beyond what is asked, and the first overlap.
+
+Asked are `clearance` of vehicles that are passed; of others `touch`, and `met` where the ego is outside
+its lane. */
+void cca_check_nominal(Scene *w, int row, int p, double touch, double met, double clearance, double wait,
+    double pet);
 
 /* Whether vehicles within the declared bounds cannot touch the ego.
 

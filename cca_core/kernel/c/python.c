@@ -1439,13 +1439,14 @@ static PyObject *call_check_nominal(PyObject *self_, PyObject *const *given_, Py
 {
     (void)self_;
     (void)given_;
-    if (!lend_count("check_nominal", 7, count_)) {
+    if (!lend_count("check_nominal", 8, count_)) {
         return NULL;
     }
     Scene *w;
     int row;
     int p;
     double touch;
+    double met;
     double clearance;
     double wait;
     double pet;
@@ -1458,13 +1459,16 @@ static PyObject *call_check_nominal(PyObject *self_, PyObject *const *given_, Py
     if (!lend_real(given_[3], &touch)) {
         return NULL;
     }
-    if (!lend_real(given_[4], &clearance)) {
+    if (!lend_real(given_[4], &met)) {
         return NULL;
     }
-    if (!lend_real(given_[5], &wait)) {
+    if (!lend_real(given_[5], &clearance)) {
         return NULL;
     }
-    if (!lend_real(given_[6], &pet)) {
+    if (!lend_real(given_[6], &wait)) {
+        return NULL;
+    }
+    if (!lend_real(given_[7], &pet)) {
         return NULL;
     }
     Lent lent_[1];
@@ -1475,7 +1479,7 @@ static PyObject *call_check_nominal(PyObject *self_, PyObject *const *given_, Py
         return NULL;
     }
     Py_BEGIN_ALLOW_THREADS
-    cca_check_nominal(w, row, p, touch, clearance, wait, pet);
+    cca_check_nominal(w, row, p, touch, met, clearance, wait, pet);
     Py_END_ALLOW_THREADS
     lend_end(lent_, held_);
     Py_RETURN_NONE;
@@ -2403,7 +2407,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "15fc444f3f9d9253f342ecdb77fab748a74f64aa35f86d7c8cdf7f404750a21f") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "55856c273380e1c2e2ba0afd90bbc8368a15de3bd6a9f1afb5516dbbf15d6571") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
