@@ -123,7 +123,7 @@ def check_nominal(
         if is_established(w, j):
             continue  # as in the ego's lane, its driver keeps the distance
         passed = w.overtakes[p, j] != 0.0
-        least = clearance if passed else touch
+        inside = clearance if passed else touch
         outside = clearance if passed else met
         keeps_off = reacts(w, row, j, begin)
         until = w.duty_from if has_duty(w, j, back) else steps
@@ -131,12 +131,12 @@ def check_nominal(
         for k in range(min(until, steps)):
             if keeps_off and begin <= k and k <= back:
                 continue
-            asked = outside if is_outside(w, p, w.offset_at[row, k], TOLERANCE) else least
+            asked = outside if is_outside(w, p, w.offset_at[row, k], TOLERANCE) else inside
             # a gap that neither lowers a minimum nor is an overlap need not be exact
             enough = max(closest, asked + margin, 0.0) + ROUNDING if k > 0 else math.inf
             gap = nominal_gap(w, row, j, k, pet, enough)
             if k == 0:  # no more than there is now
-                least = min(least, max(gap - 0.02, 0.0))
+                inside = min(inside, max(gap - 0.02, 0.0))
                 outside = min(outside, max(gap - 0.02, 0.0))
                 asked = min(asked, max(gap - 0.02, 0.0))
             closest = min(closest, gap)

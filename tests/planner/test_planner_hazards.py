@@ -203,7 +203,7 @@ class TestPassingLane:
 
     @pytest.mark.parametrize("t", [6.0, 6.4, 6.8, 7.2])
     @pytest.mark.parametrize("behind", [30.0, 60.0])
-    def test_ego_brakes_beside_truck(self, t: float, behind: float) -> None:
+    def test_ego_brakes_in_passing_lane(self, t: float, behind: float) -> None:
         run = self.drive(t, behind)
         assert run.collided_with is None
         assert run.gaps["truck0"] > 0.5

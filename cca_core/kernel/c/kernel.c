@@ -4049,7 +4049,7 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double met, doubl
             continue;
         }
         bool passed = w->overtakes[p * w->max_m + j] != 0.0;
-        double least = passed ? clearance : touch;
+        double inside = passed ? clearance : touch;
         double outside = passed ? clearance : met;
         bool keeps_off = cca_reacts(w, row, j, begin);
         int until = cca_has_duty(w, j, back) ? w->duty_from : steps;
@@ -4059,12 +4059,12 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double met, doubl
                 continue;
             }
             double asked = scene_is_outside(w, p, w->offset_at[row * w->steps + k], SCENE_TOLERANCE)
-                ? outside : least;
+                ? outside : inside;
             double enough = k > 0 ? real_max(real_max(closest, asked + margin), 0.0) + GAP_CHECKS_ROUNDING
                 : HUGE_VAL;
             double gap = gap_checks_nominal_gap(w, row, j, k, pet, enough);
             if (k == 0) {
-                least = real_min(least, real_max(gap - 0.02, 0.0));
+                inside = real_min(inside, real_max(gap - 0.02, 0.0));
                 outside = real_min(outside, real_max(gap - 0.02, 0.0));
                 asked = real_min(asked, real_max(gap - 0.02, 0.0));
             }

@@ -2407,7 +2407,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "55856c273380e1c2e2ba0afd90bbc8368a15de3bd6a9f1afb5516dbbf15d6571") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "4dd83fd46228d4dd73798bd6ba2634180ec8e705c63b1a789cdd2bf1d18c2242") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
