@@ -176,13 +176,13 @@ def profiles(
     path: LateralPath, n_stops: int, b_comfort: float, b_max: float, *, eases: bool, kept: bool,
     desperate: bool,
 ) -> list[Profile]:  # fmt: skip
-    """Return the speed profiles of a path; `eases` in a lane with other vehicles, to slow early."""
+    """Return the speed profiles of a path; `eases` among other vehicles, to slow early."""
     found = [Profile("go", yields=y) for y in range(n_stops + 1)]
     passes = path.kind.is_evasive and path.to_lane is None
     if passes:  # a vehicle on the path now may have left it when the ego arrives
         found.append(Profile("pass", passes=True, yields=n_stops))
     if not path.kind.is_evasive or path.is_last or desperate:
-        gentle = (0.5 * b_comfort,) if eases and not path.kind.is_evasive else ()
+        gentle = (0.5 * b_comfort,) if eases else ()
         for braking in (*gentle, b_comfort, 0.5 * (b_comfort + b_max), b_max):
             found.append(
                 Profile(
