@@ -172,6 +172,20 @@ def worst_gap(w: Scene, row: Int, p: Int, j: Int, k: Int, enough: Real) -> Real:
     )
 
 
+def swept_gap(w: Scene, row: Int, p: Int, j: Int, k: Int) -> Real:
+    """Least gap from one step to the next to where a vehicle along the route may be in the worst case."""
+    passed = w.overtakes[p, j] != 0.0
+    low = w.low_passed[j, k] if passed else w.low[j, k]
+    high = w.high_passed[j, k] if passed else w.high[j, k]
+    low_then = w.low_passed[j, k + 1] if passed else w.low[j, k + 1]
+    high_then = w.high_passed[j, k + 1] if passed else w.high[j, k + 1]
+    along = w.s[row, k + 1] - w.s[row, k]
+    across = w.offset_at[row, k + 1] - w.offset_at[row, k]
+    right = min(w.right[j, k], w.right[j, k + 1] - across)
+    left = max(w.left[j, k], w.left[j, k + 1] - across)
+    return ego_gap(w, row, k, min(low, low_then - along), max(high, high_then - along), right, left, math.inf)
+
+
 def worst_impact(w: Scene, row: Int, j: Int, k: Int) -> Real:
     """Speed at which the ego and a vehicle of the worst case close at a time."""
     v = w.v[row, k]
@@ -250,11 +264,13 @@ def check_worst_case(
             # a gap that neither lowers the margin nor is an overlap need not be exact
             enough = max(asked + margin, 0.0) + ROUNDING if k > 0 else math.inf
             gap = worst_gap(w, row, p, j, k, enough)
+            if k == 0:
+                asked = min(asked, max(gap - 0.02, 0.0))
+            if asked < touch and k + 1 < steps and w.crosses[j] == 0:  # too little for contacts between steps
+                gap = min(gap, swept_gap(w, row, p, j, k))
             if gap < 0.0 and k < hit:
                 hit = k
                 w.impact = worst_impact(w, row, j, k)
-            if k == 0:
-                asked = min(asked, max(gap - 0.02, 0.0))
             if not gap - asked >= margin:
                 margin = gap - asked
                 decides = j

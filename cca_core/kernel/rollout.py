@@ -87,7 +87,9 @@ def in_path(w: Scene, p: Int, j: Int, k: Int, then: Int) -> Flag:
     here = lateral(w, p, w.s_follow[j, k])
     low = min(w.d_o[j, k], w.d_o[j, then]) - here
     high = max(w.d_o[j, k], w.d_o[j, then]) - here
-    reach = w.half_w[j] + w.half_width + w.blocking_gap
+    reach = w.half_w[j] + w.half_width
+    if w.v_o[j, 0] >= ONCOMING:  # next to what drives against it there is no one to follow
+        reach += w.blocking_gap
     return low < reach and high > -reach
 
 

@@ -99,9 +99,9 @@ def test_long_vehicle_that_leaves_its_lane_in_a_bend_is_seen() -> None:
     assert min_gap(decided, np.random.default_rng(1)) > 0.0 or not certificate.keeps_worst_case
 
 
-@pytest.mark.parametrize(("block", "index"), [(86, 8), (66, 331)])
+@pytest.mark.parametrize(("block", "index"), [(86, 8), (66, 331), (53, 854)])
 def test_vehicle_that_may_be_alongside_is_seen(block: int, index: int) -> None:
-    """Behind by its old report but perhaps not now; with a corner in the ego's lane while it turns."""
+    """Behind by its old report, but perhaps not now; a corner in the ego's lane, for less than a step too."""
     decided = decide(sample_case(np.random.default_rng((block, index))), DEFAULT)
     certificate = decided.command.certificate
     assert certificate is not None

@@ -133,6 +133,8 @@ def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
         pytest.param("maneuver", 8, 423, id="stale-A-dead-reckoned-into-lane", marks=pytest.mark.slow),
         # after the pass of R1 it braked for the gap to A, 500 m ahead, which it would meet back in its lane
         pytest.param("maneuver", 29, 1699, id="gap-to-A-back-in-lane"),
+        # it followed A, whose bound came near the lane: the pass was given up and taken up again
+        pytest.param("maneuver", 30, 118, id="follows-oncoming-A-in-next-lane"),
     ],
 )
 def test_collision_regressions(name: str, seed: int, index: int) -> None:

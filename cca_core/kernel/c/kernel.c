@@ -2685,7 +2685,10 @@ static bool rollout_in_path(const Scene *w, int p, int j, int k, int then)
     double here = scene_lateral(w, p, w->s_follow[j * w->steps + k]);
     double low = real_min(w->d_o[j * w->steps + k], w->d_o[j * w->steps + then]) - here;
     double high = real_max(w->d_o[j * w->steps + k], w->d_o[j * w->steps + then]) - here;
-    double reach = w->half_w[j] + w->half_width + w->blocking_gap;
+    double reach = w->half_w[j] + w->half_width;
+    if (w->v_o[j * w->steps + 0] >= ROLLOUT_ONCOMING) {
+        reach += w->blocking_gap;
+    }
     return low < reach && high > -reach;
 }
 
@@ -4107,6 +4110,22 @@ static double gap_checks_worst_gap(const Scene *w, int row, int p, int j, int k,
         - bulge, w->left[j * w->steps + k] + bulge, enough);
 }
 
+/* Least gap from one step to the next to where a vehicle along the route may be in the worst case. */
+static double gap_checks_swept_gap(const Scene *w, int row, int p, int j, int k)
+{
+    bool passed = w->overtakes[p * w->max_m + j] != 0.0;
+    double low = passed ? w->low_passed[j * w->steps + k] : w->low[j * w->steps + k];
+    double high = passed ? w->high_passed[j * w->steps + k] : w->high[j * w->steps + k];
+    double low_then = passed ? w->low_passed[j * w->steps + k + 1] : w->low[j * w->steps + k + 1];
+    double high_then = passed ? w->high_passed[j * w->steps + k + 1] : w->high[j * w->steps + k + 1];
+    double along = w->s[row * w->steps + k + 1] - w->s[row * w->steps + k];
+    double across = w->offset_at[row * w->steps + k + 1] - w->offset_at[row * w->steps + k];
+    double right = real_min(w->right[j * w->steps + k], w->right[j * w->steps + k + 1] - across);
+    double left = real_max(w->left[j * w->steps + k], w->left[j * w->steps + k + 1] - across);
+    return gap_checks_ego_gap(w, row, k, real_min(low, low_then - along), real_max(high, high_then
+        - along), right, left, HUGE_VAL);
+}
+
 /* Speed at which the ego and a vehicle of the worst case close at a time. */
 static double gap_checks_worst_impact(const Scene *w, int row, int j, int k)
 {
@@ -4197,12 +4216,15 @@ bool cca_check_worst_case(Scene *w, int row, int p, double touch, double clearan
             }
             double enough = k > 0 ? real_max(asked + margin, 0.0) + GAP_CHECKS_ROUNDING : HUGE_VAL;
             double gap = gap_checks_worst_gap(w, row, p, j, k, enough);
+            if (k == 0) {
+                asked = real_min(asked, real_max(gap - 0.02, 0.0));
+            }
+            if (asked < touch && k + 1 < steps && w->crosses[j] == 0) {
+                gap = real_min(gap, gap_checks_swept_gap(w, row, p, j, k));
+            }
             if (gap < 0.0 && k < hit) {
                 hit = k;
                 w->impact = gap_checks_worst_impact(w, row, j, k);
-            }
-            if (k == 0) {
-                asked = real_min(asked, real_max(gap - 0.02, 0.0));
             }
             if (!(gap - asked >= margin)) {
                 margin = gap - asked;

@@ -2407,7 +2407,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "4dd83fd46228d4dd73798bd6ba2634180ec8e705c63b1a789cdd2bf1d18c2242") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "58384ef879efe1f24bd69840a6b809c8f3bd41df6bcff42de9ad5d91d0cc53fd") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
