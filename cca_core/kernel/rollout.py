@@ -9,6 +9,8 @@ __all__ = ["limit_path_speed", "roll_out", "sum_costs"]
 
 ONCOMING = -0.5  # speed below which a vehicle drives against the ego [m/s]
 OPENING = 2.0  # by which the ego is slower than a lead vehicle that is too close, so that the gap opens [m/s]
+FIRM = 1.75  # braking for the distance to pass a vehicle later, over that in comfort [-]
+CREEP = 0.5  # time within which a slow ego may come nearer than the standstill gap [s]
 CALM = 0.5  # by which a plan that is kept may brake less than one made anew [m/s^2]
 RELEASE = 12.0  # rate at which brakes are released [m/s^3]
 TIME_EPS = 1e-9
@@ -36,9 +38,16 @@ def limit_path_speed(w: Scene, p: Int, a_y: Real) -> None:
         w.path_cap[p, at] = min(w.path_cap[p, at], w.path_cap[p, at + 1] + 2.0 * w.b_comfort)
 
 
-def follow_at_gap(w: Scene, v: Real, gap: Real, v_lead: Real, final_gap: Real, stops: Flag) -> Real:
-    """Acceleration that follows at the time gap; it brakes harder than in comfort only as far as needed."""
-    space = max(gap - w.standstill_gap, 0.01)
+def follow_at_gap(
+    w: Scene, v: Real, gap: Real, v_lead: Real, final_gap: Real, stops: Flag, spare: Real, to_pass: Real
+) -> Real:
+    """Acceleration that follows at the time gap, and keeps the distance `to_pass` more behind what stops.
+
+    It brakes harder than in comfort only as far as needed: a little harder for that distance, and when the
+    ego creeps not for the last of the standstill gap, at most `spare`.
+    """
+    end = max(min(spare, CREEP * v), 0.01)
+    space = max(gap - w.standstill_gap, end)
     lead = max(v_lead, 0.0)
     need = 0.0
     if v_lead < ONCOMING:
@@ -46,8 +55,11 @@ def follow_at_gap(w: Scene, v: Real, gap: Real, v_lead: Real, final_gap: Real, s
     elif v > lead:
         need = (v - lead) * (v - lead) / (2.0 * space)
     if stops:
-        need = max(need, v * v / (2.0 * max(final_gap - w.standstill_gap, 0.01)))
-    surplus = gap - w.standstill_gap - w.time_gap * lead
+        left = max(final_gap - w.standstill_gap, end)
+        need = max(need, v * v / (2.0 * left))
+        if to_pass > 0.0:
+            need = max(need, min(v * v / (2.0 * max(left - to_pass, 0.5 * left)), FIRM * w.b_comfort))
+    surplus = gap - to_pass - w.standstill_gap - w.time_gap * lead
     linear = w.b_comfort / (w.approach_rate * w.approach_rate)
     shed = max(w.approach_rate * surplus, -OPENING)
     rate = w.approach_rate
@@ -79,7 +91,8 @@ def wait_at_point(w: Scene, v: Real, left: Real, wait: Real) -> Real:
     even = 2.0 * early / (wait * wait)
     if left > 0.0 and even * wait <= v:
         return -min(even, w.b_max)
-    return follow_at_gap(w, v, left + w.standstill_gap, 0.0, left + w.standstill_gap, True)
+    gap = left + w.standstill_gap
+    return follow_at_gap(w, v, gap, 0.0, gap, True, 0.0, 0.0)
 
 
 def in_path(w: Scene, p: Int, j: Int, k: Int, then: Int) -> Flag:
@@ -160,8 +173,7 @@ def roll_out(
                     continue
                 now = w.s_follow[j, 0] - w.half_l[j] - (w.s_0 + w.offset + w.half_length)
                 gap = w.s_follow[j, k] - w.half_l[j] - front
-                gap -= min(w.passing_distance[j], max(now - w.standstill_gap, 0.0))
-                final = gap + (w.s_follow[j, w.steps - 1] - w.s_follow[j, k])
+                to_pass = min(w.passing_distance[j], max(now - w.standstill_gap, 0.0))  # to pass it later
                 stops = w.stands[j] != 0
                 if passes and not abs(lateral(w, p, w.s_follow[j, w.steps - 1])) <= TOLERANCE:
                     stops = False  # where it comes to rest it is passed
@@ -170,7 +182,9 @@ def roll_out(
                         min(needed_braking(w, speed, gap, w.v_follow[j, k]), 3.0 * w.b_max) / w.b_soft - 1.0
                     )
                     risk = max(risk, max(excess, 0.0) * max(excess, 0.0))
-                a = follow_at_gap(w, speed, gap, w.v_follow[j, k], final, stops)
+                final = gap + (w.s_follow[j, w.steps - 1] - w.s_follow[j, k])
+                spare = 0.5 * w.standstill_gap
+                a = follow_at_gap(w, speed, gap, w.v_follow[j, k], final, stops, spare, to_pass)
                 if a < want:
                     want = a
                     limit = j

@@ -228,8 +228,8 @@ def is_clear(w: Scene, j: Int, n: Int, right: Real, left: Real) -> Flag:
 
 
 def distance_to_pass(w: Scene, j: Int, n: Int) -> Real:
-    """Distance kept behind a single stationary vehicle next to a clear lane, for a later maneuver."""
-    if not abs(w.seen[j, SPEED]) <= STANDSTILL_SPEED or w.crosses[j] != 0:
+    """Distance kept behind a single vehicle that comes to rest next to a clear lane, for a later maneuver."""
+    if w.stands[j] == 0 or w.crosses[j] != 0:
         return 0.0
     if not is_in(w, j, w.lane_right, w.lane_left):
         return 0.0
@@ -261,8 +261,6 @@ def locate_vehicles(w: Scene, seen: Int) -> None:
             locate_along(w, j)
             reach_along(w, j, False)
             reach_along(w, j, True)
-    for j in range(seen):
-        w.passing_distance[j] = distance_to_pass(w, j, seen)
     for j in range(w.m):
         for i in range(w.steps):
             w.s_follow[j, i] = w.s_o[j, i]
@@ -279,3 +277,5 @@ def locate_vehicles(w: Scene, seen: Int) -> None:
         for i in range(1, w.steps):
             w.d_low[j] = min(w.d_low[j], w.d_o[j, i])
             w.d_high[j] = max(w.d_high[j], w.d_o[j, i])
+    for j in range(seen):
+        w.passing_distance[j] = distance_to_pass(w, j, seen)

@@ -66,8 +66,9 @@ def maneuver_paths(
 ) -> tuple[list[LateralPath], list[Rejection]]:
     """Return maneuvers around the vehicles that block the route, and why others are rejected.
 
-    A decision bends at most 48 bands: for each of 3 groups, 2 sides and 2 corridors (the ego lane, or with
-    the adjacent one) there is a comfortable, a hard and a narrow one, and the narrow one is tried twice.
+    A decision bends at most 60 bands: for each of 3 groups, 2 sides and 2 corridors (the ego lane, or with
+    the adjacent one) there is a comfortable, a hard and a narrow one; the narrow one is tried twice, and so
+    is the comfortable one at walking pace.
     """
     traffic, road = around.traffic, around.road
     rows = blocking_rows(around, frozenset() if last is None else last.overtaken)
@@ -182,8 +183,8 @@ def profiles(
     if passes:  # a vehicle on the path now may have left it when the ego arrives
         found.append(Profile("pass", passes=True, yields=n_stops))
     if not path.kind.is_evasive or path.is_last or desperate:
-        gentle = (0.5 * b_comfort,) if eases else ()
-        for braking in (*gentle, b_comfort, 0.5 * (b_comfort + b_max), b_max):
+        gentle, more = (0.5 * b_comfort,) if eases else (), b_max - b_comfort
+        for braking in (*gentle, b_comfort, b_comfort + 0.3 * more, b_comfort + 0.5 * more, b_max):
             found.append(
                 Profile(
                     f"brake {braking:.0f}", passes=passes, yields=n_stops, braking=braking

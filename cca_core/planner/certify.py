@@ -14,6 +14,7 @@ from cca_core.kernel.scene import Scene
 from cca_core.planner.candidates import Stop, lane_refusal, lane_rejection
 from cca_core.planner.certificate import Certificate, Grade
 from cca_core.planner.lane_entry import entry_rejection
+from cca_core.planner.occupancy import reported_rate
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.rear_gaps import keeps_rear_gaps
 from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan
@@ -197,11 +198,13 @@ class Certifier:
         limits = self._around.limits
         plan.silence = self._silence(plan.decides)
         responds = self._responds(plan, max(plan.silence, self._braking_ahead()))
+        keeps_clear = not out_now or plan.gap >= self._around.settings.clearance
+        may_respond = keeps_clear and not plan.path.kind.is_evasive
         if plan.braking <= self._settings.comfortable_braking:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
             plan.grade = Grade.FULL
-        elif responds and self._is_ahead(plan.decides) and not plan.path.kind.is_evasive and not out_now:
+        elif responds and may_respond and self._is_ahead(plan.decides):
             plan.grade, plan.braking = Grade.RESPONSE, limits.b_max
         else:
             plan.grade = Grade.NOMINAL
@@ -230,11 +233,16 @@ class Certifier:
         return min(max(late, 0.0) / self._settings.silence_time, 1.0)
 
     def _braking_ahead(self) -> float:
-        """Part of the braking beyond comfort that is seen ahead, as far as the ego needs to stop [-]."""
+        """Part of the braking beyond comfort that is seen ahead, as far as the ego needs to stop [-].
+
+        Half of it counts as all: reports tell of braking that still builds up.
+        """
         around, limits = self._around, self._around.limits
         until = around.s + around.v**2 / (2.0 * limits.b_comfort)
-        braking = max((-n.speed_rate for n in self._leads() if n.rear < until), default=0.0)
-        return min(max(braking - limits.b_comfort, 0.0) / max(limits.b_max - limits.b_comfort, 0.1), 1.0)
+        braking = max((-reported_rate(n) for n in self._leads() if n.rear < until), default=0.0)
+        return min(
+            max(braking - limits.b_comfort, 0.0) / max(0.5 * (limits.b_max - limits.b_comfort), 0.1), 1.0
+        )
 
     def _leads(self) -> list[FrenetVehicle]:
         """Return the vehicles ahead of the ego that are in its way across the road."""

@@ -20,6 +20,8 @@ class LastResortSettings:
         Time to collision of the latest maneuver [s].
     lateral_acceleration : float
         Peak lateral acceleration of the sharpest maneuver [m/s^2], at most half the grip.
+    walking_pace : float
+        Speed below which the ego may pull out from behind a vehicle as sharply as it can steer [m/s].
 
     Raises
     ------
@@ -31,6 +33,7 @@ class LastResortSettings:
     clearance: float = 0.3
     min_ttc: float = 0.1
     lateral_acceleration: float = 3.5
+    walking_pace: float = 2.0
 
     __repr__ = short_repr
 

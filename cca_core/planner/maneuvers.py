@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.band import Band, Side, relax_band
+from cca_core.band import Band, BandStiffness, Side, relax_band
 from cca_core.decide import Rejection, RejectionKind
 from cca_core.errors import Status
 from cca_core.geometry import QUINTIC_PEAK, Boxes
@@ -24,6 +24,8 @@ _MIN_CLEARANCE = 0.2  # of the narrowest path [m]
 _TIME_TO_CLEAR = 1.0  # in which a body that is beyond an edge comes back inside [s]
 _EDGE_MARGIN = 0.15  # kept to an edge for the error of steering, where there is room [m]
 _EDGE_TOLERANCE = 0.05  # by which the committed part of a path may be closer to an edge [m]
+_TIGHT = BandStiffness(k_e=0.02)  # yields over 2 m, the default over 4 m
+_STEERING_SHARE = 0.85  # of the sharpest turn, that a tight path may use [-]
 _JOINED = 4  # nodes of the path before and after a band with which it is interpolated
 
 
@@ -43,7 +45,7 @@ def plan_path(
     around: Surroundings, group: Sequence[int], side: Side, lane: Lane | None, level: Level,
     last: LateralPath | None,
 ) -> LateralPath | Rejection:  # fmt: skip
-    """Return a band around a group of vehicles."""
+    """Return a band around a group of vehicles; at walking pace a tight one if there is no other."""
     window = _window(around, group, side, lane, level, last)
     if isinstance(window, Rejection):
         return window
@@ -51,15 +53,22 @@ def plan_path(
     narrowest = min(around.settings.last_resort.clearance, _MIN_CLEARANCE)
     if level is Level.NARROW and isinstance(found, Rejection) and window.clearance > narrowest:
         return _bend_path(around, group, side, level, last, replace(window, clearance=narrowest))
+    creeps = around.v < around.settings.last_resort.walking_pace
+    if level is Level.COMFORT and isinstance(found, Rejection) and creeps:
+        clearance = min(around.settings.replan.min_clearance, window.clearance)
+        window = replace(window, clearance=clearance, lead_distances=(0.0,) * len(group))
+        tight = _bend_path(around, group, side, level, last, window, _TIGHT)
+        return found if isinstance(tight, Rejection) else tight
     return found
 
 
 def _bend_path(
     around: Surroundings, group: Sequence[int], side: Side, level: Level, last: LateralPath | None,
-    window: _Window,
+    window: _Window, stiffness: BandStiffness | None = None,
 ) -> LateralPath | Rejection:  # fmt: skip
     """Return the band in a window."""
     state, path, ongoing = around.lateral, around.road.path, last is not None or not around.lateral.on_route
+    vehicle = around.vehicle
     spacing = max(1, math.ceil((window.end - window.start) / _MAX_NODES))
     stations, start = _nodes(around, window, spacing, ongoing=ongoing)
     if stations[-1] > path.end:
@@ -77,6 +86,9 @@ def _bend_path(
     t = np.interp(stations, around.free_s, TIMES)
     v = np.maximum(np.interp(stations, around.free_s, around.free_v), _MIN_SPEED)
     limit = around.limits.a_y_limit if level is Level.COMFORT else around.limits.a_y_max
+    curvature_limit = limit / v**2
+    if stiffness is not None:  # it will be driven as slowly as it is sharp
+        curvature_limit = np.full(len(v), _STEERING_SHARE * math.tan(vehicle.delta_max) / vehicle.wheelbase)
     obstacles, names = _obstacles(around, group, stations, t)
     lanes = (around.lane, window.lane or around.lane)
     right = min(each.right for each in lanes) + window.margin
@@ -86,8 +98,8 @@ def _bend_path(
     leads[: len(group)] = np.maximum(np.array(window.lead_distances) - 0.5 * spacing, 0.0)
     band = relax_band(
         path.position(stations), obstacles, side=side, vehicle=around.vehicle, clearance=window.clearance,
-        lead_distance=leads, curvature_limit=limit / v**2, start=start,
-        corridor=(right - slack, left + slack),
+        lead_distance=leads, curvature_limit=curvature_limit, start=start,
+        corridor=(right - slack, left + slack), stiffness=stiffness,
     )  # fmt: skip
     if band.status is not Status.OK:
         return _reject(band, side, names, window)

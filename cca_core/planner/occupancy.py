@@ -80,6 +80,11 @@ def predict_vehicles(
     )  # fmt: skip
 
 
+def reported_rate(n: FrenetVehicle) -> float:
+    """Return the change of speed that a vehicle reports, by its acceleration or an event [m/s^2]."""
+    return min(n.speed_rate, -_HARD_BRAKING) if "hard_braking" in n.remote.events else n.speed_rate
+
+
 def _columns(
     n: FrenetVehicle, observation: Observation, road: Road, settings: EvasionSettings, base: int
 ) -> tuple[float, ...]:
@@ -88,10 +93,9 @@ def _columns(
     crosses = is_crossing(n)
     nominal = n.nominal() if n.is_stale else n
     extents = _half_body(nominal) if crosses else (nominal.half_length, nominal.half_width)
-    nominal_rate = min(rate, -_HARD_BRAKING) if "hard_braking" in remote.events else rate
     d, side_speed, side_range, leaves = _lateral_motion(n, observation, road, settings)
     return (
-        n.s - base, n.d, n.v_s, n.half_length, n.half_width, *extents, rate, nominal_rate, remote.age,
+        n.s - base, n.d, n.v_s, n.half_length, n.half_width, *extents, rate, reported_rate(n), remote.age,
         math.cos(n.angle), side_speed, side_range, crosses,
         remote.x, remote.y, remote.psi, remote.v_x, remote.a_x, remote.r, *_half_body(n),
         0.125 * remote.length**2, n.added_width,

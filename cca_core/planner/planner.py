@@ -299,7 +299,9 @@ class Planner:
             (*self._input_faults, *incomplete, *assumed, *faults),
         )
         known = 0.0 if memory.is_listening(self._clock.t) else known
-        angle = math.remainder(state.psi - heading, 2.0 * math.pi)
+        v_y = state.v_y or setup.vehicle.l_r * state.r  # in a tight turn it does not move where it points
+        course = state.psi + math.atan(v_y / max(state.v_x, 1.0))
+        angle = math.remainder(course - heading, 2.0 * math.pi)
         return Observation(
             t=self._clock.t, s=s, d=d, angle=angle, v=max(state.v_x, 0.0),
             bend=state.r / max(state.v_x, 3.0) - kappa, vehicles=tuple(vehicles),

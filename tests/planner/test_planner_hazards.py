@@ -1,6 +1,7 @@
 """Planner in hazards: what must not happen on a straight road."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -219,3 +220,40 @@ class TestGap:
         run = ClosedLoop(make_planner(None), [ScriptedVehicle("R", 10.0 + 4.5, 0.0, 20.0)], 15.0)
         assert 17.5 < min(run.v) < 19.5
         assert run.x[-1] < 15.0 * 20.0
+
+
+class TestStoppedLead:
+    """A vehicle ahead comes to rest for good, next to a lane that is free later or now."""
+
+    LANES = (Lane(d=0.0), Lane(d=3.5))
+
+    def drive(self, lead: ScriptedVehicle, v: float, others: Sequence[ScriptedVehicle] = ()) -> ClosedLoop:
+        planner = Planner(CAR, Road(straight(3000.0), self.LANES), cruise_speed=max(v + 2.0, 12.0))
+        return ClosedLoop(planner, [lead, *others], 45.0, v=v)
+
+    @pytest.mark.parametrize("v", [8.0, 14.0])
+    @pytest.mark.parametrize("braking", [2.0, 3.0, 4.0])
+    def test_lead_that_stops_is_passed(self, v: float, braking: float) -> None:
+        """The next lane is occupied while it stops. The ego keeps the distance that it needs to pull out."""
+        lead = ScriptedVehicle("R", 2.0 + 1.2 * v + 4.5, 0.0, v, a=lambda t: -braking if t > 3.0 else 0.0)
+        trucks = [ScriptedVehicle(f"truck{i}", 10.0 - 14.0 * i, 3.5, v, length=12.0) for i in range(3)]
+        run = self.drive(lead, v, trucks)
+        assert run.collided_with is None
+        assert run.gaps["R"] > 0.4
+        assert run.x[-1] > lead.x + 100.0
+        assert min(command.a_x for command in run.commands) > -4.0
+
+    @pytest.mark.parametrize("gap", [5.0, 5.5, 6.5, 8.0, 10.0])
+    def test_ego_pulls_out_from_standstill(self, gap: float) -> None:
+        run = self.drive(ScriptedVehicle("R", gap + 4.5, 0.0, 0.0), 0.0)
+        assert run.collided_with is None
+        assert run.gaps["R"] > 0.3
+        assert run.x[-1] > 200.0
+
+    @pytest.mark.parametrize(("gap", "v"), [(5.0, 2.0), (6.0, 3.0), (8.0, 4.0), (10.0, 5.0), (12.0, 6.0)])
+    def test_later_pass_is_no_reason_to_brake_hard(self, gap: float, v: float) -> None:
+        lead = ScriptedVehicle("R", gap + 4.5, 0.0, 0.7, a=lambda t: -0.7)
+        queue = [ScriptedVehicle(f"Q{i}", -6.0 - 9.0 * i, 3.5, v) for i in range(3)]
+        run = self.drive(lead, v, queue)
+        assert run.gaps["R"] > 0.4
+        assert min(command.a_x for command in run.commands) > -4.0

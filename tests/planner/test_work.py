@@ -12,6 +12,8 @@ from tests.support.crowds import CROWDS, drive
 from tests.support.planner_drives import car, ego_state, make_planner
 
 MAX_BANDS = 48  # 3 groups, 2 sides, 2 corridors; in comfort, hard, and narrow twice
+MAX_COMFORTABLE = 12  # of these
+MAX_BANDS_AT_WALKING_PACE = 60  # comfortable ones twice as well
 
 
 @pytest.fixture
@@ -32,6 +34,13 @@ def test_bands_that_all_fail_attain_their_bound(bands: list[int], n: int) -> Non
     planner = make_planner((Lane(d=0.0, width=9.0), Lane(d=9.0, width=9.0), Lane(d=-9.0, width=9.0)))
     planner.step(0.0, ego_state(), [car(32.0 + 8.0 * i, 0.0, 0.0, id=f"R{i}") for i in range(n)])
     assert bands[0] == MAX_BANDS
+
+
+def test_walking_pace_adds_tight_bands(bands: list[int]) -> None:
+    planner = make_planner((Lane(d=0.0, width=9.0), Lane(d=9.0, width=9.0), Lane(d=-9.0, width=9.0)))
+    others = [car(26.0 + 8.0 * i, 0.0, 0.0, id=f"R{i}") for i in range(4)]
+    planner.step(0.0, VehicleState(x=20.0, y=0.0, psi=0.0, v_x=1.0), others)
+    assert MAX_COMFORTABLE < bands[0] <= MAX_BANDS_AT_WALKING_PACE
 
 
 def test_random_decisions_keep_bound_of_bands(bands: list[int]) -> None:

@@ -2590,6 +2590,8 @@ static bool scene_is_outside(const Scene *w, int p, double d, double tolerance)
 }
 #define ROLLOUT_ONCOMING (-0.5)
 #define ROLLOUT_OPENING 2.0
+#define ROLLOUT_FIRM 1.75
+#define ROLLOUT_CREEP 0.5
 #define ROLLOUT_CALM 0.5
 #define ROLLOUT_RELEASE 12.0
 #define ROLLOUT_TIME_EPS 1e-09
@@ -2622,11 +2624,15 @@ void cca_limit_path_speed(Scene *w, int p, double a_y)
     }
 }
 
-/* Acceleration that follows at the time gap; it brakes harder than in comfort only as far as needed. */
+/* Acceleration that follows at the time gap, and keeps the distance `to_pass` more behind what stops.
+
+It brakes harder than in comfort only as far as needed: a little harder for that distance, and when the
+ego creeps not for the last of the standstill gap, at most `spare`. */
 static double rollout_follow_at_gap(const Scene *w, double v, double gap, double v_lead, double final_gap,
-    bool stops)
+    bool stops, double spare, double to_pass)
 {
-    double space = real_max(gap - w->standstill_gap, 0.01);
+    double end = real_max(real_min(spare, ROLLOUT_CREEP * v), 0.01);
+    double space = real_max(gap - w->standstill_gap, end);
     double lead = real_max(v_lead, 0.0);
     double need = 0.0;
     if (v_lead < ROLLOUT_ONCOMING) {
@@ -2635,9 +2641,14 @@ static double rollout_follow_at_gap(const Scene *w, double v, double gap, double
         need = (v - lead) * (v - lead) / (2.0 * space);
     }
     if (stops) {
-        need = real_max(need, v * v / (2.0 * real_max(final_gap - w->standstill_gap, 0.01)));
+        double left = real_max(final_gap - w->standstill_gap, end);
+        need = real_max(need, v * v / (2.0 * left));
+        if (to_pass > 0.0) {
+            need = real_max(need, real_min(v * v / (2.0 * real_max(left - to_pass, 0.5 * left)),
+                ROLLOUT_FIRM * w->b_comfort));
+        }
     }
-    double surplus = gap - w->standstill_gap - w->time_gap * lead;
+    double surplus = gap - to_pass - w->standstill_gap - w->time_gap * lead;
     double linear = w->b_comfort / (w->approach_rate * w->approach_rate);
     double shed = real_max(w->approach_rate * surplus, -ROLLOUT_OPENING);
     double rate = w->approach_rate;
@@ -2676,7 +2687,8 @@ static double rollout_wait_at_point(const Scene *w, double v, double left, doubl
     if (left > 0.0 && even * wait <= v) {
         return -real_min(even, w->b_max);
     }
-    return rollout_follow_at_gap(w, v, left + w->standstill_gap, 0.0, left + w->standstill_gap, true);
+    double gap = left + w->standstill_gap;
+    return rollout_follow_at_gap(w, v, gap, 0.0, gap, true, 0.0, 0.0);
 }
 
 /* Whether a vehicle is in the way of a path now or a little later. */
@@ -2765,9 +2777,7 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
                 double now = w->s_follow[j * w->steps + 0] - w->half_l[j] - (w->s_0 + w->offset
                     + w->half_length);
                 double gap = w->s_follow[j * w->steps + k] - w->half_l[j] - front;
-                gap -= real_min(w->passing_distance[j], real_max(now - w->standstill_gap, 0.0));
-                double final = gap + (w->s_follow[j * w->steps + w->steps - 1] - w->s_follow[j * w->steps
-                    + k]);
+                double to_pass = real_min(w->passing_distance[j], real_max(now - w->standstill_gap, 0.0));
                 bool stops = w->stands[j] != 0;
                 if (passes && !(fabs(scene_lateral(w, p, w->s_follow[j * w->steps + w->steps - 1]))
                     <= SCENE_TOLERANCE)) {
@@ -2778,7 +2788,11 @@ void cca_roll_out(Scene *w, int row, int p, bool follows, bool passes, int yield
                         * w->steps + k]), 3.0 * w->b_max) / w->b_soft - 1.0;
                     risk = real_max(risk, real_max(excess, 0.0) * real_max(excess, 0.0));
                 }
-                double a = rollout_follow_at_gap(w, speed, gap, w->v_follow[j * w->steps + k], final, stops);
+                double final = gap + (w->s_follow[j * w->steps + w->steps - 1] - w->s_follow[j * w->steps
+                    + k]);
+                double spare = 0.5 * w->standstill_gap;
+                double a = rollout_follow_at_gap(w, speed, gap, w->v_follow[j * w->steps + k], final,
+                    stops, spare, to_pass);
                 if (a < want) {
                     want = a;
                     limit = j;
@@ -3701,10 +3715,10 @@ static bool traffic_is_clear(const Scene *w, int j, int n, double right, double 
     return true;
 }
 
-/* Distance kept behind a single stationary vehicle next to a clear lane, for a later maneuver. */
+/* Distance kept behind a single vehicle that comes to rest next to a clear lane, for a later maneuver. */
 static double traffic_distance_to_pass(const Scene *w, int j, int n)
 {
-    if (!(fabs(w->seen[j * 27 + TRAFFIC_SPEED]) <= CONSTANTS_STANDSTILL_SPEED) || w->crosses[j] != 0) {
+    if (w->stands[j] == 0 || w->crosses[j] != 0) {
         return 0.0;
     }
     if (!traffic_is_in(w, j, w->lane_right, w->lane_left)) {
@@ -3747,9 +3761,6 @@ void cca_locate_vehicles(Scene *w, int seen)
             traffic_reach_along(w, j, true);
         }
     }
-    for (int j = 0, j_end_ = seen; j < j_end_; j += 1) {
-        w->passing_distance[j] = traffic_distance_to_pass(w, j, seen);
-    }
     for (int j = 0, j_end_ = w->m; j < j_end_; j += 1) {
         for (int i = 0, i_end_ = w->steps; i < i_end_; i += 1) {
             w->s_follow[j * w->steps + i] = w->s_o[j * w->steps + i];
@@ -3771,6 +3782,9 @@ void cca_locate_vehicles(Scene *w, int seen)
             w->d_low[j] = real_min(w->d_low[j], w->d_o[j * w->steps + i]);
             w->d_high[j] = real_max(w->d_high[j], w->d_o[j * w->steps + i]);
         }
+    }
+    for (int j = 0, j_end_ = seen; j < j_end_; j += 1) {
+        w->passing_distance[j] = traffic_distance_to_pass(w, j, seen);
     }
 }
 #define DUTIES_FAR 1000.0
