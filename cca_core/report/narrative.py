@@ -126,8 +126,9 @@ def describe_run(log: Log) -> str:
         is_last = i + 1 == len(log.decisions)
         if Action(name) in (Action.FOLLOW, Action.BRAKE):
             until = _describe_wait(log, begin, end, cause if is_last else None)
-            verb = "starts" if activity.partition(" ")[0].endswith("ing") else "is"
-            events.append((begin, f"it {verb} {activity}{until}."))
+            does, _, rest = activity.partition(" ")
+            phrase = f"starts {activity}" if does.endswith("ing") else f"is {activity}"
+            events.append((begin, f"it {f'stops {rest}' if does == 'stopping' else phrase}{until}."))
         elif Action(name).is_evading:
             events.append((begin, f"it starts {activity}."))
         elif is_last and i > 0:

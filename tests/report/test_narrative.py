@@ -67,8 +67,8 @@ def test_narrative_ends_with_cause_of_last_decision(run: Run) -> None:
 
 def test_narrative_of_a_stop_is_a_sentence(run: Run) -> None:
     text = describe_run(run("curbside", "slow", "sensor"))
-    assert "it is stopped behind red, up to the end" in text
-    assert "starts stopped" not in text
+    assert "it stops behind red, up to the end" in text
+    assert "starts stop" not in text
 
 
 def test_outcome_names_the_collided_vehicle(run: Run) -> None:
