@@ -1,7 +1,7 @@
 """Last known vehicles: one that is not reported any more may still be there."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ __all__ = ["Known", "Memory", "dead_reckoned", "recall"]
 _BRAKING, _LATERAL = 8.0, 1.0  # assumed of a stale vehicle, as in the bounds of a tracker [m/s^2]
 _MAX_SIGMA, _MAX_AGE, _MAX_REVERSING = 1e3, 3600.0, 20.0  # of a valid record [m, s, m/s]
 _SAME_HEADING = 2e-3  # error of a heading that is dead-reckoned at a constant turn rate [rad]
+_FORMER_TIME = 3.0  # for which a vehicle that is forgotten can be recognized [s]
 _SAME_BODY = 0.3  # gap to a dead-reckoned body below which another id is that of the same vehicle [m]
 
 
@@ -37,15 +38,17 @@ class Known(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Memory:
-    """Vehicles by id, and since when and up to when the list may lack vehicles."""
+    """Vehicles by id, now and in the last seconds; since when and up to when the list may lack vehicles."""
 
     known: Mapping[str, Known] = field(default_factory=dict)
+    former: Mapping[str, Known] = field(default_factory=dict)
     blind_since: float | None = None
     listen_until: float = -math.inf
 
     def on_other_route(self) -> "Memory":
         """Return what is still true on another route: not the offsets."""
-        return replace(self, known={name: last._replace(d=math.nan) for name, last in self.known.items()})
+        known = {name: last._replace(d=math.nan) for name, last in self.known.items()}
+        return replace(self, known=known, former={})
 
     def is_listening(self, t: float) -> bool:
         """Return whether vehicles may be unknown, also because the ego has not heard for long enough."""
@@ -74,13 +77,14 @@ def recall(
         remote = n.remote
         last = known.get(remote.id)
         if last is None:
-            now[remote.id] = Known(remote, t, t, not blind, n.d, n.angle, t)
+            known_since = _since(memory.former, remote, t)
+            now[remote.id] = Known(remote, t, known_since, not blind, n.d, n.angle, t)
             continue
         d, angle, measured = n.d, n.angle, t
         if _is_same_report(last, remote, t):  # it has only grown older
             d, angle, measured = last.d, last.angle, last.measured
         now[remote.id] = Known(remote, t, last.since, not blind or last.confirmed, d, angle, measured)
-    memory, faults = Memory(known=now, blind_since=since, listen_until=listen_until), []
+    memory, faults = replace(memory, known=now, blind_since=since, listen_until=listen_until), []
     if not blind and memory.is_listening(t):
         faults.append("other vehicles may be unknown: just heard again; awareness range 0 m")
     missing: dict[str, Known] = {}
@@ -90,10 +94,29 @@ def recall(
             gap = t - min(last.t for last in missing.values())
             faults.append(f"{', '.join(list(missing)[:5])} not reported for {gap:.1f} s; dead-reckoned")
         missing |= _coasting(known, t, now, missing, settings)
+        memory = replace(memory, former=_former(memory.former, known, missing.keys() | now.keys(), t))
     if not missing:
         return memory, [], tuple(faults)
     recalled = [dead_reckoned(last.remote, t - last.t) for last in missing.values()]
     return replace(memory, known=missing | now), recalled, tuple(faults)
+
+
+def _former(
+    former: Mapping[str, Known], known: Mapping[str, Known], still: Set[str], t: float
+) -> dict[str, Known]:
+    """Return the vehicles that have been forgotten in the last seconds."""
+    return {
+        name: last for name, last in (*former.items(), *known.items())
+        if name not in still and t - last.t <= _FORMER_TIME
+    }  # fmt: skip
+
+
+def _since(former: Mapping[str, Known], remote: RemoteVehicle, t: float) -> float:
+    """Return since when a vehicle is known that is new in the list: longer if it was only not reported."""
+    last = former.get(remote.id)
+    if last is None or t - last.t > _FORMER_TIME:
+        return t
+    return last.since if _is_same_body(dead_reckoned(last.remote, t - last.t), remote) else t
 
 
 def _is_same_report(last: Known, remote: RemoteVehicle, t: float) -> bool:

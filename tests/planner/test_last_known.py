@@ -249,6 +249,20 @@ def test_vehicle_coasts_for_fraction_of_known_time(since: float, elapsed: float,
     assert bool(coasting(since, elapsed, [])[1]) is coasts
 
 
+def test_flickering_vehicle_is_recognized() -> None:
+    """It was forgotten and is reported again where it was: it is known as long as it has been seen at all."""
+    settings, memory = DecisionSettings(), Memory()
+    steps = [(0.02 * k, 0.02 * k < 1.0 or 1.6 <= 0.02 * k < 2.0) for k in range(140)]
+    seen = []
+    for t, is_on in steps:
+        vehicles = [frenet_car(60.0, 0.0, 0.0)] if is_on else []
+        memory, recalled, _ = recall(memory, t, vehicles, [], settings, lost=False, blind=False)
+        seen.append(is_on or bool(recalled))
+    assert not all(seen[50:80])  # the first gap was too long for the time that it was known
+    assert all(seen[80:135])  # the second one is not
+    assert len(memory.known) + len(memory.former) <= 1
+
+
 def test_coasting_vehicle_moves_and_ages() -> None:
     (moved,) = coasting(0.0, 0.4, [])[1]
     assert moved.x == pytest.approx(53.6)
