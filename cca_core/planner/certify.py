@@ -198,8 +198,8 @@ class Certifier:
         limits = self._around.limits
         plan.silence = self._silence(plan.decides)
         responds = self._responds(plan, max(plan.silence, self._braking_ahead()))
-        keeps_clear = not out_now or plan.gap >= self._around.settings.clearance
-        may_respond = keeps_clear and not plan.path.kind.is_evasive
+        opens = plan.gap >= self._around.settings.clearance and self._is_faster(plan.decides)
+        may_respond = (opens or not out_now) and not plan.path.kind.is_evasive
         if plan.braking <= self._settings.comfortable_braking:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
@@ -214,6 +214,12 @@ class Certifier:
         traffic = self._around.traffic
         j = traffic.index(name)
         return j < 0 or bool(traffic.s[j, 0] > self._around.s and not traffic.crosses[j])
+
+    def _is_faster(self, name: str) -> bool:
+        """Whether a vehicle is at least as fast as the ego, so that the gap to it opens."""
+        traffic = self._around.traffic
+        j = traffic.index(name)
+        return j >= 0 and bool(traffic.v[j, 0] >= self._around.v)
 
     def _responds(self, plan: Plan, urgency: float) -> bool:
         """Whether a plan brakes soon and stays at it: in comfort, or up to fully where it is urgent."""
