@@ -39,6 +39,17 @@ def test_slow_crossing_road_user_is_not_hit(family: str, seed: int) -> None:
     assert Episode(seed, family).run()["collision"] is None
 
 
+@pytest.mark.parametrize(
+    ("family", "seed"),
+    [
+        pytest.param("stop_alongside", 277, id="reports-of-stopped-car-come-and-go"),
+        pytest.param("cut_in", 507, id="slower-car-enters-passing-lane"),
+    ],
+)
+def test_vehicle_ahead_is_not_hit(family: str, seed: int) -> None:
+    assert Episode(seed, family).run()["collision"] is None
+
+
 @pytest.mark.parametrize("name", CONTROLS)
 def test_control_holds(name: str) -> None:
     result = outcome(TABLE.cases[name].checks)
