@@ -100,9 +100,10 @@ def test_other_clone_resumes_from_the_page(monkeypatch: pytest.MonkeyPatch) -> N
     with monkeypatch.context() as context:
         context.setattr(validate, "progress_of", lambda name: (2000, table) if name == "eebl" else (3, None))
         context.setattr(validate, "plot_study", lambda *_, **__: Figure())
-        context.setattr(validate, "FIGURE", validate.PAGE.with_suffix(".png"))
         validate.write_page(suite)
+    assert validate.figure_of("eebl").exists()
     page = validate.PAGE.read_text(encoding="utf-8")
+    assert "study_eebl.png" in page
     again = validate.Suite()
     assert again.passed.keys() == {"tests/test_ncap.py"}
     assert again.passed["tests/test_ncap.py"] == suite.rows["tests/test_ncap.py"]

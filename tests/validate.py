@@ -40,7 +40,6 @@ ROOT = Path(__file__).resolve().parents[1]
 TESTS = ROOT / "tests"
 STATE = ROOT / ".validate"
 PAGE = ROOT / "docs" / "validation.md"
-FIGURE = ROOT / "docs" / "study.png"
 AVOIDABLE_RUNS = 2000
 SEED = 31  # definitions and the planner were changed after looking at runs of smaller seeds
 MAX_RATE = 0.002  # of avoidable collisions with V2V, one-sided at 95 %
@@ -184,7 +183,7 @@ def inputs(file: Path) -> set[Path]:
     One that compares both forms of kernels depends on those that it imports, not on the other kernels.
     """
     if file.parent == TESTS:  # it may look at everything
-        return {ROOT / name for name in git("ls-files").split()} - {PAGE, FIGURE}
+        return {ROOT / name for name in git("ls-files").split()} - written_files()
     found: set[Path] = set()
     package = ROOT / "cca_core" / file.relative_to(TESTS).parts[0]
     waiting = {file, *(p / "conftest.py" for p in (TESTS, file.parent))}
@@ -293,16 +292,18 @@ def drive_study(name: str) -> list[str]:
 
 
 def write_page(suite: Suite) -> None:
-    """Write the page and the figure from all that has passed with the present sources."""
+    """Write the page and the pictures from all that has passed with the present sources."""
     studies = {name: progress_of(name) for name in STUDY_SCENARIOS}
     tables = [table for _, table in studies.values() if table is not None]
-    if tables and not any(table is None and done >= AVOIDABLE_RUNS for done, table in studies.values()):
-        plot_study(tables, log=True).savefig(FIGURE, dpi=120)
+    for table in tables:
+        plot_study([table], log=True).savefig(figure_of(table.scenario), dpi=120)
     today = datetime.datetime.now(tz=datetime.UTC).date()
     lines = [HEAD, f"Commit {commit()}, {today}, seed {SEED} of the studies.", "", *test_lines(suite)]
     lines += ["", "## Studies", "", *study_lines(studies)]
     kept = [line for name, (_, table) in studies.items() if table is None for line in study_of_page(name)[1:]]
     lines += collision_lines(tables, kept) if tables or kept else []
+    complete = [name for name, (done, _) in studies.items() if done >= AVOIDABLE_RUNS]
+    lines += figure_lines(complete) if complete else []
     PAGE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -347,15 +348,31 @@ def study_lines(studies: dict[str, tuple[int, StudyTable | None]]) -> list[str]:
     return lines
 
 
-def collision_lines(tables: list[StudyTable], kept: list[str]) -> list[str]:
-    """Figure of collision rates, and a table of all collisions with V2V; `kept` are rows of the page."""
+def figure_of(name: str) -> Path:
+    """Picture of a study, written with the page."""
+    return PAGE.with_name(f"study_{name}.png")
+
+
+def written_files() -> set[Path]:
+    """The page and its pictures, on which no result depends."""
+    return {PAGE, *map(figure_of, STUDY_SCENARIOS)}
+
+
+def figure_lines(names: list[str]) -> list[str]:
+    """Pictures of complete studies."""
     lines = [
         "",
-        "```{figure} study.png",
-        ":alt: Fraction of runs with a collision over latency and loss",
-        "",
         "Fraction of all runs that end in a collision, avoidable or not, over latency and loss of messages.",
-        "```",
+        "Intervals are at 95 %; the scale is linear below 1 %.",
+    ]
+    for name in names:
+        lines += ["", f"![Fraction of runs of {name} with a collision]({figure_of(name).name})"]
+    return lines
+
+
+def collision_lines(tables: list[StudyTable], kept: list[str]) -> list[str]:
+    """Table of all collisions with V2V; `kept` are rows of the page."""
+    lines = [
         "",
         "All collisions with V2V:",
         "",
@@ -383,7 +400,7 @@ def cause(row: dict[str, Any]) -> str:
 
 def commit() -> str:
     """Short hash of the commit, with a note on local changes outside the written page."""
-    written = [f":!{page.relative_to(ROOT).as_posix()}" for page in (PAGE, FIGURE)]
+    written = [f":!{file.relative_to(ROOT).as_posix()}" for file in written_files()]
     changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", *written).strip()
     return git("rev-parse", "--short", "HEAD").strip() + " with local changes" * bool(changed)
 
