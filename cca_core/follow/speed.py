@@ -190,7 +190,13 @@ def arrival_times(v_x: float, v_target: float, distances: Array, settings: Speed
 
 @formula
 def squared_speed_limit(
-    path: Path, cruise: float, a_y: float, settings: SpeedSettings, limits: Array | None = None
+    path: Path,
+    cruise: float,
+    a_y: float,
+    settings: SpeedSettings,
+    limits: Array | None = None,
+    *,
+    start: tuple[float, float] | None = None,
 ) -> tuple[Array, Array]:
     """Square of the highest speed along a path: cruise speed, limits, curves, standstill at its end.
 
@@ -207,6 +213,9 @@ def squared_speed_limit(
     limits : ndarray, shape (n, 2), optional
         Stations [m] and speeds [m/s] of `Road.speed_limits`. The ego is slower than a lower limit from a
         time of ``1 / approach_rate`` before its station on.
+    start : tuple of float, optional
+        Station [m] and speed [m/s] of the ego. If it is faster there, the squared speed falls from its own in
+        comfort. A curve or the end ahead can still ask for more.
 
     Returns
     -------
@@ -222,11 +231,17 @@ def squared_speed_limit(
     s = np.union1d(s, ends) if len(ends) else s
     squared = np.empty_like(s)
     _squared_speed_limits(path.curve, len(s), cruise, a_y, settings.b_comfort, s, squared)
-    for start, end, limit in parts:
-        before = 2.0 * settings.b_comfort * np.maximum(start - s, 0.0)
+    for first, end, limit in parts:
+        before = 2.0 * settings.b_comfort * np.maximum(first - s, 0.0)
         squared = np.where(s <= end, np.minimum(squared, limit * limit + before), squared)
     tail = 200.0  # [m]: the profile falls on behind the end
-    return np.append(s, s[-1] + tail), np.append(squared, -2.0 * settings.b_comfort * tail)
+    s, squared = np.append(s, s[-1] + tail), np.append(squared, -2.0 * settings.b_comfort * tail)
+    if start is None or start[1] ** 2 <= np.interp(start[0], s, squared):
+        return s, squared
+    here, v = start
+    begin = here + 0.5 * v * settings.b_comfort / settings.jerk  # while the deceleration builds up
+    curves = np.interp(s, *squared_speed_limit(path, v, a_y, settings))
+    return s, np.minimum(curves, np.maximum(squared, v * v - 2.0 * settings.b_comfort * (s - begin)))
 
 
 def _limited_parts(limits: Array, time: float) -> list[tuple[float, float, float]]:

@@ -5,6 +5,8 @@ import logging
 import math
 from collections.abc import Iterable
 
+import numpy as np
+
 from cca_core._checks import check_real
 from cca_core.decide import Decision
 from cca_core.errors import Status
@@ -49,6 +51,7 @@ from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
 __all__ = ["Command", "Planner"]
 
 _LOG = logging.getLogger(__name__)
+_TOO_FAST = 1.0  # above the speed profile, from which on the ego slows anew from where it is [m/s]
 
 
 class Planner:
@@ -107,7 +110,7 @@ class Planner:
         self._input_faults: tuple[str, ...] = ()
         self._stop_path: tuple[DrivenPlan | None, Path] = None, self.road.path  # that of a lost state
         self._state = PlannerState()
-        self._speed_profile = self._setup.speed_profile(self._cruise_speed, self._state)
+        self._speed_profile = self._setup.speed_profile(self._cruise_speed, None)
 
     def __repr__(self) -> str:
         mode = self._state.mode.value
@@ -124,7 +127,7 @@ class Planner:
         if value == self._cruise_speed:
             return
         self._cruise_speed = value
-        self._speed_profile = self._setup.speed_profile(self._cruise_speed, self._state)
+        self._ease_speed(self._state.s, self._state.v)
 
     def set_route(self, road: Road | Path) -> None:
         """Go on along another route, or with other lanes and limits of the same one.
@@ -200,7 +203,12 @@ class Planner:
             if plan is not None:
                 plan = carry_plan(plan, last, setup.road, state.s, s, state.v, self._limits, goes_on)
             self._state = state._replace(s=s, plan=plan, t_decided=-math.inf)
-        self._speed_profile = self._setup.speed_profile(self._cruise_speed, self._state)
+        self._ease_speed(self._state.s, self._state.v)
+
+    def _ease_speed(self, s: float | None, v: float) -> None:
+        """Make the speed profile anew, so that a faster ego slows in comfort from here."""
+        start = None if s is None else (s, v)
+        self._speed_profile = self._setup.speed_profile(self._cruise_speed, start)
 
     @property
     def maneuver(self) -> LateralPath | None:
@@ -321,6 +329,9 @@ class Planner:
     def _decide(self, observation: Observation) -> None:
         """Enumerate, certify and choose."""
         state = self._state
+        limit = max(float(np.interp(observation.s, *self._speed_profile)), 0.0)
+        if observation.v > math.sqrt(limit) + _TOO_FAST:  # it was faster at the start, or was driven so
+            self._ease_speed(observation.s, observation.v)
         deliberation = Deliberation(
             self._setup, state, observation, self._speed_profile, self._cruise_speed,
             self._lanes.wish(observation.t),

@@ -36,6 +36,8 @@ def limit_ahead(setup: Setup, profile: tuple[Array, Array], s: float, v: float) 
     if need.max() < _MIN_DECELERATION:
         return None
     i = int(np.flatnonzero(need > 0.9 * need.max())[-1])  # before a slower part all needs are the same
+    rises = np.flatnonzero(np.diff(limits[i:]) >= 0.0)  # an ego that is too fast has most need on the way
+    i = i + int(rises[0]) if len(rises) else len(limits) - 1
     if limits[i] <= 0.01:
         return RouteLimit(0.0, f"the route ends in {left:.0f} m")
     target, name = math.sqrt(limits[i]), _name(setup, float(at[i]), math.sqrt(limits[i]))

@@ -13,7 +13,6 @@ from cca_core.frenet.branches import Branches
 from cca_core.geometry import boxes
 from cca_core.path import Road, interpolate_path
 from cca_core.planner.limits import Limits, limits_of
-from cca_core.planner.records import PlannerState
 from cca_core.planner.scene import Scenes
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.stretch import AHEAD, BEHIND
@@ -60,23 +59,13 @@ class Setup:
         interpolate_path(route)
         import_module("scipy.interpolate")
 
-    def speed_profile(self, cruise: float, state: PlannerState) -> tuple[Array, Array]:
-        """Return the squared speed along the route; to a lower speed than now the ego slows in comfort."""
-        path, limits, a_y, b = (
-            self.road.path,
-            self.road.speed_limits,
-            self.limits.curve,
-            self.limits.b_comfort,
+    def speed_profile(self, cruise: float, start: tuple[float, float] | None) -> tuple[Array, Array]:
+        """Return the squared speed along the route; a faster ego slows in comfort from the start."""
+        road, speed = self.road, replace(self.speed, b_comfort=self.limits.b_comfort)
+        highest = min(cruise, road.speed_limit)
+        return squared_speed_limit(
+            road.path, highest, self.limits.curve, speed, road.speed_limits, start=start
         )
-        speed, v, s = replace(self.speed, b_comfort=b), state.v, state.s
-        highest = min(cruise, self.road.speed_limit)
-        stations, squared = squared_speed_limit(path, highest, a_y, speed, limits)
-        if s is None or v * v <= np.interp(s, stations, squared):
-            return stations, squared
-        begin = s + 0.5 * v * b / speed.jerk  # while the deceleration builds up
-        ramp = v * v - 2.0 * b * (stations - begin)
-        curves = np.interp(stations, *squared_speed_limit(path, v, a_y, speed))
-        return stations, np.minimum(curves, np.maximum(squared, ramp))
 
     def fill_route(self, base: int, profile: tuple[Array, Array]) -> None:
         """Put the stretch of the route around the ego into the scenes."""
@@ -104,7 +93,10 @@ def numbers_of(
         "risk_until": settings.cost.horizon, "grip": limits.grip, "standstill_gap": speed.standstill_gap,
         "time_gap": speed.time_gap, "approach_rate": speed.approach_rate, "jerk": speed.jerk,
         "jerk_emergency": speed.jerk_emergency, "lag": certificate.lag, "look": certificate.look_time,
-        "blocking_gap": settings.lead.blocking_gap, "rear_braking": settings.rear_braking,
+        "blocking_gap": settings.lead.blocking_gap, "opening_speed": settings.lead.opening_speed,
+        "creep_time": settings.lead.creep_time,
+        "b_firm": min(settings.lead.firm_braking, limits.b_max),
+        "rear_braking": settings.rear_braking,
         "rear_reaction": 0.0 if settings.keeps_motion else settings.rear_reaction_time,
         "keeps": settings.keeps_motion, "b_other": settings.assumed_braking,
         "a_other": settings.assumed_acceleration, "a_passed": settings.assumed_acceleration_passed,

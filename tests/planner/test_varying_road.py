@@ -8,8 +8,10 @@ from cca_core.planner import EvasionSettings
 from tests.support.planner_drives import (
     ALL_KNOWN,
     CAR,
+    CYCLE,
     ClosedLoop,
     ScriptedVehicle,
+    ego_state,
     straight,
 )
 
@@ -37,6 +39,40 @@ def test_lower_limit_is_kept_at_its_station(cruise: float) -> None:
     assert v.max() <= 25.0 + 1e-6
     assert min(c.a_x for c in loop.commands) >= -2.05
     assert speeds_at(loop, (500.0, 720.0)) == pytest.approx([14.0, 22.0], abs=0.3)
+
+
+@pytest.mark.parametrize("cruise", [15.0, 10.0, 4.0, 1.0])
+@pytest.mark.parametrize("limited", [False, True], ids=["cruise speed", "speed limit"])
+def test_ego_that_is_too_fast_at_the_start_slows_in_comfort(cruise: float, limited: bool) -> None:
+    road = Road(straight(), speed_limits=[(0.0, cruise)] if limited else None)
+    loop = ClosedLoop(planner_on(road, cruise=25.0 if limited else cruise), [], 15.0, v=22.0)
+    assert min(c.a_x for c in loop.commands) >= -2.2
+    assert loop.v[-1] == pytest.approx(cruise, abs=0.3)
+    name = "speed limit" if limited else "cruise speed"
+    assert loop.commands[50].decision.reason.startswith(f"slowing to {cruise:.1f} m/s: {name}")
+
+
+def test_ego_slows_in_comfort_after_its_driver_was_faster() -> None:
+    planner, v, x = planner_on(Road(straight()), cruise=10.0), 10.0, 0.0
+    asked = []
+    for k in range(800):
+        command = planner.step(k * CYCLE, ego_state(x, v), [])
+        by_driver = 100 <= k < 200
+        v = max(v + (5.0 if by_driver else command.a_x) * CYCLE, 0.0)
+        x += v * CYCLE
+        if not by_driver:
+            asked.append(command.a_x)
+    assert min(asked) >= -2.3
+    assert v == pytest.approx(10.0, abs=0.3)
+
+
+def test_too_fast_ego_brakes_hard_for_the_end_of_its_route() -> None:
+    road = Road(straight())
+    end = road.path.end
+    loop = ClosedLoop(planner_on(road, cruise=10.0), [], 10.0, start=end - 80.0, v=22.0)
+    assert min(c.a_x for c in loop.commands) < -4.0
+    assert loop.x[-1] == pytest.approx(end, abs=0.1)
+    assert "the route ends in" in loop.commands[20].decision.reason
 
 
 def test_limit_that_does_not_change_is_the_constant_one() -> None:
