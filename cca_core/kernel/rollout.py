@@ -8,9 +8,6 @@ from cca_core.kernel.types import Flag, Int, Real
 __all__ = ["limit_path_speed", "roll_out", "sum_costs"]
 
 ONCOMING = -0.5  # speed below which a vehicle drives against the ego [m/s]
-OPENING = 2.0  # by which the ego is slower than a lead vehicle that is too close, so that the gap opens [m/s]
-FIRM = 1.75  # braking for the distance to pass a vehicle later, over that in comfort [-]
-CREEP = 0.5  # time within which a slow ego may come nearer than the standstill gap [s]
 CALM = 0.5  # by which a plan that is kept may brake less than one made anew [m/s^2]
 RELEASE = 12.0  # rate at which brakes are released [m/s^3]
 TIME_EPS = 1e-9
@@ -46,7 +43,7 @@ def follow_at_gap(
     It brakes harder than in comfort only as far as needed: a little harder for that distance, and when the
     ego creeps not for the last of the standstill gap, at most `spare`.
     """
-    end = max(min(spare, CREEP * v), 0.01)
+    end = max(min(spare, w.creep_time * v), 0.01)
     space = max(gap - w.standstill_gap, end)
     lead = max(v_lead, 0.0)
     need = 0.0
@@ -58,10 +55,10 @@ def follow_at_gap(
         left = max(final_gap - w.standstill_gap, end)
         need = max(need, v * v / (2.0 * left))
         if to_pass > 0.0:
-            need = max(need, min(v * v / (2.0 * max(left - to_pass, 0.5 * left)), FIRM * w.b_comfort))
+            need = max(need, min(v * v / (2.0 * max(left - to_pass, 0.5 * left)), w.b_firm))
     surplus = gap - to_pass - w.standstill_gap - w.time_gap * lead
     linear = w.b_comfort / (w.approach_rate * w.approach_rate)
-    shed = max(w.approach_rate * surplus, -OPENING)
+    shed = max(w.approach_rate * surplus, -w.opening_speed)
     rate = w.approach_rate
     if surplus > linear:
         shed = math.sqrt(2.0 * w.b_comfort * (surplus - 0.5 * linear))

@@ -133,6 +133,9 @@ class Scene:
     jerk_emergency: Real
     lag: Real
     blocking_gap: Real
+    opening_speed: Real
+    creep_time: Real
+    b_firm: Real  # for the distance to pass a vehicle later
     look: Real
     react: Real
     margin: Real  # along the road, which a new plan keeps beyond the worst case [m]

@@ -144,8 +144,7 @@ class Deliberation:
         if row is None:
             if self._rollout.is_full:
                 return
-            pulls_out = self._observation.v < self._setup.settings.last_resort.walking_pace
-            comfort = limits.a_y if pulls_out else limits.a_y_limit
+            comfort = limits.a_y if self._around.creeps else limits.a_y_limit
             row = self._rollout.add_path(path, comfort if is_comfortable else limits.a_y_max)
         keeps = path.is_last or (self._last_path is None and not path.kind.is_evasive)
         found = profiles(

@@ -22,6 +22,11 @@ class LastResortSettings:
         Peak lateral acceleration of the sharpest maneuver [m/s^2], at most half the grip.
     walking_pace : float
         Speed below which the ego may pull out from behind a vehicle as sharply as it can steer [m/s].
+    pull_out_stiffness : float
+        Contact stiffness of that band [N/m^2], as `BandStiffness.k_e`. It yields over 2 m, the default over
+        4 m.
+    pull_out_steering : float
+        Fraction of the sharpest turn that it may use [-].
 
     Raises
     ------
@@ -34,11 +39,13 @@ class LastResortSettings:
     min_ttc: float = 0.1
     lateral_acceleration: float = 3.5
     walking_pace: float = 2.0
+    pull_out_stiffness: float = 0.02
+    pull_out_steering: float = 0.85
 
     __repr__ = short_repr
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("grip_fraction", "lateral_acceleration"))
+        check_fields(self, positive=("grip_fraction", "lateral_acceleration", "pull_out_stiffness"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,6 +115,8 @@ class CertificateSettings:
         Time constant with which the weight of a predicted impact falls [s].
     exposure : float
         Weight of an impact speed in the worst case, added to the lack of a nominal gap [s].
+    response : float
+        Least braking of a proper response, over what the present speed of the lead vehicle needs [-].
     margin : float
         Distance along the road that a new plan keeps beyond the worst case [m].
     duty_delay : float
@@ -139,6 +148,7 @@ class CertificateSettings:
     touch_kept: float = 0.1
     foresight: float = 2.0
     exposure: float = 0.05
+    response: float = 1.5
     margin: float = 1.0
     duty_delay: float = 1.0
     silence_time: float = 2.0
@@ -196,6 +206,9 @@ class CostSettings:
         Of going on with a maneuver that has lost its certificate but not its nominal one [s].
     exposure : float
         Of a plan without certificate: of its impact speed in the worst case [s^2/m].
+    severity, at_stake : float
+        Of a plan that comes too close: of its severity if the ego brakes fully after the reaction time [s],
+        and of what that avoids.
     astray : float
         Of a path that does not end in the ego lane [s].
     risk : float
@@ -232,6 +245,8 @@ class CostSettings:
     silence: float = 40.0
     uncertified: float = 4.0
     exposure: float = 0.5
+    severity: float = 50.0
+    at_stake: float = 5.0
     astray: float = 2.0
     risk: float = 0.5
     risk_braking: float = 5.0

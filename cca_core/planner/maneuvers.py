@@ -24,8 +24,6 @@ _MIN_CLEARANCE = 0.2  # of the narrowest path [m]
 _TIME_TO_CLEAR = 1.0  # in which a body that is beyond an edge comes back inside [s]
 _EDGE_MARGIN = 0.15  # kept to an edge for the error of steering, where there is room [m]
 _EDGE_TOLERANCE = 0.05  # by which the committed part of a path may be closer to an edge [m]
-_TIGHT = BandStiffness(k_e=0.02)  # yields over 2 m, the default over 4 m
-_STEERING_SHARE = 0.85  # of the sharpest turn, that a tight path may use [-]
 _JOINED = 4  # nodes of the path before and after a band with which it is interpolated
 
 
@@ -53,11 +51,11 @@ def plan_path(
     narrowest = min(around.settings.last_resort.clearance, _MIN_CLEARANCE)
     if level is Level.NARROW and isinstance(found, Rejection) and window.clearance > narrowest:
         return _bend_path(around, group, side, level, last, replace(window, clearance=narrowest))
-    creeps = around.v < around.settings.last_resort.walking_pace
-    if level is Level.COMFORT and isinstance(found, Rejection) and creeps:
+    if level is Level.COMFORT and isinstance(found, Rejection) and around.creeps:
         clearance = min(around.settings.replan.min_clearance, window.clearance)
         window = replace(window, clearance=clearance, lead_distances=(0.0,) * len(group))
-        tight = _bend_path(around, group, side, level, last, window, _TIGHT)
+        stiffness = BandStiffness(k_e=around.settings.last_resort.pull_out_stiffness)
+        tight = _bend_path(around, group, side, level, last, window, stiffness)
         return found if isinstance(tight, Rejection) else tight
     return found
 
@@ -88,7 +86,8 @@ def _bend_path(
     limit = around.limits.a_y_limit if level is Level.COMFORT else around.limits.a_y_max
     curvature_limit = limit / v**2
     if stiffness is not None:  # it will be driven as slowly as it is sharp
-        curvature_limit = np.full(len(v), _STEERING_SHARE * math.tan(vehicle.delta_max) / vehicle.wheelbase)
+        sharpest = math.tan(vehicle.delta_max) / vehicle.wheelbase
+        curvature_limit = np.full(len(v), around.settings.last_resort.pull_out_steering * sharpest)
     obstacles, names = _obstacles(around, group, stations, t)
     lanes = (around.lane, window.lane or around.lane)
     right = min(each.right for each in lanes) + window.margin

@@ -62,6 +62,11 @@ class Surroundings:
         """Center of gravity to center of the body [m]."""
         return self.vehicle.box_offset
 
+    @property
+    def creeps(self) -> bool:
+        """Whether the ego is so slow that it may pull out as sharply as it can steer."""
+        return self.v < self.settings.last_resort.walking_pace
+
 
 def lateral_state(
     base: int, s: float, d: float, angle: float, bend: float, last: LateralPath | None, tolerance: float

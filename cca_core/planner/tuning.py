@@ -119,6 +119,13 @@ class LeadSettings:
         standstill [m].
     queue_gap : float
         Gap to the next vehicle below which a stationary vehicle is in a queue [m].
+    firm_braking : float
+        Deceleration up to which the ego brakes for `passing_distance` [m/s^2]: a little more than in comfort.
+    opening_speed : float
+        By which the ego is slower than a lead vehicle that is too close, so that the gap opens [m/s].
+    creep_time : float
+        Driving time within which a slow ego may come nearer than the standstill gap, by at most half of it,
+        instead of braking hard [s].
 
     Raises
     ------
@@ -129,6 +136,9 @@ class LeadSettings:
     blocking_gap: float = 0.3
     passing_distance: float = 7.0
     queue_gap: float = 15.0
+    firm_braking: float = 3.5
+    opening_speed: float = 2.0
+    creep_time: float = 0.5
 
     __repr__ = short_repr
 

@@ -34,6 +34,7 @@ def numbers(random: Random) -> dict[str, Any]:
         "half_length": 2.3, "half_width": 0.9, "a_max": 2.0, "b_comfort": 2.0, "b_max": 8.0, "b_soft": 5.0,
         "grip": 9.0, "standstill_gap": 2.0, "time_gap": 1.4, "approach_rate": 0.5, "jerk": 5.0,
         "jerk_emergency": 20.0, "lag": 0.15, "blocking_gap": 0.3, "look": 1.6, "react": 0.4,
+        "creep_time": 0.5, "opening_speed": 2.0, "b_firm": 3.5,
         "risk_until": 9.0, "rear_braking": 2.0, "v_limit": 25.0, "braking_time": 4.0,
         "acceleration_time": 1.0, "min_pet": 1.0, "entry_tolerance": 0.2,
         "queue_gap": 15.0, "passing_gap": 7.0,

@@ -2589,9 +2589,6 @@ static bool scene_is_outside(const Scene *w, int p, double d, double tolerance)
     return false;
 }
 #define ROLLOUT_ONCOMING (-0.5)
-#define ROLLOUT_OPENING 2.0
-#define ROLLOUT_FIRM 1.75
-#define ROLLOUT_CREEP 0.5
 #define ROLLOUT_CALM 0.5
 #define ROLLOUT_RELEASE 12.0
 #define ROLLOUT_TIME_EPS 1e-09
@@ -2631,7 +2628,7 @@ ego creeps not for the last of the standstill gap, at most `spare`. */
 static double rollout_follow_at_gap(const Scene *w, double v, double gap, double v_lead, double final_gap,
     bool stops, double spare, double to_pass)
 {
-    double end = real_max(real_min(spare, ROLLOUT_CREEP * v), 0.01);
+    double end = real_max(real_min(spare, w->creep_time * v), 0.01);
     double space = real_max(gap - w->standstill_gap, end);
     double lead = real_max(v_lead, 0.0);
     double need = 0.0;
@@ -2644,13 +2641,12 @@ static double rollout_follow_at_gap(const Scene *w, double v, double gap, double
         double left = real_max(final_gap - w->standstill_gap, end);
         need = real_max(need, v * v / (2.0 * left));
         if (to_pass > 0.0) {
-            need = real_max(need, real_min(v * v / (2.0 * real_max(left - to_pass, 0.5 * left)),
-                ROLLOUT_FIRM * w->b_comfort));
+            need = real_max(need, real_min(v * v / (2.0 * real_max(left - to_pass, 0.5 * left)), w->b_firm));
         }
     }
     double surplus = gap - to_pass - w->standstill_gap - w->time_gap * lead;
     double linear = w->b_comfort / (w->approach_rate * w->approach_rate);
-    double shed = real_max(w->approach_rate * surplus, -ROLLOUT_OPENING);
+    double shed = real_max(w->approach_rate * surplus, -w->opening_speed);
     double rate = w->approach_rate;
     if (surplus > linear) {
         shed = sqrt(2.0 * w->b_comfort * (surplus - 0.5 * linear));

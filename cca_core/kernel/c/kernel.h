@@ -309,6 +309,9 @@ typedef struct Scene {
     double jerk_emergency;
     double lag;
     double blocking_gap;
+    double opening_speed;
+    double creep_time;
+    double b_firm;
     double look;
     double react;
     double margin;
