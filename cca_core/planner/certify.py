@@ -173,19 +173,30 @@ class Certifier:
         return 0.0 if safe else float(work.impact)
 
     def _set_severity(self, plan: Plan, clearance: float) -> None:
-        """Rate a plan that comes too close: by the impact, or by the gap that lacks if bodies stay apart."""
+        """Rate a plan that comes too close: by what is left if the ego brakes fully after the reaction time.
+
+        What it comes to without that is at stake, and costs.
+        """
+        own = plan.severity = self._severity(plan, plan.row, clearance)
+        if own >= 1.0:
+            here = Branch(plan.path, plan.path_row, self._settings.reaction_time, self._around.limits.b_max)
+            self._roll(plan, here)
+            plan.severity = min(own, self._severity(plan, _TAIL, clearance))
+            plan.at_stake = own - plan.severity
+
+    def _severity(self, plan: Plan, row: int, clearance: float) -> float:
+        """Return how bad a motion is: by its impact, or by the gap that lacks if bodies stay apart."""
         work, settings = self._scene.workspace, self._settings
         check_gaps(
-            work, plan.row, plan.path_row, settings.touch, settings.touch, clearance, settings.duty_delay, 0.0
+            work, row, plan.path_row, settings.touch, settings.touch, clearance, settings.duty_delay, 0.0
         )
         if work.gap < -self._doubt(work.which):
-            plan.t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
+            t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
             # a later impact is less certain: others and the ego can still react
-            plan.severity = 1.0 + work.impact**2 * math.exp(-plan.t_impact / self._settings.foresight)
-        else:
-            lack = max(-work.min_margin, 0.01)
-            plan.exposure = self._exposure(plan)
-            plan.severity = min(lack + self._settings.exposure * plan.exposure, 0.9)
+            return float(1.0 + work.impact**2 * math.exp(-t_impact / settings.foresight))
+        lack = max(-work.min_margin, 0.01)
+        plan.exposure = self._exposure(plan)
+        return float(min(lack + self._settings.exposure * plan.exposure, 0.9))
 
     def _doubt(self, j: int) -> float:
         """Overlap with the uncertainty bound of a vehicle up to which the bodies themselves are apart [m]."""
@@ -197,7 +208,8 @@ class Certifier:
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
         plan.silence = self._silence(plan.decides)
-        responds = self._responds(plan, max(plan.silence, self._braking_ahead()))
+        urgency = max(plan.silence, self._braking_ahead(), self._closing(plan.decides))
+        responds = self._responds(plan, urgency)
         opens = plan.gap >= self._around.settings.clearance and self._is_faster(plan.decides)
         may_respond = (opens or not out_now) and not plan.path.kind.is_evasive
         if plan.braking <= self._settings.comfortable_braking:
@@ -249,6 +261,17 @@ class Certifier:
         return min(
             max(braking - limits.b_comfort, 0.0) / max(0.5 * (limits.b_max - limits.b_comfort), 0.1), 1.0
         )
+
+    def _closing(self, name: str) -> float:
+        """Part of the braking beyond comfort that a lead vehicle's present speed asks for [-]."""
+        around, limits, traffic = self._around, self._around.limits, self._around.traffic
+        j = traffic.index(name)
+        if j < 0 or traffic.v[j, 0] < 0.0:
+            return 0.0
+        gap = float(traffic.s[j, 0] - traffic.half_l[j]) - around.s - around.vehicle.front
+        closing = max(around.v - float(traffic.v[j, 0]), 0.0)
+        need = self._settings.response * closing * closing / (2.0 * max(gap - self._settings.touch, 0.1))
+        return min(max(need - limits.b_comfort, 0.0) / max(limits.b_max - limits.b_comfort, 0.1), 1.0)
 
     def _leads(self) -> list[FrenetVehicle]:
         """Return the vehicles ahead of the ego that are in its way across the road."""

@@ -88,6 +88,8 @@ def choose(plans: Sequence[Plan], certifier: Certifier, around: Surroundings) ->
             plan.costs = plan.costs._replace(safe_end=weight * excess * excess)
         elif plan.grade is Grade.NOMINAL:
             plan.costs = plan.costs._replace(safe_end=settings.cost.exposure * plan.exposure)
+        elif plan.grade is Grade.SEVERITY:
+            plan.peril = settings.cost.severity * plan.severity + settings.cost.at_stake * plan.at_stake
         if _goes_on(plan, around):
             lane = settings.cost.lane if plan.path.to_lane is not None else 0.0  # no reason to go on
             plan.costs = plan.costs._replace(safe_end=settings.cost.uncertified + lane)
@@ -96,10 +98,10 @@ def choose(plans: Sequence[Plan], certifier: Certifier, around: Surroundings) ->
     return best
 
 
-def _key(plan: Plan, around: Surroundings) -> tuple[float, float, float]:
+def _key(plan: Plan, around: Surroundings) -> tuple[float, float]:
     """Rank of a plan; a maneuver that is under way and nominally safe is compared with certified plans."""
-    severity = round(plan.severity, 1) if plan.grade is Grade.SEVERITY else 0.0
-    return Grade.RESPONSE.tier if _goes_on(plan, around) else plan.grade.tier, severity, plan.cost
+    tier = Grade.RESPONSE.tier if _goes_on(plan, around) else plan.grade.tier
+    return tier, plan.cost + plan.peril
 
 
 def _goes_on(plan: Plan, around: Surroundings) -> bool:

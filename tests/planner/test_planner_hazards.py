@@ -13,7 +13,16 @@ from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleState
 from cca_core.path import fit_path
 from cca_core.planner import EvasionSettings, Grade
 from cca_core.sim import SingleTrackPlant
-from tests.support.planner_drives import CAR, CYCLE, ClosedLoop, ScriptedVehicle, make_planner, straight
+from tests.support.planner_drives import (
+    ALL_KNOWN,
+    CAR,
+    CYCLE,
+    ClosedLoop,
+    ScriptedVehicle,
+    TurningVehicle,
+    make_planner,
+    straight,
+)
 
 
 class TestHazards:
@@ -41,6 +50,29 @@ class TestHazards:
     def test_truck_across_road_is_not_hit(self) -> None:
         truck = ScriptedVehicle("X", 150.0, 6.2, 0.0, psi=math.pi / 2.0, length=12.0, width=2.5)
         assert ClosedLoop(make_planner(), [truck], 20.0).collided_with is None
+
+    @pytest.mark.parametrize("gap", [75.0, 90.0, 110.0])
+    @pytest.mark.parametrize("radius", [8.0, 14.0, 25.0])
+    @pytest.mark.parametrize("speed", [4.0, 5.0])
+    def test_car_that_turns_in_far_ahead_is_not_braked_for_hard(
+        self, gap: float, radius: float, speed: float
+    ) -> None:
+        """It seems to come towards the ego in its lane for a moment; the ego drives at 10 m/s."""
+        road = Road(straight(), [Lane(d=0.0), Lane(d=3.5, direction=-1)])
+        planner = Planner(CAR, road, cruise_speed=10.5, evasion=ALL_KNOWN)
+        other = TurningVehicle(gap, speed, radius=radius, begin=0.3)
+        run = ClosedLoop(planner, [other], 8.0, v=10.0)
+        assert run.gaps["O"] > 1.0
+        assert min(c.a_x for c in run.commands) > -5.0
+
+    @pytest.mark.parametrize(("speed", "gap"), [(20.0, 80.0), (15.0, 110.0)])
+    def test_fast_ego_brakes_for_a_slow_lead_harder_than_it_needs(self, speed: float, gap: float) -> None:
+        """The worst case cannot be excluded: the ego leaves room for a lead that brakes."""
+        planner = Planner(CAR, Road(straight(2000.0)), cruise_speed=40.0, evasion=ALL_KNOWN)
+        run = ClosedLoop(planner, [ScriptedVehicle("R", gap, 0.0, speed)], 8.0, v=40.0)
+        need = (40.0 - speed) ** 2 / (2.0 * (gap - 4.5))
+        assert min(c.a_x for c in run.commands[:50]) < -1.5 * need
+        assert run.gaps["R"] > 9.0
 
     @pytest.mark.parametrize("gap", [0.0, -5.0])
     def test_maneuver_is_canceled_within_lane(self, gap: float) -> None:

@@ -107,6 +107,23 @@ class LaneLeavingVehicle(ScriptedVehicle):
             self.d = quintic_step(self.z, self.offset)
 
 
+class TurningVehicle(ScriptedVehicle):
+    """Comes towards the ego in the left lane, and turns to its left across the ego's lane."""
+
+    def __init__(self, gap: float, v: float, *, radius: float, begin: float) -> None:
+        super().__init__("O", gap, 3.5, v, psi=math.pi)
+        self.radius, self.begin, self.r = radius, begin, 0.0
+
+    def record(self) -> RemoteVehicle:
+        return replace(super().record(), psi=math.remainder(self.psi, math.tau), r=self.r)
+
+    def move(self, t: float) -> None:
+        self.r = self.v / self.radius if t >= self.begin and self.psi < 1.5 * math.pi else 0.0
+        self.psi = min(self.psi + self.r * CYCLE, 1.5 * math.pi)
+        self.x += math.cos(self.psi) * self.v * CYCLE
+        self.d += math.sin(self.psi) * self.v * CYCLE
+
+
 class CrossingVehicle(ScriptedVehicle):
     """Crosses the road at one station, with heading 90 degrees or -90 degrees."""
 
