@@ -41,6 +41,14 @@ def test_goal_on_empty_road_is_reached_in_time(
     assert summary["min_gap_m"] is None
 
 
+def test_long_goal_region_does_not_change_the_speed(tmp_path: Path) -> None:
+    """From 10 m at 15 m/s the ego is in it from 6 to 12 s; its center at 150 m would ask for 17.5 m/s."""
+    region = REGION.format(y=0.0).replace("<length>10<", "<length>90<")
+    run = drive_commonroad(scenario_of(tmp_path, problem(goal((75, 80), region))))
+    assert run.summary()["reached"]
+    assert run.cruise_speed == pytest.approx(15.0, abs=0.1)
+
+
 def test_goal_speed_is_met(tmp_path: Path) -> None:
     wish = "<velocity><intervalStart>10</intervalStart><intervalEnd>11</intervalEnd></velocity>"
     scenario = scenario_of(tmp_path, problem(goal((50, 200), REGION.format(y=0.0) + wish)))

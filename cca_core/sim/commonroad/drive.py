@@ -166,8 +166,8 @@ def drive_commonroad(
     The route is the shortest one on the lanelets. A lane change of the route does not depend on other
     vehicles. An adjacent lane counts if it exists, with one direction, all the way to the goal. If the goal
     has no region, the route goes straight on, or `toward` a lanelet. The cruise speed is the one closest to
-    the initial speed with which the ego, without other vehicles, meets the goal's intervals of time and
-    speed.
+    the initial speed with which the ego, without other vehicles, is in the goal's region at a time and speed
+    that are allowed.
     """
     if not isinstance(scenario, CommonRoadScenario):
         raise InputError(f"scenario must be a CommonRoadScenario, was {type(scenario).__name__}")

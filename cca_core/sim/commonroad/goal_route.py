@@ -18,6 +18,8 @@ from cca_core.sim.commonroad.scenario import CommonRoadScenario, Goal, PlanningP
 
 __all__ = ["GoalSettings", "cruise_speed", "goal_road"]
 
+_STEP = 0.5  # between stations at which the region of a goal is measured [m]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GoalSettings:
@@ -171,7 +173,7 @@ def cruise_speed(
     speed: SpeedSettings,
     settings: GoalSettings,
 ) -> float:
-    """Return the cruise speed [m/s] that meets a goal's time and speed, closest to the initial speed."""
+    """Return the cruise speed [m/s] closest to the initial one that meets a goal's time, region and speed."""
     v_x, step = problem.state.v_x, 0.5
     start = float(path.project((problem.state.x, problem.state.y))[0])
     time_margin = min(settings.time_margin, 0.25 * (goal.t[1] - goal.t[0]))
@@ -179,23 +181,42 @@ def cruise_speed(
     slowest, fastest = goal.v_x or (-math.inf, math.inf)
     speed_margin = min(settings.speed_margin, 0.25 * (fastest - slowest))
     slowest, fastest = slowest + speed_margin, fastest - speed_margin
+    s_in, s_out = _region(path, goal, start, s_goal)
 
     def miss(cruise: float) -> tuple[float, float]:
-        limit = squared_speed_limit(path, cruise, settings.lateral_acceleration, speed)
-        t, v = _drive_freely(limit, start, v_x, s_goal, last + 5.0, speed)  # farther off is not timed
-        late = max(first - t, t - last, 0.0) if math.isfinite(s_goal) else 0.0
+        limit = squared_speed_limit(path, cruise, settings.lateral_acceleration, speed, start=(start, v_x))
+        t, s, v = _drive_freely(limit, start, v_x, s_in, (first, last + 5.0), speed)
+        late = max(t - last, 0.0) + max(s - s_out, 0.0) / max(v_x, 1.0)
         return round(late + max(slowest - v, v - fastest, 0.0), 3), abs(cruise - v_x)
 
     speeds = np.arange(step, settings.max_speed + step, step).tolist()
     return float(min([max(v_x, step), *speeds], key=miss))
 
 
+def _region(path: Path, goal: Goal, start: float, s_goal: float) -> tuple[float, float]:
+    """Return the stations ahead between which the route is well inside a goal's region."""
+    if not math.isfinite(s_goal):
+        return -math.inf, math.inf
+    s = np.arange(start, path.end, _STEP)
+    inside_at = np.array(
+        [any(inside(region, x, y) for region in goal.regions) for x, y in path.position(s).tolist()]
+    )
+    if not inside_at.any():
+        return s_goal, s_goal
+    s = s[inside_at.argmax() :]
+    rest = s[~inside_at[inside_at.argmax() :]]
+    first, last = float(s[0]), float(rest[0] if len(rest) else s[-1])
+    margin = 0.25 * (last - first)
+    return first + margin, last - margin
+
+
 def _drive_freely(
-    limit: tuple[Array, Array], s: float, v: float, s_goal: float, t_end: float, speed: SpeedSettings
-) -> tuple[float, float]:
-    """Return time and speed at the goal, or at the end of the time, without other vehicles."""
+    limit: tuple[Array, Array], s: float, v: float, s_goal: float, window: tuple[float, float],
+    speed: SpeedSettings,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Return time, station and speed at the goal, or at the end of the time, without other vehicles."""
     t, a, dt = 0.0, 0.0, 0.05
-    while s < s_goal and t < t_end:
+    while (s < s_goal or t < window[0]) and t < window[1]:
         a = jerk_limited(profile_acceleration(s, v, limit, speed), a, dt, speed)
         s, v, t = s + v * dt, max(v + a * dt, 0.0), t + dt
-    return t, v
+    return t, s, v
