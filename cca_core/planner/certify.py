@@ -179,8 +179,7 @@ class Certifier:
         """
         own = plan.severity = self._severity(plan, plan.row, clearance)
         if own >= 1.0:
-            here = Branch(plan.path, plan.path_row, self._settings.reaction_time, self._around.limits.b_max)
-            self._roll(plan, here)
+            self._roll(plan, plan.branch)
             plan.severity = min(own, self._severity(plan, _TAIL, clearance))
             plan.at_stake = own - plan.severity
 
@@ -264,12 +263,11 @@ class Certifier:
 
     def _closing(self, name: str) -> float:
         """Part of the braking beyond comfort that a lead vehicle's present speed asks for [-]."""
-        around, limits, traffic = self._around, self._around.limits, self._around.traffic
-        j = traffic.index(name)
-        if j < 0 or traffic.v[j, 0] < 0.0:
+        around, limits = self._around, self._around.limits
+        lead = next((n for n in self._leads() if n.id == name and n.v_s >= 0.0), None)
+        if lead is None:
             return 0.0
-        gap = float(traffic.s[j, 0] - traffic.half_l[j]) - around.s - around.vehicle.front
-        closing = max(around.v - float(traffic.v[j, 0]), 0.0)
+        gap, closing = lead.rear - around.s - around.vehicle.front, max(around.v - lead.v_s, 0.0)
         need = self._settings.response * closing * closing / (2.0 * max(gap - self._settings.touch, 0.1))
         return min(max(need - limits.b_comfort, 0.0) / max(limits.b_max - limits.b_comfort, 0.1), 1.0)
 

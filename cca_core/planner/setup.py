@@ -95,7 +95,7 @@ def numbers_of(
         "jerk_emergency": speed.jerk_emergency, "lag": certificate.lag, "look": certificate.look_time,
         "blocking_gap": settings.lead.blocking_gap, "opening_speed": settings.lead.opening_speed,
         "creep_time": settings.lead.creep_time,
-        "b_firm": min(settings.lead.firm_braking, limits.b_max),
+        "b_firm": settings.lead.firm_braking / speed.b_comfort * limits.b_comfort,
         "rear_braking": settings.rear_braking,
         "rear_reaction": 0.0 if settings.keeps_motion else settings.rear_reaction_time,
         "keeps": settings.keeps_motion, "b_other": settings.assumed_braking,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cca_core import Command, Lane, Path, Planner, RemoteVehicle, Road, VehicleState, fit_path
 from cca_core.planner.last_known import dead_reckoned
-from tests.support.planner_drives import CAR, straight
+from tests.support.planner_drives import ALL_KNOWN, CAR, ClosedLoop, WobblingVehicle, straight
 
 LANES = (Lane(d=0.0), Lane(d=3.5, direction=-1))
 V, CYCLE, GAP, START = 18.0, 0.1, 200.0, 20.0
@@ -44,6 +44,16 @@ def test_heading_that_is_off_by_two_degrees_is_not_braked_for(off: float, aside:
     """It may come over, in the worst case, which costs a little speed."""
     commands = meet(straight(600.0), lambda t: (3.5 + aside, off * math.cos(8.0 * t)))
     assert min(command.a_x for command in commands) > -1.0
+
+
+@pytest.mark.parametrize("swing", [0.03, 0.06, 0.1])
+def test_slow_car_in_the_next_lane_whose_heading_swings_is_not_braked_for(swing: float) -> None:
+    """It is no lead vehicle: how fast the ego comes near does not count."""
+    road = Road(straight(1200.0), [Lane(d=0.0), Lane(d=3.5)])
+    planner = Planner(CAR, road, cruise_speed=20.0, evasion=ALL_KNOWN)
+    run = ClosedLoop(planner, [WobblingVehicle(80.0, 3.5, 6.0, swing=swing)], 8.0, v=20.0)
+    assert run.gaps["S"] > 1.5
+    assert min(command.a_x for command in run.commands) > -1.0
 
 
 @pytest.mark.parametrize("radius", [250.0, 400.0, -300.0])

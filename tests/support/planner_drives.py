@@ -107,6 +107,21 @@ class LaneLeavingVehicle(ScriptedVehicle):
             self.d = quintic_step(self.z, self.offset)
 
 
+class WobblingVehicle(ScriptedVehicle):
+    """Keeps its lane, and reports a heading that swings."""
+
+    def __init__(self, gap: float, d: float, v: float, *, swing: float) -> None:
+        super().__init__("S", gap, d, v)
+        self.swing, self.t = swing, 0.0
+
+    def record(self) -> RemoteVehicle:
+        return replace(super().record(), psi=self.swing * math.cos(8.0 * self.t))
+
+    def move(self, t: float) -> None:
+        super().move(t)
+        self.t = t
+
+
 class TurningVehicle(ScriptedVehicle):
     """Comes towards the ego in the left lane, and turns to its left across the ego's lane."""
 
