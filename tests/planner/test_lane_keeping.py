@@ -47,7 +47,7 @@ def test_heading_that_is_off_by_two_degrees_is_not_braked_for(off: float, aside:
 
 
 @pytest.mark.parametrize("swing", [0.03, 0.06, 0.1])
-def test_slow_car_in_the_next_lane_whose_heading_swings_is_not_braked_for(swing: float) -> None:
+def test_car_aside_with_swinging_heading_is_not_braked_for(swing: float) -> None:
     """It is no lead vehicle: how fast the ego comes near does not count."""
     road = Road(straight(1200.0), [Lane(d=0.0), Lane(d=3.5)])
     planner = Planner(CAR, road, cruise_speed=20.0, evasion=ALL_KNOWN)
