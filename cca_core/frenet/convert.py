@@ -5,15 +5,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import fields, replace
 from operator import attrgetter
 
-import numpy as np
-
 from cca_core.frenet.branches import Branches
 from cca_core.frenet.extent import extent_in_bend
 from cca_core.frenet.records import FrenetVehicle
 from cca_core.geometry import Boxes, box_gap, boxes
 from cca_core.path import Path
 from cca_core.vehicle import RemoteVehicle
-from cca_core.vehicle.remote import is_finite_number
+from cca_core.vehicle.remote import is_finite_number, is_plain
 
 __all__ = ["CROSSING_SINE", "INCOMPLETE", "to_frenet", "valid_vehicles"]
 
@@ -28,7 +26,6 @@ NO_VEHICLE = "not a RemoteVehicle"
 
 _FIELDS = tuple(field.name for field in fields(RemoteVehicle))
 _VALUES = attrgetter(*_FIELDS)
-_PLAIN_TYPES = frozenset((float, str, frozenset, np.float64, type(None)))
 
 
 def to_frenet(
@@ -125,15 +122,13 @@ def _each(remotes: object, dropped: list[tuple[str, str]]) -> Iterator[object]:
 
 def _plain(record: object) -> RemoteVehicle | str:
     """Return a record of plain numbers, or why there is none."""
+    if is_plain(record):
+        return record
     if not isinstance(record, RemoteVehicle):
         return NO_VEHICLE
     reason = record.invalid_reason
     if reason is not None:
         return str(reason)  # a class of the caller's may return anything
-    if type(record) is RemoteVehicle and _PLAIN_TYPES.issuperset(map(type, _VALUES(record))):
-        z_reported: object = record.z
-        if (z_reported is None or isinstance(z_reported, float)) and isinstance(record.sigma_z, float):
-            return record
     # what classes of the caller's compute is read once
     values = dict(zip(_FIELDS, _VALUES(record), strict=True))
     heights = [values.pop(name) for name in ("z", "sigma_z")]

@@ -84,7 +84,8 @@ def recall(
         if _is_same_report(last, remote, t):  # it has only grown older
             d, angle, measured = last.d, last.angle, last.measured
         now[remote.id] = Known(remote, t, last.since, not blind or last.confirmed, d, angle, measured)
-    memory, faults = replace(memory, known=now, blind_since=since, listen_until=listen_until), []
+    memory = Memory(known=now, former=memory.former, blind_since=since, listen_until=listen_until)
+    faults = []
     if not blind and memory.is_listening(t):
         faults.append("other vehicles may be unknown: just heard again; awareness range 0 m")
     missing: dict[str, Known] = {}

@@ -319,7 +319,7 @@ class Planner:
     def _is_due(self, observation: Observation) -> bool:
         """Whether to decide again: once a period, and at once when a vehicle or one of its events is new."""
         state = self._state
-        seen = frozenset([(n.id, n.remote.events) for n in observation.vehicles])
+        seen = frozenset([(n.remote.id, n.remote.events) for n in observation.vehicles])
         if observation.t - state.t_decided < self.evasion.decision.period - 1e-6 and seen == state.seen:
             return False
         has_news = not seen <= state.seen

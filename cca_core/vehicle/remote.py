@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from numbers import Real
 from operator import attrgetter
+from typing import TypeGuard
 
 import numpy as np
 
@@ -77,18 +78,7 @@ class RemoteVehicle:
         if not (isinstance(labels[0], str) and isinstance(labels[1], frozenset)):
             was = " and ".join(type(label).__name__ for label in labels)
             return f"id and events must be a string and a frozenset, were {was}"
-        x, y, _, v_x, a_x, r, length, width, age, along, across = values
-        if abs(x) > MAX_COORDINATE or abs(y) > MAX_COORDINATE:
-            return f"position must be within {MAX_COORDINATE / 1e3:.0f} km of the origin"
-        if abs(a_x) > 100.0 or abs(r) > 100.0:
-            return f"a_x and r must be at most 100, were {a_x:g} m/s^2 and {r:g} rad/s"
-        if not (0.0 < length <= 400.0 and 0.0 < width <= 20.0):  # a train
-            return f"length and width must be within 400 m x 20 m, were {length:g} m x {width:g} m"
-        if not -20.0 <= v_x <= MAX_SPEED:
-            return f"v_x must be between -20 and {MAX_SPEED:g} m/s, was {v_x:g} m/s"
-        if not (0.0 <= age <= 3600.0 and 0.0 <= along <= 1e3 and 0.0 <= across <= 1e3):
-            return "age and sigmas must be between 0 and 3600 s and 0 and 1000 m"
-        return None
+        return _out_of_range(values)
 
 
 _REMOTE_NUMBERS = (
@@ -96,6 +86,38 @@ _REMOTE_NUMBERS = (
 )  # fmt: skip
 _FLOATS = frozenset((float, np.float64))
 _REMOTE_VALUES = attrgetter(*_REMOTE_NUMBERS)
+
+
+def is_plain(record: object) -> TypeGuard[RemoteVehicle]:
+    """Return whether an object is a valid record, and holds nothing of a class of the caller's."""
+    if type(record) is not RemoteVehicle:
+        return False
+    values = _REMOTE_VALUES(record)
+    return (
+        _FLOATS.issuperset(map(type, values))
+        and type(record.id) is type(record.source) is str
+        and type(record.events) is frozenset
+        and type(record.sigma_z) is float
+        and (record.z is None or type(record.z) is float)
+        and all(map(math.isfinite, values))
+        and _out_of_range(values) is None
+    )
+
+
+def _out_of_range(values: tuple[float, ...]) -> str | None:
+    """Why numbers of a record, finite ones, cannot be used; None if they can."""
+    x, y, _, v_x, a_x, r, length, width, age, along, across = values
+    if abs(x) > MAX_COORDINATE or abs(y) > MAX_COORDINATE:
+        return f"position must be within {MAX_COORDINATE / 1e3:.0f} km of the origin"
+    if abs(a_x) > 100.0 or abs(r) > 100.0:
+        return f"a_x and r must be at most 100, were {a_x:g} m/s^2 and {r:g} rad/s"
+    if not (0.0 < length <= 400.0 and 0.0 < width <= 20.0):  # a train
+        return f"length and width must be within 400 m x 20 m, were {length:g} m x {width:g} m"
+    if not -20.0 <= v_x <= MAX_SPEED:
+        return f"v_x must be between -20 and {MAX_SPEED:g} m/s, was {v_x:g} m/s"
+    if not (0.0 <= age <= 3600.0 and 0.0 <= along <= 1e3 and 0.0 <= across <= 1e3):
+        return "age and sigmas must be between 0 and 3600 s and 0 and 1000 m"
+    return None
 
 
 def is_finite_number(value: object) -> bool:
