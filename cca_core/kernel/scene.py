@@ -102,6 +102,7 @@ class Scene:
     braking_time: Real
     acceleration_time: Real
     crossing_time: Real  # the same of vehicles that cross
+    yield_time: Real  # for which one that crosses goes on braking in the worst case
     keeps: Flag  # whether all keep their motion
     entry_tolerance: Real
     queue_gap: Real

@@ -164,6 +164,14 @@ def on_arc(w: Scene, j: Int, s: Real, turn: Real) -> tuple[Real, Real, Real]:
     return x, w.seen[j, Y] + chord * math.sin(heading), w.seen[j, PSI] + turn
 
 
+def farthest_braking(v: Real, rate: Real, lasts: Real, acceleration: Real, t: Real) -> Real:
+    """Largest distance of a vehicle that goes on braking for a while, and then accelerates."""
+    braking = min(min(lasts, t), v / -rate)
+    speed = v + rate * braking
+    then = t - braking
+    return v * braking + 0.5 * rate * braking * braking + speed * then + 0.5 * acceleration * then * then
+
+
 def locate_crossing(w: Scene, j: Int) -> None:
     """Motion of a vehicle in the plane: on its circle nominally, and where it can be within a time."""
     v = w.seen[j, V_X]
@@ -185,6 +193,8 @@ def locate_crossing(w: Scene, j: Int) -> None:
         after = w.t[k] + w.min_pet
         low, _ = reach(speed, before, age, braking, acceleration, measured, counted, still)
         _, high = reach(speed, after, age, braking, acceleration, measured, counted, still)
+        if rate < -NO_ACCELERATION and age < w.yield_time:
+            high = min(high, farthest_braking(speed, rate, w.yield_time - age, acceleration, after))
         middle = 0.5 * (low + high)
         extent = 0.5 * (high - low)
         turn = min(max(kappa * middle * sign, -0.5 * math.pi), 0.5 * math.pi)

@@ -85,7 +85,7 @@ def numbers_of(
     """Return the ego, its limits and the assumptions of the settings as numbers of a scene."""
     certificate, crossing = settings.certificate, settings.crossing
     return {
-        "crossing_time": crossing.acceleration_time,
+        "crossing_time": crossing.acceleration_time, "yield_time": crossing.braking_time,
         "half_length": 0.5 * vehicle.length,
         "half_width": 0.5 * vehicle.width, "offset": vehicle.box_offset, "a_max": limits.a_max,
         "b_comfort": limits.b_comfort, "b_max": limits.b_max,

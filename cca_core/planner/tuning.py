@@ -201,6 +201,8 @@ class YieldSettings:
     acceleration_time : float
         Time for which a reported acceleration of a crossing vehicle is expected to last [s]: shorter than
         along the route, as pedestrians reach their speed at once.
+    braking_time : float
+        Time from its report for which a crossing vehicle that brakes goes on braking in the worst case [s].
 
     Raises
     ------
@@ -214,6 +216,7 @@ class YieldSettings:
     assumed_braking: float = 2.0
     assumed_acceleration: float = 2.0
     acceleration_time: float = 0.5
+    braking_time: float = 1.0
 
     __repr__ = short_repr
 

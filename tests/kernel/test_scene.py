@@ -45,7 +45,7 @@ def numbers(random: Random) -> dict[str, Any]:
     }
     return values | bounds | {
         "lane_right": -1.75, "lane_left": 1.75, "edge_right": -5.25, "edge_left": 5.25,
-        "crossing_time": 0.5, "offset": float(random.normal(0.0, 1.0)),
+        "crossing_time": 0.5, "yield_time": 1.0, "offset": float(random.normal(0.0, 1.0)),
         "s_0": float(random.uniform(15.0, 40.0)), "v_0": float(random.uniform(0.0, 25.0)),
         "a_0": float(random.normal(0.0, 2.0)), "a_true": float(random.normal(0.0, 2.0)), "a_passed": 0.0,
         "margin": float(random.uniform(0.0, 1.0)), "rear_reaction": float(random.choice([0.0, 1.5])),
@@ -198,6 +198,24 @@ def test_crossing_vehicle_moves_as_ctra_predicts(v: float, a: float, r: float) -
     remote = RemoteVehicle(id="A", x=30.0, y=-8.0, psi=1.4, v_x=v, a_x=a, r=r)
     for name, expected in zip(("x_o", "y_o", "psi_o"), predict_ctra(remote, rows["t"]), strict=True):
         np.testing.assert_allclose(rows[name][0], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("v", "a", "age"), [(9.0, -3.0, 0.0), (9.0, -3.0, 0.4), (1.0, -3.0, 0.1), (9.0, -3.0, 1.2)]
+)
+def test_crossing_vehicle_that_brakes_goes_on_for_a_second(v: float, a: float, age: float) -> None:
+    """In the worst case it accelerates after that; a report that is older says nothing about now."""
+    rows = locate_one(crosses=1.0, psi=0.0, v_x=v, a_x=a, age=age, body_l=2.0)
+    random = given(np.random.default_rng(0))
+    t, a_max = rows["t"] + random["min_pet"], random["a_crossing"]
+    braking = np.minimum(np.minimum(max(1.0 - age, 0.0), t), v / -a)
+    then, speed = t - braking, v + a * braking
+    expected = v * braking + 0.5 * a * braking**2 + speed * then + 0.5 * a_max * then**2
+    _, bound = reachable_interval(
+        v, t, age=age, a_reported=0.0, braking=max(random["b_crossing"], -a), acceleration=a_max
+    )
+    front = rows["x_w"][0] + rows["half_l_w"][0] - 2.0
+    np.testing.assert_allclose(front, bound if age > 1.0 else np.minimum(bound, expected), atol=1e-9)
 
 
 @pytest.mark.parametrize("kept", [False, True])

@@ -3620,6 +3620,15 @@ static cca_ddd traffic_on_arc(const Scene *w, int j, double s, double turn)
         + turn};
 }
 
+/* Largest distance of a vehicle that goes on braking for a while, and then accelerates. */
+static double traffic_farthest_braking(double v, double rate, double lasts, double acceleration, double t)
+{
+    double braking = real_min(real_min(lasts, t), v / -rate);
+    double speed = v + rate * braking;
+    double then = t - braking;
+    return v * braking + 0.5 * rate * braking * braking + speed * then + 0.5 * acceleration * then * then;
+}
+
 /* Motion of a vehicle in the plane: on its circle nominally, and where it can be within a time. */
 static void traffic_locate_crossing(Scene *w, int j)
 {
@@ -3654,6 +3663,10 @@ static void traffic_locate_crossing(Scene *w, int j)
         const cca_dd result5_ = reach_reach(speed, after, age, braking, acceleration, measured, counted,
             still);
         double high = result5_.item1;
+        if (rate < -TRAFFIC_NO_ACCELERATION && age < w->yield_time) {
+            high = real_min(high, traffic_farthest_braking(speed, rate, w->yield_time - age, acceleration,
+                after));
+        }
         double middle = 0.5 * (low + high);
         double extent = 0.5 * (high - low);
         double turn = real_min(real_max(kappa * middle * sign, -0.5 * 3.141592653589793), 0.5

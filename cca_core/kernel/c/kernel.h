@@ -281,6 +281,7 @@ typedef struct Scene {
     double braking_time;
     double acceleration_time;
     double crossing_time;
+    double yield_time;
     bool keeps;
     double entry_tolerance;
     double queue_gap;

@@ -2407,7 +2407,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "9deb53317a43ee22e6f7f410c8e12675e9498939e7eb871929649865bb407d08") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "bd66470651abe5ee92321d28c84fd611284a9391132aa36ebd09d8ebeac15cb5") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
