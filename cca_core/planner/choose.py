@@ -54,14 +54,15 @@ def assess(
         change += weights.sharp * max(sharp, 0.0) ** 2
     wish = around.wish
     wished = wish is not None and path.to_lane is not None and path.rest == wish.d
-    if not wished and (wish is not None or path.to_lane is not None):
+    lane, half = (path.to_lane if wished else None) or around.lane, 0.5 * around.vehicle.width
+    end = row[_TERMS["d_end"]]
+    arrives = lane.right < end - half < end + half < lane.left
+    if not arrives:
+        change += weights.astray
+    if not (wished and arrives) and (wish is not None or path.to_lane is not None):
         change += weights.lane
     if path.to_lane is None and path.side == around.settings.traffic_side and row[_TERMS["outside"]] > 0.0:
         change += weights.right
-    lane, half = (path.to_lane if wished else None) or around.lane, 0.5 * around.vehicle.width
-    end = row[_TERMS["d_end"]]
-    if not lane.right < end - half < end + half < lane.left:
-        change += weights.astray
     plan.costs = Costs(
         progress=weights.progress * lost, speed=weights.speed * slow,
         comfort=weights.a_x * row[_TERMS["a_x"]]

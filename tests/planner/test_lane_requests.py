@@ -147,6 +147,18 @@ def test_slow_lane_is_entered_in_comfort_after_a_while() -> None:
     assert change.run.v[-1] == pytest.approx(12.0, abs=0.3)
 
 
+@pytest.mark.parametrize("lanes", [THREE_LANES, THREE_LANES[1:]])
+@pytest.mark.parametrize(("gap", "speed"), [(24.0, 2.0), (22.0, 1.0)])
+def test_queue_in_other_lane_is_not_braked_for(lanes: tuple[Lane, ...], gap: float, speed: float) -> None:
+    """A change that stops behind a car before the body is in its lane does not fulfil the request."""
+    queue = [ScriptedVehicle("S", gap, 3.5, 0.0), ScriptedVehicle("T", gap + 12.0, 3.5, 0.0)]
+    leads = [ScriptedVehicle("L", 36.0, 0.0, speed), ScriptedVehicle("M", 45.0, 0.0, speed)]
+    planner = make_planner(lanes)
+    run = ClosedLoop(planner, [*queue, *leads], 6.0, v=10.5, receive=requests(planner, [(0.0, 3.5)]))
+    assert run.collided_with is None
+    assert min(c.a_x for c in run.commands) > -3.6
+
+
 def test_slow_lead_is_left_behind() -> None:
     slow = ScriptedVehicle("L", 45.0, 0.0, 12.0)
     change = Change(slow, events=[(0.0, 3.5)], seconds=20.0)
