@@ -175,27 +175,39 @@ class Certifier:
     def _set_severity(self, plan: Plan, clearance: float) -> None:
         """Rate a plan that comes too close: by what is left if the ego brakes fully after the reaction time.
 
-        What it comes to without that is at stake, and costs.
+        What it comes to without that is at stake, and costs: less if it comes later.
         """
-        own = plan.severity = self._severity(plan, plan.row, clearance)
-        if own >= 1.0:
+        plan.severity, plan.at_stake = self._severity(plan, plan.row, clearance)
+        if plan.at_stake > 0.0:
             self._roll(plan, plan.branch)
-            plan.severity = min(own, self._severity(plan, _TAIL, clearance))
-            plan.at_stake = own - plan.severity
+            plan.severity = min(plan.severity, self._severity(plan, _TAIL, clearance)[0])
 
-    def _severity(self, plan: Plan, row: int, clearance: float) -> float:
-        """Return how bad a motion is: by its impact, or by the gap that lacks if bodies stay apart."""
+    def _severity(self, plan: Plan, row: int, clearance: float) -> tuple[float, float]:
+        """Return how bad a motion is, by its impact or the gap that lacks, and its later impact."""
         work, settings = self._scene.workspace, self._settings
         check_gaps(
             work, row, plan.path_row, settings.touch, settings.touch, clearance, settings.duty_delay, 0.0
         )
         if work.gap < -self._doubt(work.which):
-            t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
             # a later impact is less certain: others and the ego can still react
-            return float(1.0 + work.impact**2 * math.exp(-t_impact / settings.foresight))
+            t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
+            left, stake = (
+                work.impact**2 * math.exp(-t / settings.foresight)
+                for t in (self._time_left(work.which, t_impact), t_impact)
+            )
+            return 1.0 + left, stake
         lack = max(-work.min_margin, 0.01)
         plan.exposure = self._exposure(plan)
-        return float(min(lack + self._settings.exposure * plan.exposure, 0.9))
+        return float(min(lack + self._settings.exposure * plan.exposure, 0.9)), 0.0
+
+    def _time_left(self, j: int, t_impact: float) -> float:
+        """Return when a vehicle ahead is met at the present speeds [s]: the same for all plans."""
+        around, traffic = self._around, self._around.traffic
+        closing = around.v - float(traffic.v[j, 0])
+        gap = float(traffic.s[j, 0] - traffic.half_l[j]) - around.s - around.vehicle.front
+        if traffic.crosses[j] or gap <= 0.0 or closing <= STANDSTILL_SPEED:
+            return t_impact
+        return gap / closing
 
     def _doubt(self, j: int) -> float:
         """Overlap with the uncertainty bound of a vehicle up to which the bodies themselves are apart [m]."""
@@ -207,15 +219,13 @@ class Certifier:
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits = self._around.limits
         plan.silence = self._silence(plan.decides)
-        urgency = max(plan.silence, self._braking_ahead(), self._closing(plan.decides))
-        responds = self._responds(plan, urgency)
         opens = plan.gap >= self._around.settings.clearance and self._is_faster(plan.decides)
         may_respond = (opens or not out_now) and not plan.path.kind.is_evasive
         if plan.braking <= self._settings.comfortable_braking:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
             plan.grade = Grade.FULL
-        elif responds and may_respond and self._is_ahead(plan.decides):
+        elif may_respond and self._is_ahead(plan.decides) and self._responds(plan, self._urgency(plan)):
             plan.grade, plan.braking = Grade.RESPONSE, limits.b_max
         else:
             plan.grade = Grade.NOMINAL
@@ -244,6 +254,10 @@ class Certifier:
             for i, a in ((soon, begun), (k - 1, -response))
         )
 
+    def _urgency(self, plan: Plan) -> float:
+        """Part of the braking beyond comfort that a proper response needs [-]."""
+        return max(plan.silence, self._braking_ahead(), self._danger(plan))
+
     def _silence(self, name: str) -> float:
         """Part of the time of silence that asks for full braking [-]; 0 for what is not a stale lead."""
         late = max((n.remote.age - STALE_AGE for n in self._leads() if n.id == name), default=0.0)
@@ -261,15 +275,17 @@ class Certifier:
             max(braking - limits.b_comfort, 0.0) / max(0.5 * (limits.b_max - limits.b_comfort), 0.1), 1.0
         )
 
-    def _closing(self, name: str) -> float:
-        """Part of the braking beyond comfort that a lead vehicle's present speed asks for [-]."""
-        around, limits = self._around, self._around.limits
-        lead = next((n for n in self._leads() if n.id == name and n.v_s >= 0.0), None)
+    def _danger(self, plan: Plan) -> float:
+        """Part of it that a lead asks for: by its present speed, and by the impact if it brakes now [-]."""
+        around, limits, settings = self._around, self._around.limits, self._settings
+        lead = next((n for n in self._leads() if n.id == plan.decides and n.v_s >= 0.0), None)
         if lead is None:
             return 0.0
         gap, closing = lead.rear - around.s - around.vehicle.front, max(around.v - lead.v_s, 0.0)
-        need = self._settings.response * closing * closing / (2.0 * max(gap - self._settings.touch, 0.1))
-        return min(max(need - limits.b_comfort, 0.0) / max(limits.b_max - limits.b_comfort, 0.1), 1.0)
+        need = settings.response * closing * closing / (2.0 * max(gap - settings.touch, 0.1))
+        now = max(need - limits.b_comfort, 0.0) / max(limits.b_max - limits.b_comfort, 0.1)
+        above = max(self._exposure(plan) - settings.mild_impact, 0.0)
+        return min(max(now, above / max(settings.severe_impact - settings.mild_impact, 0.1)), 1.0)
 
     def _leads(self) -> list[FrenetVehicle]:
         """Return the vehicles ahead of the ego that are in its way across the road."""

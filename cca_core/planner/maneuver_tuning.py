@@ -117,6 +117,9 @@ class CertificateSettings:
         Weight of an impact speed in the worst case, added to the lack of a nominal gap [s].
     response : float
         Least braking of a proper response, over what the present speed of the lead vehicle needs [-].
+    mild_impact, severe_impact : float
+        Impact speed [m/s] into a lead vehicle that brakes at once, if the ego brakes fully after the reaction
+        time. Up to the first one a proper response is comfortable, from the second one on it is full braking.
     margin : float
         Distance along the road that a new plan keeps beyond the worst case [m].
     duty_delay : float
@@ -133,6 +136,9 @@ class CertificateSettings:
     side_offset : float
         Distance from the middle of its lane [m] up to which lateral speed is no lane change, because drivers
         correct their course within a lane, and a heading is known to one or two degrees.
+    return_speed : float
+        Lateral speed with which an oncoming vehicle returns that drives outside the lanes of its direction
+        [m/s].
     acceleration_time, braking_time : float
         Time for which a reported acceleration or deceleration is expected to last [s].
 
@@ -149,6 +155,8 @@ class CertificateSettings:
     foresight: float = 2.0
     exposure: float = 0.05
     response: float = 1.5
+    mild_impact: float = 4.0
+    severe_impact: float = 28.0
     margin: float = 1.0
     duty_delay: float = 1.0
     silence_time: float = 2.0
@@ -157,6 +165,7 @@ class CertificateSettings:
     side_speed: float = 0.3
     side_angle: float = 0.1
     side_offset: float = 0.25
+    return_speed: float = 1.5
     acceleration_time: float = 1.0
     braking_time: float = 4.0
 

@@ -7,7 +7,7 @@ from cca_core._checks import Array, Mask
 from cca_core.frenet import CROSSING_SINE, FrenetVehicle
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
-from cca_core.path import Road
+from cca_core.path import Lane, Road
 from cca_core.planner.records import Observation
 from cca_core.planner.scene import Scenes, locate, set_numbers
 from cca_core.planner.settings import EvasionSettings
@@ -92,11 +92,15 @@ def _columns(
     remote, rate = n.remote, n.speed_rate
     crosses = is_crossing(n)
     nominal = n.nominal() if n.is_stale else n
-    extents = _half_body(nominal) if crosses else (nominal.half_length, nominal.half_width)
+    half_l, half_w = _half_body(nominal) if crosses else (nominal.half_length, nominal.half_width)
     d, side_speed, side_range, leaves = _lateral_motion(n, observation, road, settings)
+    aside = 0.0 if leaves or crosses else _distance_home(n, road)
+    if aside:  # it may return before or after they meet
+        d, half_w = d + 0.5 * aside, half_w + 0.5 * abs(aside)
+        side_speed, side_range = math.copysign(settings.certificate.return_speed, aside), abs(aside)
     return (
-        n.s - base, n.d, n.v_s, n.half_length, n.half_width, *extents, rate, reported_rate(n), remote.age,
-        math.cos(n.angle), side_speed, side_range, crosses,
+        n.s - base, n.d, n.v_s, n.half_length, n.half_width, half_l, half_w,
+        rate, reported_rate(n), remote.age, math.cos(n.angle), side_speed, side_range, crosses,
         remote.x, remote.y, remote.psi, remote.v_x, remote.a_x, remote.r, *_half_body(n),
         0.125 * remote.length**2, n.added_width,
         0.5 * remote.width - 2.0 * remote.sigma_across,  # a corner in a lane does not make it drive there
@@ -127,13 +131,26 @@ def _lateral_motion(
     if abs(v_d) < certificate.side_speed and not turned:
         return d, 0.0, 0.0, False
     side = math.copysign(1.0, v_d)
-    lanes = [lane for lane in road.lanes if lane.start <= n.s <= lane.end]
+    lanes = _lanes_at(road, n.s)
     # the center of the body may be so far from that of what it covers, which is compared
     ahead = [x + n.added_width for lane in lanes if (x := (lane.d - n.d) * side) > 0.2 + n.added_width]
     reach = min(ahead) if ahead else 1.5 * abs(v_d)
     beyond = [(d - lane.d) * side for lane in lanes if abs(d - lane.d) <= 0.5 * lane.width]
     keeps = not turned and bool(beyond) and min(beyond) < certificate.side_offset
     return (d if keeps else n.d), v_d, reach, not keeps
+
+
+def _distance_home(n: FrenetVehicle, road: Road) -> float:
+    """Return how far to the left an oncoming vehicle has to its lane [m]; 0 if it is in one, or has none."""
+    if n.v_s > -STANDSTILL_SPEED:
+        return 0.0
+    lanes = [lane for lane in _lanes_at(road, n.s) if lane.direction < 0]
+    is_home = any(lane.right <= n.d <= lane.left for lane in lanes)
+    return 0.0 if is_home else min((lane.d - n.d for lane in lanes), key=abs, default=0.0)
+
+
+def _lanes_at(road: Road, s: float) -> list[Lane]:
+    return [lane for lane in road.lanes if lane.start <= s <= lane.end]
 
 
 def _assumed_vehicles(

@@ -18,6 +18,8 @@ from tests.support.planner_drives import (
     CAR,
     CYCLE,
     ClosedLoop,
+    CrossingVehicle,
+    ReturningVehicle,
     ScriptedVehicle,
     TurningVehicle,
     make_planner,
@@ -73,6 +75,49 @@ class TestHazards:
         need = (40.0 - speed) ** 2 / (2.0 * (gap - 4.5))
         assert min(c.a_x for c in run.commands[:50]) < -1.5 * need
         assert run.gaps["R"] > 9.0
+
+    @pytest.mark.parametrize(
+        ("v", "speed", "gap", "begin"),
+        [
+            (40.0, 29.5, 42.0, 4.5), (40.0, 24.0, 60.0, 4.5), (40.0, 20.0, 80.0, 4.5),
+            (40.0, 29.5, 42.0, 2.5), (30.0, 20.0, 35.0, 2.0), (30.0, 20.0, 45.0, 3.0),
+            (30.0, 24.0, 25.0, 2.0), (33.0, 28.0, 30.0, 2.0), (25.0, 25.0, 10.0, 2.0),
+            (25.0, 23.0, 12.0, 1.5), (20.0, 12.0, 25.0, 2.0), (20.0, 10.0, 30.0, 3.0),
+        ],
+    )  # fmt: skip
+    def test_lead_braking_after_first_sight_is_not_hit(
+        self, v: float, speed: float, gap: float, begin: float
+    ) -> None:
+        """Nothing is certified at first: the ego brakes the harder the greater the impact may be."""
+        planner = Planner(CAR, Road(straight(2000.0)), cruise_speed=v, evasion=ALL_KNOWN)
+        lead = ScriptedVehicle("R", gap, 0.0, speed, a=lambda t: -7.0 if t >= begin else 0.0)
+        run = ClosedLoop(planner, [lead], 10.0, v=v)
+        assert run.gaps["R"] > 1.0
+        if v - speed <= 10.0 and gap >= 42.0:
+            assert min(c.a_x for c in run.commands[: round(begin / CYCLE)]) > -5.0
+
+    @pytest.mark.parametrize("gap", [180.0, 220.0])
+    @pytest.mark.parametrize("speed", [12.0, 18.0])
+    @pytest.mark.parametrize("begin", [3.0, 4.0])
+    @pytest.mark.parametrize("shoulder", [False, True])
+    def test_oncoming_overtaker_can_return_to_its_lane(
+        self, gap: float, speed: float, begin: float, shoulder: bool
+    ) -> None:
+        """It comes towards the ego in the ego's lane; it may return to its own, where the ego must not be."""
+        lanes = (Lane(d=0.0), Lane(d=3.5, direction=-1), *([Lane(d=-2.75, width=2.0)] if shoulder else []))
+        planner = Planner(CAR, Road(straight(), lanes), cruise_speed=20.0, evasion=ALL_KNOWN)
+        run = ClosedLoop(planner, [ReturningVehicle(gap, speed, begin=begin)], 9.0)
+        assert run.gaps["O"] > 0.5
+        assert "EVADE_LEFT" not in run.actions
+
+    @pytest.mark.parametrize(("speed", "braking"), [(10.0, 3.5), (10.0, 4.5), (13.0, 4.5)])
+    def test_braking_of_a_crossing_car_is_believed(self, speed: float, braking: float) -> None:
+        """It stops 5 m from the ego's lane, 60 m ahead; the ego at 20 m/s need not stop for it."""
+        begin = -1.75 - 5.25 - speed**2 / (2.0 * braking)
+        crossing = CrossingVehicle("X", 60.0, begin, speed, a=lambda t: -braking, psi=0.5 * math.pi)
+        run = ClosedLoop(make_planner(None), [crossing], 5.0)
+        assert run.gaps["X"] > 3.0
+        assert min(run.v) > 9.0
 
     @pytest.mark.parametrize("gap", [0.0, -5.0])
     def test_maneuver_is_canceled_within_lane(self, gap: float) -> None:

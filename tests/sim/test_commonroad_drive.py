@@ -259,4 +259,4 @@ def test_goal_at_bumper_is_not_forced_by_default(data_dir: Path, plant: str) -> 
     assert gap == pytest.approx(0.39, abs=0.01)
     assert not run.summary()["reached"]
     assert run.t[-1] == pytest.approx(2.0)
-    assert run.decisions[-1][1] == "FOLLOW"
+    assert run.decisions[-1][1] == "BRAKE"

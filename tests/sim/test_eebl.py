@@ -103,7 +103,7 @@ def test_connected_ego_alone_helps() -> None:
 
 @pytest.mark.parametrize(
     ("delay", "planner", "full"),
-    [(0.0, 4.45, 9.4), (0.1, 4.34, 6.4), (0.2, 1.81, 3.5), (0.3, 0.59, 0.6), (0.4, -4.06, -4.1)],
+    [(0.0, 4.45, 9.4), (0.1, 4.22, 6.4), (0.2, 2.38, 3.5), (0.3, 0.59, 0.6), (0.4, -4.06, -4.1)],
 )
 def test_sensor_delay_decides_collision(delay: float, planner: float, full: float) -> None:
     """The table of the simulation page: gap at standstill [m], or minus the collision speed [m/s]."""

@@ -107,6 +107,28 @@ class LaneLeavingVehicle(ScriptedVehicle):
             self.d = quintic_step(self.z, self.offset)
 
 
+class ReturningVehicle(ScriptedVehicle):
+    """Comes towards the ego in the ego's lane, and changes to its own within seconds from a time on."""
+
+    def __init__(self, gap: float, v: float, *, begin: float, speed: float = 2.0) -> None:
+        super().__init__("O", gap, 0.0, v, psi=math.pi)
+        self.begin, self.speed, self.t = begin, speed, 0.0
+
+    def record(self) -> RemoteVehicle:
+        aside = self.speed if self.is_returning else 0.0
+        return replace(super().record(), psi=math.pi - math.asin(aside / self.v))
+
+    @property
+    def is_returning(self) -> bool:
+        return self.t >= self.begin and self.d < 3.5
+
+    def move(self, t: float) -> None:
+        super().move(t)
+        self.t = t
+        if self.is_returning:
+            self.d = min(self.d + self.speed * CYCLE, 3.5)
+
+
 class WobblingVehicle(ScriptedVehicle):
     """Keeps its lane, and reports a heading that swings."""
 
@@ -143,6 +165,8 @@ class CrossingVehicle(ScriptedVehicle):
     """Crosses the road at one station, with heading 90 degrees or -90 degrees."""
 
     def move(self, t: float) -> None:
+        self.a_x = self.a(t) if self.v > 0.0 else 0.0
+        self.v = max(self.v + self.a_x * CYCLE, 0.0)
         self.d += math.sin(self.psi) * self.v * CYCLE
 
 
