@@ -112,7 +112,8 @@ class CertificateSettings:
     touch_kept : float
         The same of the plan that is being driven [m]: less, so that it is kept.
     foresight : float
-        Time constant with which the weight of a predicted impact falls [s].
+        Time constant with which the weight of a predicted impact falls [s]; for what is left with full braking
+        in the time until the vehicle is met at the present speeds.
     exposure : float
         Weight of an impact speed in the worst case, added to the lack of a nominal gap [s].
     response : float
@@ -217,9 +218,9 @@ class CostSettings:
         Of a plan without certificate: of its impact speed in the worst case [s^2/m].
     severity, at_stake : float
         Of a plan that comes too close: of its severity if the ego brakes fully after the reaction time [s],
-        and of what that avoids.
+        and of its impact without that, which counts less if it comes later [s^3/m^2].
     astray : float
-        Of a path that does not end in the ego lane [s].
+        Of a path that does not end in the ego lane, or in the one that it changes to [s].
     risk : float
         Of following so closely that a lead vehicle's hardest braking would need more than `risk_braking`,
         over time [-]; it grows with the square of the excess.

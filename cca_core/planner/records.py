@@ -178,7 +178,7 @@ class Plan:
     severity: float = 0.0
     is_prolonged: bool = False  # it has no new certificate, but the last one is still valid
     exposure: float = 0.0  # impact speed in the worst case, with full braking after the reaction time [m/s]
-    at_stake: float = 0.0  # severity that full braking a little later avoids [-]
+    at_stake: float = 0.0  # squared impact speed without it, less if it comes later [m^2/s^2]
     peril: float = 0.0  # what both cost, when all plans come too close [s]
     impact_id: str = ""
     rejection: Rejection | None = None
