@@ -112,8 +112,8 @@ class CertificateSettings:
     touch_kept : float
         The same of the plan that is being driven [m]: less, so that it is kept.
     foresight : float
-        Time constant with which the weight of a predicted impact falls [s]; for what is left with full braking
-        in the time until the vehicle is met at the present speeds.
+        Time constant with which the weight of a predicted impact falls [s]. If the ego brakes fully, the time
+        until the vehicle is met at the present speeds counts.
     exposure : float
         Weight of an impact speed in the worst case, added to the lack of a nominal gap [s].
     response : float

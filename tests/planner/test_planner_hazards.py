@@ -85,7 +85,7 @@ class TestHazards:
             (25.0, 23.0, 12.0, 1.5), (20.0, 12.0, 25.0, 2.0), (20.0, 10.0, 30.0, 3.0),
         ],
     )  # fmt: skip
-    def test_lead_braking_after_first_sight_is_not_hit(
+    def test_lead_braking_after_cut_in_is_not_hit(
         self, v: float, speed: float, gap: float, begin: float
     ) -> None:
         """Nothing is certified at first: the ego brakes the harder the greater the impact may be."""
