@@ -110,6 +110,17 @@ class TestHazards:
         assert run.gaps["O"] > 0.5
         assert "EVADE_LEFT" not in run.actions
 
+    @pytest.mark.parametrize(("d", "action"), [(-3.0, "KEEP"), (-1.4, "EVADE_LEFT")])
+    def test_cyclist_at_the_edge_against_traffic_is_passed(self, d: float, action: str) -> None:
+        """It drives neither in the opposing lane nor in the middle of the ego's, and will not return."""
+        lanes = Lane(d=0.0), Lane(d=3.5, direction=-1), Lane(d=-3.0, width=2.5)
+        planner = Planner(CAR, Road(straight(), lanes), cruise_speed=20.0, evasion=ALL_KNOWN)
+        cyclist = ScriptedVehicle("C", 150.0, d, 5.0, psi=math.pi, length=2.0, width=0.8)
+        run = ClosedLoop(planner, [cyclist], 6.0)
+        assert min(run.v) > 19.0
+        assert run.actions[-1] == action
+        assert run.gaps["C"] > 1.0
+
     @pytest.mark.parametrize(("speed", "braking"), [(10.0, 3.5), (10.0, 4.5), (13.0, 4.5)])
     def test_braking_of_a_crossing_car_is_believed(self, speed: float, braking: float) -> None:
         """It stops 5 m from the ego's lane, 60 m ahead; the ego at 20 m/s need not stop for it."""
