@@ -95,6 +95,9 @@ def _columns(
     nominal = n.nominal() if n.is_stale else n
     half_l, half_w = _half_body(nominal) if crosses else (nominal.half_length, nominal.half_width)
     d, side_speed, side_range, leaves = _lateral_motion(n, observation, road, settings)
+    if not (leaves or crosses):
+        inward, excess = _excess(n, half_w, road)
+        d, half_w = d - 0.5 * inward * excess, half_w - 0.5 * excess
     aside = 0.0 if leaves or crosses else _distance_home(n, road)
     if aside:  # it may return before or after they meet
         d, half_w = d + 0.5 * aside, half_w + 0.5 * abs(aside)
@@ -139,6 +142,19 @@ def _lateral_motion(
     beyond = [(d - lane.d) * side for lane in lanes if abs(d - lane.d) <= 0.5 * lane.width]
     keeps = not turned and bool(beyond) and min(beyond) < certificate.side_offset
     return (d if keeps else n.d), v_d, reach, not keeps
+
+
+def _excess(n: FrenetVehicle, half_w: float, road: Road) -> tuple[float, float]:
+    """Return the side of the ego lane, left positive, and how far a bound exceeds the other lane [m].
+
+    A vehicle that drives along another lane keeps to it, as far as its reported body does.
+    """
+    lane = next((lane for lane in _lanes_at(road, n.s) if lane.right <= n.d <= lane.left), road.ego_lane)
+    inward = math.copysign(1.0, road.ego_lane.d - lane.d)
+    if lane is road.ego_lane or abs(n.v_s) <= STANDSTILL_SPEED or lane.direction * n.v_s < 0.0:
+        return inward, 0.0
+    d, boundary = inward * n.d, inward * (lane.left if inward > 0.0 else lane.right)
+    return inward, max(d + half_w - max(boundary, d + n.body_half_width), 0.0)
 
 
 def _distance_home(n: FrenetVehicle, road: Road) -> float:
