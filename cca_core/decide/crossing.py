@@ -109,7 +109,7 @@ class Conflict:
     def must_yield(self) -> bool:
         """Whether the ego must stop before the area; an ego that is inside must clear it instead.
 
-        The property does not check whether the ego can still stop. If it cannot, the planner compares both.
+        The property does not check whether the ego can still stop.
         """
         return not self.is_clear and self.distance > 0.0
 

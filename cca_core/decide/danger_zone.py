@@ -39,8 +39,8 @@ def danger_zone_end(
 
     Notes
     -----
-    This form holds only for a faster vehicle in the same direction whose front bumper is at X_1. Decisions
-    use `danger_zone`.
+    This form holds only for a faster vehicle in the same direction whose front bumper is at X_1.
+    `danger_zone` is the general form.
 
     Examples
     --------

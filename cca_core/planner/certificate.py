@@ -21,19 +21,20 @@ class Grade(IntEnum):
     Attributes
     ----------
     COMFORTABLE
-        The worst case: no vehicle within the declared bounds can touch an ego that drives its safe stop,
-        which brakes in comfort.
+        The worst case: no vehicle within the declared bounds can touch an ego that drives its safe stop. The
+        stop needs at most `CertificateSettings.comfortable_braking`; in a maneuver, the path is comfortable.
     FULL
-        The same; the safe stop brakes harder.
+        The same; the stop needs more, or the path is beyond comfort.
     RESPONSE
-        The worst case cannot be excluded. The ego brakes in comfort or harder until it can, the proper
-        response of RSS.
+        The worst case cannot be excluded. Until it can, the ego brakes in comfort or harder, up to fully:
+        the proper response of RSS.
     NOMINAL
         The nominal motion of others only.
     SEVERITY
         Nothing: a collision or too small a gap is predicted, and the least severe plan is driven.
     REFUSED
-        The same in an adjacent lane that is not known to be free; such a plan is driven if there is no other.
+        The same in an adjacent lane that is not known to be free, or past a stop line ahead of a crossing
+        vehicle. Such a plan is driven if there is no other.
     """
 
     COMFORTABLE = 0
@@ -108,7 +109,8 @@ class Certificate:
         What it is certified against.
     braking : float
         Deceleration that the safe stop needs [m/s^2]; 0 if the plan is safe in the worst case without, for
-        all of its 20 s; infinite if none suffices.
+        all of its 20 s; infinite if none suffices. Of a maneuver it is
+        `CertificateSettings.comfortable_braking`, although the stop may brake harder.
     gap : float
         Least gap to the nominal motion of other vehicles [m], negative if they overlap; infinite without any.
     vehicle_id : str

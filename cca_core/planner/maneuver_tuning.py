@@ -15,11 +15,11 @@ class LastResortSettings:
     grip_fraction : float
         Fraction of the grip that limits the lateral acceleration [-].
     clearance : float
-        Clearance of the narrowest maneuver [m].
+        Clearance of the narrowest maneuver [m]; 0.2 if this is more.
     min_ttc : float
         Time to collision of the latest maneuver [s].
     lateral_acceleration : float
-        Peak lateral acceleration of the sharpest maneuver [m/s^2], at most half the grip.
+        Peak lateral acceleration at which a sharp maneuver aims [m/s^2]; at most half the grip counts.
     walking_pace : float
         Speed below which the ego may pull out from behind a vehicle as sharply as it can steer [m/s].
     pull_out_stiffness : float
@@ -120,14 +120,15 @@ class CertificateSettings:
         Least braking of a proper response, over what the present speed of the lead vehicle needs [-].
     mild_impact, severe_impact : float
         Impact speed [m/s] into a lead vehicle that brakes at once, if the ego brakes fully after the reaction
-        time. Up to the first one a proper response is comfortable, from the second one on it is full braking.
+        time. Up to the first one it asks for no more than a comfortable proper response, from the second one
+        on for full braking.
     margin : float
         Distance along the road that a new plan keeps beyond the worst case [m].
     duty_delay : float
         Time after the return from which on vehicles behind the ego keep their distance [s].
     silence_time : float
-        Time from which on a stale vehicle is answered by full braking, if no comfortable end is safe [s]; the
-        answer grows from comfort, because one or two lost messages more are no danger yet.
+        Time after a vehicle became stale from which on it is answered by full braking, if no comfortable end
+        is safe [s]; the answer grows from comfort, because one or two lost messages more are no danger yet.
     look_time : float
         Time for which a vehicle is followed before it is in the path [s].
     lag : float
@@ -138,8 +139,8 @@ class CertificateSettings:
         Distance from the middle of its lane [m] up to which lateral speed is no lane change, because drivers
         correct their course within a lane, and a heading is known to one or two degrees.
     return_speed : float
-        Lateral speed with which an oncoming vehicle returns that drives outside the lanes of its direction
-        [m/s].
+        Lateral speed with which an oncoming vehicle returns that drives in the middle of a lane next to one
+        of its direction [m/s].
     acceleration_time, braking_time : float
         Time for which a reported acceleration or deceleration is expected to last [s].
 
@@ -187,7 +188,7 @@ class CostSettings:
     speed : float
         Of the speed missing at the horizon, as a fraction of the cruise speed [s].
     a_x, a_y : float
-        Of the squared accelerations over time [s^3/m^2].
+        Of the squared accelerations over time [s^3/m^2]; speeding up counts less than braking.
     jerk : float
         Of the squared longitudinal jerk over time [s^5/m^2]: of two plans that are as fast, the one that
         brakes and releases less often.
@@ -199,7 +200,7 @@ class CostSettings:
         Of passing on the inner side [s]: on the right in right-hand traffic, on the left in left-hand traffic
         (`EvasionSettings.traffic_side`).
     lane : float
-        Of not changing to a lane that was requested [s].
+        Of not changing to a lane that was requested, and of changing to another one [s].
     change, replan, abort : float
         Of another intention, of a new path of the same, and of returning before a pass is complete [s].
     narrow, hard : float

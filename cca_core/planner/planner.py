@@ -172,8 +172,9 @@ class Planner:
         """Change to another lane for good, as soon as it is clear.
 
         The change is checked like every maneuver: the lane must be known to be clear (eq 11), drivers behind
-        in it must have the time to react, and the plan is certified. Until then the ego drives on; it slows
-        down by up to 1.5 m/s to let a vehicle alongside pass. The reason names the vehicle that it waits for.
+        in it must have the time to react, and the plan is certified. Until then the ego drives on. If a
+        vehicle alongside is about as fast, the ego falls back to a speed up to 2.5 m/s lower than that
+        vehicle's and lets it pass (`LaneChangeSettings`). The reason names the vehicle that it waits for.
         Once its body is inside the lane, that is the ego lane, and obstacles are evaded from there. Several
         lanes are changed one by one. A request replaces the last one, also within a change; a change that
         has begun is then aborted if the way back is clear.

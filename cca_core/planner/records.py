@@ -210,7 +210,7 @@ class DrivenPlan:
     path: LateralPath
     reference: Path
     profile: Profile
-    s: Array  # stations at `occupancy.TIMES` [m]
+    s: Array  # stations at `scene.TIMES` [m]
     v: Array
     a: Array
     a_0: float

@@ -55,10 +55,12 @@ class EvasionSettings:
     lane_entry_tolerance : float
         Distance beyond a lane boundary up to which a body is not yet in the lane [m].
     assumed_braking : float
-        Assumed maximum deceleration of other vehicles [m/s^2].
+        Assumed maximum deceleration of other vehicles along the route [m/s^2]; `crossing` has that of
+        vehicles that cross it.
     assumed_acceleration : float
-        Assumed maximum acceleration of other vehicles [m/s^2]. With this and `assumed_braking` at 0, every
-        vehicle keeps its current motion (the paper's assumption).
+        Assumed maximum acceleration of other vehicles along the route [m/s^2], up to the speed limit or to
+        0.5 m/s above their speed. With this and `assumed_braking` at 0, every vehicle keeps its current
+        motion (the paper's assumption).
     assumed_acceleration_passed : float
         The same of the overtaken vehicle [m/s^2].
     rear_reaction_time : float

@@ -88,7 +88,7 @@ class ActuationSettings:
     curve_acceleration : float
         Lateral acceleration that limits the speed in curves [m/s^2].
     safe_stop_deceleration : float
-        Deceleration of a safe stop [m/s^2].
+        Deceleration of a safe stop without a plan, or if no vehicle asks for another [m/s^2].
 
     Raises
     ------
@@ -115,8 +115,8 @@ class LeadSettings:
     blocking_gap : float
         Lateral gap to the path below which a vehicle is in its way [m].
     passing_distance : float
-        Distance kept behind a single stationary vehicle next to a lane, so that it can be passed from
-        standstill [m].
+        Distance kept, beyond the standstill gap, behind a single vehicle that comes to rest next to a clear
+        lane, so that it can be passed from standstill [m].
     queue_gap : float
         Gap to the next vehicle below which a stationary vehicle is in a queue [m].
     firm_braking : float

@@ -14,7 +14,7 @@ from cca_core.sim.scenarios.scenario import LANE_WIDTH, Scenario
 from cca_core.v2x import ChannelSettings
 
 CURBSIDE_CASES = ("fast", "slow")
-"""25 m/s, at which the ego evades, and 13.9 m/s, at which it brakes."""
+"""The ego drives 25 m/s or 13.9 m/s."""
 
 
 def curbside(
