@@ -30,7 +30,8 @@ class NoGainsError(InfeasibleError):
     region : StabilityRegion, optional
         Nearest region that works at all requested speeds up to `max_speed`; None if none was found.
     max_speed : float
-        Speed up to which `region` works [m/s]; infinite if it works at all requested speeds.
+        Speed up to which `region` works [m/s]; ``math.inf``, and never None, if it works at all requested
+        speeds or if there is no `region`.
     """
 
     def __init__(

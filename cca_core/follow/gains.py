@@ -46,7 +46,8 @@ def design_gains(
     InputError
         If an argument is out of range.
     NoGainsError
-        If no gains are admissible at some speed. It ends with the nearest region that works at all speeds.
+        If no gains are admissible at some speed. It ends with the nearest region that works at all speeds
+        (then its `max_speed` is infinite), or else with one that works up to its `max_speed`.
 
     Warns
     -----

@@ -11,6 +11,9 @@ from cca_core.follow.schedule import PreviewGains
 from cca_core.kernel.steering import SIDESLIP_FRACTION
 from cca_core.vehicle import VehicleParams
 
+LOOP_DELAY = 0.08
+"""Dead time of the steering loop, on top of the steering lag [s]: computation, sample and hold."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Margins:
@@ -42,7 +45,7 @@ class Margins:
 
 
 def stability_margins(
-    vehicle: VehicleParams, gains: PreviewGains, v_x: float, *, delay: float = 0.04
+    vehicle: VehicleParams, gains: PreviewGains, v_x: float, *, delay: float = LOOP_DELAY
 ) -> Margins:
     """Margins of the steering loop, opened at the steering command.
 
@@ -55,7 +58,7 @@ def stability_margins(
     v_x : float
         Speed [m/s], positive.
     delay : float
-        Dead time of the loop [s].
+        Dead time of the loop [s], on top of the steering lag; the default is that of `StabilityRegion`.
 
     Returns
     -------

@@ -32,6 +32,12 @@ class PreviewGains:
     ------
     InputError
         If the lengths differ, the grid does not increase, or a gain is negative.
+
+    Notes
+    -----
+    Above the last speed the ego is steered with the gains of the last speed, without a warning or a fault.
+    Their margins decrease with speed: `stability_margins` evaluates them there. A grid up to the highest
+    speed of the ego avoids this.
     """
 
     speeds: tuple[float, ...]

@@ -7,7 +7,7 @@ import numpy as np
 from cca_core._checks import Array, Mask, check_real
 from cca_core._repr import short_repr
 from cca_core.errors import InputError
-from cca_core.follow.margins import steering_loop
+from cca_core.follow.margins import LOOP_DELAY, steering_loop
 from cca_core.vehicle import VehicleParams
 
 
@@ -39,7 +39,7 @@ class StabilityRegion:
     damping: float = 0.4
     mass: tuple[float, float] = (1.0, 1.3)
     friction: tuple[float, float] = (0.6, 1.0)
-    delay: float = 0.08
+    delay: float = LOOP_DELAY
 
     def __post_init__(self) -> None:
         check_real("decay", self.decay, ge=0.0)

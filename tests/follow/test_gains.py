@@ -155,6 +155,12 @@ def test_shipped_schedules_have_robust_margins() -> None:
             assert margins.delay > 0.1
 
 
+def test_margins_have_the_delay_of_the_design_by_default() -> None:
+    assert stability_margins(BMW, shipped_gains(BMW), 20.0) == stability_margins(
+        BMW, shipped_gains(BMW), 20.0, delay=StabilityRegion().delay
+    )
+
+
 def test_unstable_loop_has_no_margin() -> None:
     """With much dead time the phase passes -180 degrees below the lowest frequency."""
     for delay in (0.5, 1.0, 2.0):
