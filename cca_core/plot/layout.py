@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from cca_core.geometry import boxes
+from cca_core.geometry import box_gap, boxes
 from cca_core.path import Path
 from cca_core.plot.labels import break_title, escape_figure_text, sanitize_text, scenario_name
 from cca_core.plot.road_surface import draw_roads
@@ -74,7 +74,7 @@ def plot_layout(scenario: Scenario) -> "Figure":
     figure : Figure
         From above. A scenario with other roads is drawn to scale in the plane, any other one along the ego's
         route with the width drawn larger. Arrows show the directions; vehicles outside of the view are named
-        at its border, with their distance.
+        at its border, with the gap to the ego.
 
     Raises
     ------
@@ -230,7 +230,7 @@ def _draw_bodies(axis: Any, shapes: list[Shape], edges: tuple[float, float] | No
     for each in shapes:
         if each not in inside:
             x, y = float(np.clip(each.x, x0, x1)), float(np.clip(each.y, y0, y1))
-            far = f"{each.body.text}, {np.hypot(each.x - ego.x, each.y - ego.y):.0f} m"
+            far = f"{each.body.text}, {_gap(ego, each, along=edges is not None):.0f} m"
             right = each.x > x1
             text = (
                 f"{far} ahead \u25b8" if right else f"\u25c2 {far} behind" if each.x < x0 else f"{far} away"
@@ -242,6 +242,14 @@ def _draw_bodies(axis: Any, shapes: list[Shape], edges: tuple[float, float] | No
             slots.write(
                 text, (x, y), each.body.color, [(step, dy, side, "center") for dy in heights], weight="bold"
             )
+
+
+def _gap(a: Shape, b: Shape, *, along: bool) -> float:
+    """Gap between two bodies, along the road or in the plane [m]."""
+    if along:
+        return max(abs(a.x - b.x) - 0.5 * (a.body.length + b.body.length), 0.0)
+    shapes = [boxes(each.x, each.y, each.psi, each.body.length, each.body.width) for each in (a, b)]
+    return float(box_gap(*shapes))
 
 
 def _rows(axis: Any, y: float, edges: tuple[float, float]) -> list[Offset]:

@@ -192,7 +192,9 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
     axis.plot(*behind.T, color=COLORS.ego, linewidth=1.2)
     axis.plot(*ahead.T, color=COLORS.ego, linewidth=1.0, linestyle=":")
     slots, inside, outside = TextSlots(axis, ground=COLORS.road), [], []
-    oncoming = {user.id for user in log.scenario.road_users if user.direction < 0}
+    ego, users = log.scenario.vehicle.box_offset, log.scenario.road_users
+    lengths = {"ego": log.scenario.vehicle.length, **{user.id: user.length for user in users}}
+    oncoming = {user.id for user in users if user.direction < 0}
     for id_, box, v in _boxes(log, row):
         box = box - (s, 0.0)
         x, d = box.mean(axis=0).tolist()
@@ -212,11 +214,8 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
             )
         else:
             is_ahead = x > 0.0
-            text = (
-                f"{text}, {abs(x):.0f} m ahead \u25b8"
-                if is_ahead
-                else f"\u25c2 {text}, {abs(x):.0f} m behind"
-            )
+            gap = max(abs(x - ego) - 0.5 * (lengths[id_] + lengths["ego"]), 0.0)
+            text = f"{text}, {gap:.0f} m ahead \u25b8" if is_ahead else f"\u25c2 {text}, {gap:.0f} m behind"
             rows = _rows(log, d)
             shifts = [(4.0, dy) for dy in rows] + [(60.0, dy) for dy in rows]
             side = "right" if is_ahead else "left"

@@ -165,9 +165,9 @@ def describe_participants(log: Log) -> str:
     Returns
     -------
     text : str
-        Speed, lane and distance of each road user, or the time at which it appears.
+        Speed, lane and gap to the ego of each road user, or the time at which it appears.
     """
-    lane = log.scenario.road.ego_lane
+    lane, vehicle, gaps = log.scenario.road.ego_lane, log.scenario.vehicle, log.gaps()[0]
     parts = [f"The ego's cruise speed is {log.scenario.cruise_speed:.0f} m/s"]
     for i, (user, (s, d)) in enumerate(zip(log.scenario.road_users, log.user_frenet[0], strict=True)):
         if not log.present[0, i]:
@@ -176,11 +176,11 @@ def describe_participants(log: Log) -> str:
             continue
         motion = f"drives at {user.v_x:.0f} m/s" if user.v_x > 0.0 else "is stationary"
         if user.route is not None:
-            distance = np.hypot(*(log.road_users[0, i, :2] - log.ego[0, :2]))
-            parts.append(f"{user.id} {motion} on another road, {distance:.0f} m away")
+            parts.append(f"{user.id} {motion} on another road, {gaps[i]:.0f} m away")
             continue
-        ahead = s - log.ego_frenet[0, 0]
-        where = f"{abs(ahead):.0f} m {'ahead' if ahead > 0.0 else 'behind'}"
+        ahead = s - log.ego_frenet[0, 0] - vehicle.box_offset
+        gap = abs(ahead) - 0.5 * (user.length + vehicle.length)
+        where = f"{gap:.0f} m {'ahead' if ahead > 0.0 else 'behind'}" if gap > 0.0 else "alongside"
         side = "ego" if lane.right < d < lane.left else "left" if d > 0.0 else "right"
         oncoming = ", oncoming" if user.direction < 0 else ""
         parts.append(f"{user.id} {motion} in the {side} lane, {where}{oncoming}")

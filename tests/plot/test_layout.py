@@ -18,7 +18,7 @@ def test_layout_names_all_vehicles(scenario: Scenario) -> None:
 
 def test_layout_names_distant_vehicles_at_the_border(run: Run) -> None:
     (axis,) = plot_layout(run("maneuver", "2", "v2v").scenario).axes
-    assert "A: 35 m/s, 205 m behind" in " ".join(text.get_text() for text in axis.texts)
+    assert "A: 35 m/s, 200 m behind" in " ".join(text.get_text() for text in axis.texts)
 
 
 def test_layout_distances_are_to_scale() -> None:
@@ -35,4 +35,4 @@ def test_layout_without_other_vehicles_has_one_axis(alone: Log) -> None:
 
 def test_layout_names_oncoming_vehicles(run: Run) -> None:
     (axis,) = plot_layout(run("maneuver", "3", "v2v").scenario).axes
-    assert "A: 20 m/s oncoming, 850 m ahead" in " ".join(text.get_text() for text in axis.texts)
+    assert "A: 20 m/s oncoming, 846 m ahead" in " ".join(text.get_text() for text in axis.texts)

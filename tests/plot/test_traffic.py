@@ -46,6 +46,17 @@ def test_strip_shows_near_vehicles_at_their_positions(waiting: Log) -> None:
     assert {f"ego@{number}" for number in (1, 2, 3)} <= {text.get_gid() for text in overview.texts}
 
 
+def test_distance_of_a_vehicle_out_of_view_is_its_gap(waiting: Log) -> None:
+    row = int(np.argmax(waiting.gaps()[:, 2]))
+    strip = plot_traffic(waiting, times=[float(waiting.t[row])]).axes[1]
+    user = waiting.scenario.road_users[2]
+    center = waiting.ego_frenet[row, 0] + waiting.scenario.vehicle.box_offset
+    ahead = waiting.user_frenet[row, 2, 0] - center
+    gap = abs(ahead) - 0.5 * (user.length + waiting.scenario.vehicle.length)
+    texts = " ".join(text.get_text() for text in strip.texts)
+    assert f"m/s, {gap:.0f} m {'ahead' if ahead > 0.0 else 'behind'}" in texts
+
+
 def test_ego_is_shown_at_its_body_not_center_of_gravity(waiting: Log) -> None:
     ahead = replace(waiting.scenario.vehicle, box_offset=1.0)
     log = replace(waiting, scenario=replace(waiting.scenario, vehicle=ahead))

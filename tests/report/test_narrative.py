@@ -84,6 +84,17 @@ def test_participants_are_described_with_lane_and_distance(run: Run) -> None:
     assert "A drives at 35 m/s in the left lane" in text
 
 
+def test_participants_are_described_with_the_gap_to_the_ego(run: Run) -> None:
+    log = run("eebl", "C", "v2v")
+    assert f"in the ego lane, {log.gaps()[0, 0]:.0f} m ahead;" in describe_participants(log)
+    shifted = log.user_frenet.copy()
+    shifted[0, 0, 0] = log.ego_frenet[0, 0] + 1.0
+    assert "in the ego lane, alongside;" in describe_participants(replace(log, user_frenet=shifted))
+    log = run("ima", "left-turn", "v2v")
+    gaps = log.gaps()[0]
+    assert all(f"on another road, {gap:.0f} m away" in describe_participants(log) for gap in gaps[:1])
+
+
 def test_headline_counts_collisions(run: Run) -> None:
     logs = [
         run("eebl", "A", "driver"), run("eebl", "C", "v2v"), run("ima", "left-turn", "driver"),
