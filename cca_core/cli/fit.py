@@ -114,7 +114,7 @@ def _print_facts(file: FilePath, path: Path, points: Waypoints, rms: float, clea
     _print("length", f"{path.length:.1f} m" + (", closed" if cleaning.closed else ""))
     if report is not None:
         noise = "" if report.noise is None else f", from a noise of {report.noise:.2g} m"
-        _print("tolerance", f"{report.tolerance:.2g} m{noise}")
+        _print("tolerance", f"{report.tolerance_text}{noise}")
         _print("max error", f"{report.max_deviation:.2f} m at s = {report.s_max_deviation:.0f} m")
     _print("rms error", f"{rms:.2f} m")
     _print("tightest curve", _tightest(path))

@@ -41,8 +41,13 @@ class FitReport:
         """Text of the largest deviation and where it is."""
         return f"max deviation {self.max_deviation:.2f} m at s={self.s_max_deviation:.1f}"
 
+    @property
+    def tolerance_text(self) -> str:
+        """Tolerance with the digits of the largest deviation, or more if it is small."""
+        return f"{self.tolerance:.2f} m" if self.tolerance >= 0.1 else f"{self.tolerance:.2g} m"
+
     def __repr__(self) -> str:
-        parts = [f"tolerance {self.tolerance:.2g} m"]
+        parts = [f"tolerance {self.tolerance_text}"]
         if self.noise is not None:
             parts.append(f"noise {self.noise:.2g} m")
         parts.append(self.farthest)

@@ -52,6 +52,7 @@ def test_rms_error_is_that_of_the_noise(tmp_path: Path, capsys: pytest.CaptureFi
     found = facts(capsys.readouterr().out)
     assert float(found["rms error"].split()[0]) == pytest.approx(0.5, abs=0.05)
     assert found["tightest curve"] == "none, the road is straight"
+    assert found["tolerance"] == "3.00 m"
 
 
 def test_picture_has_the_name_of_the_route(

@@ -1,6 +1,7 @@
 """Fits with chosen tolerance: noise, outliers, ordinary receivers; fits of any points are bounded."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cca_core.errors import InfeasibleError
-from cca_core.path import Path, clean_route, fit_path
+from cca_core.path import FitReport, Path, clean_route, fit_path
 from tests.support.drives import drive_at_curve_speed
 from tests.support.gps_tracks import ordinary_receiver, winding
 
@@ -84,6 +85,16 @@ def test_outlier_beyond_max_deviation_is_refused() -> None:
     with pytest.raises(InfeasibleError, match=r"row 60 by \d\.\d m") as error:
         fit_path(xy, max_deviation=3.0)
     assert isinstance(error.value.result, Path)
+
+
+def test_report_shows_tolerance_and_deviation_in_the_same_digits() -> None:
+    none = np.zeros(0, dtype=np.intp)
+    report = FitReport(
+        tolerance=4.013, noise=1.216, max_deviation=4.01, s_max_deviation=154.4, missed=none,
+        missed_by=np.zeros(0), outliers=none,
+    )  # fmt: skip
+    assert repr(report) == "FitReport(tolerance 4.01 m; noise 1.2 m; max deviation 4.01 m at s=154.4)"
+    assert "tolerance 0.015 m" in repr(replace(report, tolerance=0.015))
 
 
 def test_report_and_repr_name_deviation_and_radius() -> None:
