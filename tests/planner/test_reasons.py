@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cca_core import Lane, Planner, RemoteVehicle, Road, fit_path
+from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleState, fit_path
 from cca_core.planner import EvasionSettings
 from cca_core.sim import Scenario, curbside, eebl, ima, make_planner, overtaking, simulate
 from tests.support.crowds import CROWDS, drive
 from tests.support.planner_drives import (
     ALL_KNOWN,
     CAR,
+    CYCLE,
     TWO_LANES,
     ClosedLoop,
     CrossingVehicle,
@@ -84,7 +85,34 @@ def test_speed_limit_and_cruise_speed_are_named() -> None:
     cruise = Reasons(seconds=5.0, event=slower)
     assert "slowing to 12.0 m/s: cruise speed" in cruise.texts
     posted = Reasons(road=Road(straight(), speed_limits=[(0.0, 20.0), (200.0, 12.0)]), seconds=6.0)
-    assert re.match(r"slowing to 11.9 m/s: speed limit in \d+ m$", posted.texts[posted.begin("slowing to 1")])
+    k = posted.begin("slowing to 1")
+    found = re.match(r"slowing to 11.9 m/s: speed limit in (\d+) m$", posted.texts[k])
+    assert found is not None
+    assert float(found[1]) + posted.run.x[k] == pytest.approx(200.0, abs=1.0)
+
+
+def slowing_reason(road: Road, s: float, v: float) -> str:
+    """Reason of an ego that is too fast, after half a second."""
+    planner, path = Planner(CAR, road, cruise_speed=40.0), road.path
+    for k in range(25):
+        ds = k * CYCLE * v
+        (x, y), psi = path.position(s + ds), float(path.heading(s + ds))
+        command = planner.step(k * CYCLE, VehicleState(x=float(x), y=float(y), psi=psi, v_x=v), [])
+    return command.decision.reason
+
+
+def test_limit_that_holds_already_is_here() -> None:
+    assert slowing_reason(Road(straight()), 20.0, 40.0) == "slowing to 36.0 m/s: speed limit here"
+    signs = Road(straight(), speed_limits=[(0.0, 25.0), (700.0, 15.0)])
+    assert slowing_reason(signs, 20.0, 33.0) == "slowing to 25.0 m/s: speed limit here"
+    assert re.match(r"slowing to 14.9 m/s: speed limit in \d+ m$", slowing_reason(signs, 570.0, 24.0))
+
+
+def test_curve_that_the_ego_is_in_is_here() -> None:
+    angle = np.linspace(0.0, 3.0, 300)
+    arc = Road(fit_path(80.0 * np.column_stack((np.sin(angle), 1.0 - np.cos(angle))), tolerance=0.05))
+    text = slowing_reason(arc, 60.0, 17.0)
+    assert re.match(r"slowing to [\d.]+ m/s: curve here$", text), text
 
 
 def test_figures_of_following_are_those_of_the_cycle() -> None:
