@@ -1,5 +1,6 @@
 """Studies of a user's scenario and plant."""
 
+import json
 import math
 import subprocess
 import sys
@@ -23,8 +24,10 @@ from cca_core.sim import (
     Study,
     run_study,
 )
+from cca_core.sim.study.changes import describe_changes
 from cca_core.sim.study.parameters import sample_scenario
 from cca_core.sim.study.run import simulate_run
+from cca_core.sim.study.store import Store
 
 CAR = VehicleParams.bmw_320i()
 # the mass is not that of the car whose gains steer it
@@ -146,7 +149,8 @@ if __name__ == "__main__":
     done = subprocess.run(
         [sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True, timeout=300
     )
-    assert "path must be of the same computation" in done.stderr
+    assert "own.db' belongs to another one, which differs in: the source of the scenario" in done.stderr
+    assert '(was "ROAD = 900.0", is "ROAD = 800.0"); give another file name, or delete' in done.stderr
 
 
 def test_own_plant_in_a_study() -> None:
@@ -189,6 +193,41 @@ def test_scenario_that_cannot_be_used_raises(scenario: Any, message: str) -> Non
 def test_scenario_that_no_process_finds_raises(scenario: Any) -> None:
     with pytest.raises(InputError, match=r"scenario must be .* function or class at the top level"):
         ParameterRanges(scenario=scenario)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"seed": 2}, "seed (was 1, is 2)"),
+        ({"plant": StiffPlant}, "the plant"),
+        ({"parameters": replace(OWN, loss=(0.0, 0.1))}, "loss (was [0.0, 0.2], is [0.0, 0.1])"),
+        ({"parameters": replace(OWN, scenario=empty_road)}, "the source of the scenario"),
+        ({"parameters": replace(OWN, scenario="ima")}, "the scenario"),
+    ],
+)
+def test_file_of_another_study_names_what_changed(change: dict[str, Any], words: str, tmp_path: Path) -> None:
+    study, file = Study(parameters=OWN, runs=1), tmp_path / "a.db"
+    with Store(file, study.fingerprint):
+        pass
+    with pytest.raises(InputError) as caught:
+        run_study(replace(study, **change), file, executor=SameProcess())
+    text = str(caught.value)
+    assert f"a.db' belongs to another one, which differs in: {words}" in text
+    assert text.endswith("; give another file name, or delete this one to begin anew")
+    assert len(text) < 600
+
+
+def test_changed_line_of_a_source_is_shown() -> None:
+    before = Study(parameters=OWN, runs=1).fingerprint
+    now = before.replace("t=1.0, deceleration", "t=2.0, deceleration")
+    assert describe_changes(before, now) == (
+        'the source of the scenario (was "actions=(BrakeAction(t=1.0, deceleration=deceleration),),", '
+        'is "actions=(BrakeAction(t=2.0, deceleration=deceleration),),")'
+    )
+    other = json.dumps(json.loads(before) | {"source": "older", "retired": 1})
+    assert describe_changes(before, other) == "the version or the sources of cca_core"
+    assert describe_changes(before, before) == ""
+    assert describe_changes("[" * 100000, before) == ""
 
 
 def test_plant_object_in_a_study_raises() -> None:

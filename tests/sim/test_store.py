@@ -73,7 +73,7 @@ def test_missing_folder_raises(tmp_path: Path) -> None:
 
 
 def test_other_fingerprint_raises(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="same computation"):
+    with pytest.raises(InputError, match=r"a' belongs to another one; give another file name, or delete"):
         Store(filled(tmp_path / "a"), "y")
 
 

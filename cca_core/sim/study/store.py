@@ -10,6 +10,7 @@ from typing import Any, Self
 from cca_core._checks import shown
 from cca_core._files import parse_json
 from cca_core.errors import InputError
+from cca_core.sim.study.changes import describe_changes
 
 __all__ = ["Store"]
 
@@ -39,9 +40,11 @@ class Store:
             raise InputError(f"path must be a file of rows, or new; {shown(path)} was not: {error}") from None
         if found != fingerprint:
             self._connection.close()
+            changes = describe_changes(found, fingerprint)
             raise InputError(
-                f"path must be of the same computation and source code as before; {path} is of another one: "
-                f"{found[:200]}"
+                f"path must be of the same definition, with the same source code, or new; {shown(str(path))} "
+                f"belongs to another one{changes and f', which differs in: {changes}'}; give another file "
+                "name, or delete this one to begin anew"
             )
 
     def _open(self, fingerprint: str) -> tuple[str, dict[int | str, dict[str, Any]]]:

@@ -142,7 +142,8 @@ def run_study(
     Raises
     ------
     InputError
-        If the file belongs to another study or to other source code, or `in_flight` is not positive.
+        If the file belongs to another study or to other source code, with what changed, or `in_flight` is
+        not positive.
 
     Notes
     -----
