@@ -9,6 +9,7 @@ from cca_core.band import Band, relax_band
 from cca_core.errors import InputError
 from cca_core.geometry import boxes
 from cca_core.path import Lane, Path, Road, interpolate_path
+from cca_core.plot.legends import legend_above
 from cca_core.plot.parked_car import EXAMPLE
 from cca_core.plot.road_surface import boundary_lines
 from cca_core.plot.style import (
@@ -17,7 +18,6 @@ from cca_core.plot.style import (
     DASHES,
     ROLE_COLORS,
     draw_lanes,
-    legend_above,
     lighten,
     new_figure,
     set_text_sizes,

@@ -8,13 +8,13 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.plot.labels import ego_label, escape_figure_text, run_heading
+from cca_core.plot.legends import color_legend, figure_legend
 from cca_core.plot.style import (
     COLORS,
     COLUMN_WIDTH,
     EGO_TYPE_STYLES,
     TEXT,
     assign_colors,
-    color_legend,
     mark_collision,
     new_figure,
     set_text_sizes,
@@ -75,10 +75,7 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
     for axis in axes:
         axis.locator_params(axis="y", nbins=4, min_n_ticks=3)
     color_legend(figure, {"ego": COLORS.ego, **palette}, loc="outside upper left")
-    figure.legend(
-        *speed.get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=TEXT.legend,
-        frameon=False, columnspacing=1.0,
-    )  # fmt: skip
+    figure_legend(figure, speed.lines, loc="outside lower center", ncols=2)
     set_text_sizes(figure)
     figure.align_ylabels()
     return escape_figure_text(figure)

@@ -9,6 +9,7 @@ import numpy as np
 from cca_core.baselines.problems.compare import ComparisonRow
 from cca_core.baselines.problems.problem import Plan, Problem
 from cca_core.baselines.table1.scaling import ScalingResult
+from cca_core.plot.legends import figure_legend
 from cca_core.plot.style import (
     COLORS,
     COLUMN_WIDTH,
@@ -128,8 +129,8 @@ def _draw_scaling(axis: Any, results: Sequence[ScalingResult], styles: dict[str,
 
 
 def _draw_legend(figure: "Figure", axis: Any) -> None:
-    handles = axis.get_legend_handles_labels()
-    figure.legend(*handles, loc="outside lower center", ncols=3, fontsize=TEXT.legend, frameon=False)
+    handles = axis.get_legend_handles_labels()[0]
+    figure_legend(figure, handles, loc="outside lower center", ncols=3)
     set_text_sizes(figure)
 
 

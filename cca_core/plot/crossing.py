@@ -10,13 +10,13 @@ from cca_core.errors import InputError
 from cca_core.plot.conflict_area import EVERY, blocked, ego_stations
 from cca_core.plot.labels import ego_label, escape_figure_text, run_heading
 from cca_core.plot.road_surface import draw_roads
+from cca_core.plot.legends import color_legend, figure_legend
 from cca_core.plot.style import (
     COLORS,
     COLUMN_WIDTH,
     EGO_TYPE_STYLES,
     TEXT,
     assign_colors,
-    color_legend,
     lighten,
     mark_collision,
     new_figure,
@@ -72,13 +72,7 @@ def plot_crossing(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figu
     above[-1].set_xlabel("x [m]")
     _draw_diagram(below, logs)
     color_legend(figure, _palette(logs[0]), loc="outside upper left")
-    figure.legend(
-        *below.get_legend_handles_labels(),
-        loc="outside lower center",
-        ncols=2,
-        fontsize=TEXT.legend,
-        frameon=False,
-    )
+    figure_legend(figure, below.get_legend_handles_labels()[0], loc="outside lower center", ncols=2)
     set_text_sizes(figure)
     freeze_layout(figure)
     for log, axis in zip(logs, above, strict=True):

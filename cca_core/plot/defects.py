@@ -8,8 +8,9 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.band import Band, BandStiffness, deformed, displacement, external_force, relax_band
 from cca_core.errors import InputError
+from cca_core.plot.legends import legend_above
 from cca_core.plot.parked_car import EXAMPLE
-from cca_core.plot.style import COLORS, COLUMN_WIDTH, legend_above, new_figure, set_text_sizes
+from cca_core.plot.style import COLORS, COLUMN_WIDTH, new_figure, set_text_sizes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,8 +44,7 @@ def plot_defect(defect: str) -> "Figure":
     above, below = figure.subplots(2, 1)
     _DRAWERS[defect](above, below)
     for axis in (above, below):
-        _, labels = axis.get_legend_handles_labels()
-        legend_above(axis, ncols=66 // (max(map(len, labels)) + 4))  # 66 characters fit a line
+        legend_above(axis, ncols=4)
     set_text_sizes(figure)
     figure.align_ylabels()
     return figure

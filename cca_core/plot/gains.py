@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cca_core.follow import GainRegion, Margins, PreviewGains
-from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, legend_above, new_figure, set_text_sizes
+from cca_core.plot.legends import legend_above
+from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, new_figure, set_text_sizes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,7 +7,8 @@ import numpy as np
 
 from cca_core.errors import InputError
 from cca_core.plot.frenet_boxes import frenet_corners
-from cca_core.plot.labels import ego_label, escape_figure_text, run_heading, sanitize_text
+from cca_core.plot.labels import ego_label, escape_figure_text, fill_text, run_heading, sanitize_text
+from cca_core.plot.legends import color_legend, figure_legend
 from cca_core.plot.style import (
     COLORS,
     COLUMN_WIDTH,
@@ -15,7 +16,6 @@ from cca_core.plot.style import (
     MIN_A_Y_RANGE,
     TEXT,
     assign_colors,
-    color_legend,
     draw_lanes,
     expand_limits,
     lighten,
@@ -73,7 +73,8 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
         axis.set_title(run_heading(log, outcomes, k), fontsize=TEXT.heading, loc="left", pad=3)
         if k < n - 1:
             axis.set_xticklabels([])
-    strips[-1].set_xlabel(f"distance along the route from {sanitize_text(obstacle_id)} [m], to scale")
+    name = sanitize_text(obstacle_id)
+    strips[-1].set_xlabel(fill_text(f"distance along the route from {name} [m], to scale", 60))
     _draw_obstacle(paths, logs[-1], at[-1])
     for log, i in zip(logs, at, strict=True):
         _draw_path(paths, lateral, log, i)
@@ -81,7 +82,7 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
         _draw_swept(paths, logs[-1], at[-1])
     paths.set_title("Paths of the ego's center, width drawn larger", fontsize=TEXT.heading, loc="left")
     paths.set_xticklabels([])
-    lateral.set(xlim=_VIEW, xlabel=f"distance along the route from {sanitize_text(obstacle_id)} [m]")
+    lateral.set(xlim=_VIEW, xlabel=fill_text(f"distance along the route from {name} [m]", 60))
     lateral.set_ylabel("lateral acc.\na_y [m/s²]")
     expand_limits(lateral, MIN_A_Y_RANGE)
     lateral.locator_params(axis="y", nbins=5)
@@ -91,10 +92,9 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
         for axis in (lateral, paths)
     )
     lines |= {label: handle for label, handle in bands.items() if label == _SWEPT}
-    figure.legend(
-        lines.values(), lines.keys(), loc="outside lower left", ncols=1, frameon=False,
-        fontsize=TEXT.legend, title="Ego, and its peak lateral acceleration:", title_fontsize=TEXT.legend,
-        alignment="left",
+    figure_legend(
+        figure, list(lines.values()), loc="outside lower left", ncols=1, alignment="left",
+        title="Ego, and its peak lateral acceleration:", title_fontsize=TEXT.legend,
     )  # fmt: skip
     set_text_sizes(figure)
     freeze_layout(figure)

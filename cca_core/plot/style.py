@@ -1,6 +1,6 @@
 """How figures look: every color, the line styles, the sizes of texts, and the parts that figures share."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -133,34 +133,6 @@ def darken(color: str) -> str:
 def lighten(color: str) -> str:
     """Color of a body at an earlier time: a lighter one, which is opaque."""
     return "#" + "".join(f"{round(0.45 * int(color[i : i + 2], 16) + 0.55 * 255):02X}" for i in (1, 3, 5))
-
-
-def color_legend(figure: Any, colors: Mapping[str, str], *, loc: str = "outside lower center") -> None:
-    """Add a legend of colors outside of the axes."""
-    handles = color_patches(colors)
-    figure.legend(
-        handles=handles, loc=loc, ncols=min(len(handles), 4), fontsize=TEXT.legend, frameon=False,
-        handlelength=1.0, handletextpad=0.4, columnspacing=1.2,
-    )  # fmt: skip
-
-
-def color_patches(colors: Mapping[str, str]) -> list[Any]:
-    """Make the handles of a legend of colors."""
-    patch = require_extra("matplotlib.patches", "plot").Patch
-    return [patch(facecolor=color, label=name) for name, color in colors.items()]
-
-
-def legend_above(axis: Any, *, ncols: int = 2, handles: Sequence[Any] | None = None) -> None:
-    """Put the legend between the title, which is given before, and the view: it covers no curve."""
-    handles = axis.get_legend_handles_labels()[0] if handles is None else handles
-    n = len(handles)
-    axis.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=ncols, frameon=False,
-        fontsize=TEXT.legend, handlelength=1.7, handletextpad=0.5, columnspacing=1.2, labelspacing=0.25,
-        borderaxespad=0.2, borderpad=0.1,
-    )  # fmt: skip
-    title = axis.get_title(loc="left")
-    axis.set_title(title, loc="left", fontsize=TEXT.heading, pad=5.0 - 1.45 * TEXT.legend * (-n // ncols))
 
 
 def set_text_sizes(figure: "Figure") -> None:

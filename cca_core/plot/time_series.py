@@ -7,6 +7,7 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.plot.crossing_times import crossing_times
 from cca_core.plot.labels import action_words, escape_figure_text, title_lines
+from cca_core.plot.legends import color_patches, legend_above
 from cca_core.plot.style import (
     ACTION_COLORS,
     COLORS,
@@ -14,9 +15,7 @@ from cca_core.plot.style import (
     MIN_A_Y_RANGE,
     TEXT,
     assign_colors,
-    color_patches,
     expand_limits,
-    legend_above,
     new_figure,
     set_text_sizes,
 )
@@ -151,4 +150,4 @@ def _draw_actions(bar: Any, axes: Any, log: Log) -> None:
     bar.tick_params(bottom=False)
     names = dict.fromkeys(name for _, name, _ in log.decisions)
     colors = {action_words(name): ACTION_COLORS[name] for name in names}
-    legend_above(bar, ncols=4, handles=color_patches(colors))
+    legend_above(bar, ncols=5, handles=color_patches(colors))

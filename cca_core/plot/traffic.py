@@ -12,6 +12,7 @@ from cca_core.errors import InputError
 from cca_core.plot.frenet_boxes import frenet_corners
 from cca_core.plot.key_frames import KeyFrame, key_frames
 from cca_core.plot.labels import escape_figure_text, fill_text, title_lines
+from cca_core.plot.legends import color_patches, fit_texts
 from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, assign_colors, darken, draw_lanes, set_text_sizes
 from cca_core.plot.text_slots import TextSlots, offsets_around
 from cca_core.sim import Log
@@ -83,7 +84,10 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str
     ]
     top = sheet.title + sheet.line * (head.count("\n") * 1.2 + caption.count("\n") + bool(caption))
     heights = [sheet.line * (text.count("\n") + 1) + 0.1 + sheet.strip * across for text in titles]
-    overview = top + sheet.overview_title
+    handles, width = color_patches(_palette(log)), 72.0 * (COLUMN_WIDTH - sheet.left - sheet.right)
+    legend = fit_texts(handles, width, len(handles))
+    above = 17.0 + 1.45 * TEXT.legend * (legend[2] - 1)  # of the legend [pt]
+    overview = top + sheet.overview_title + (above - 17.0) / 72.0
     height = overview + sheet.overview * across + sheet.between + sum(heights) + sheet.foot
     figure: Figure = require_extra("matplotlib.figure", "plot").Figure(figsize=(COLUMN_WIDTH, height))
     left = 0.1 / COLUMN_WIDTH
@@ -102,7 +106,16 @@ def plot_traffic(log: Log, *, times: Sequence[float] | None = None, caption: str
             (sheet.left / COLUMN_WIDTH, 1.0 - (from_top + tall) / height, width, tall / height)
         )
 
-    _draw_overview(axes(overview, sheet.overview * across), log, frames)
+    axis = axes(overview, sheet.overview * across)
+    _draw_overview(axis, log, frames)
+    axis.set_title(
+        "Where each vehicle is in each frame, numbered as below", fontsize=TEXT.note, loc="left", pad=above
+    )
+    axis.legend(
+        handles, legend[0], loc="lower left", bbox_to_anchor=(0.0, 0.99), ncols=legend[1], frameon=False,
+        fontsize=TEXT.legend, handlelength=1.0, handletextpad=0.4, columnspacing=1.0, borderaxespad=0.1,
+        borderpad=0.2,
+    )  # fmt: skip
     below = overview + sheet.overview * across + sheet.between
     for i, (frame, text, tall) in enumerate(zip(frames, titles, heights, strict=True)):
         axis = axes(below + tall - sheet.strip * across, sheet.strip * across)
@@ -141,17 +154,8 @@ def _draw_overview(axis: Any, log: Log, frames: list[KeyFrame]) -> None:
         for numbers, xy in _stops(log, rows, id_):
             if view[0] < xy[0] < view[1]:
                 _draw_number(axis, slots, xy, numbers, color, f"{id_}@{numbers[0]}")
-    axis.set_title(
-        "Where each vehicle is in each frame, numbered as below", fontsize=TEXT.note, loc="left", pad=17
-    )
     axis.set_xlabel("distance along the route [m]", labelpad=1)
     axis.set_ylabel("left of the\nroute [m]", labelpad=1)
-    patches = require_extra("matplotlib.patches", "plot")
-    axis.legend(
-        handles=[patches.Patch(facecolor=color, label=id_) for id_, color in palette.items()],
-        loc="lower left", bbox_to_anchor=(0.0, 0.99), ncols=len(palette), frameon=False, fontsize=TEXT.legend,
-        handlelength=1.0, handletextpad=0.4, columnspacing=1.0, borderaxespad=0.1, borderpad=0.2,
-    )  # fmt: skip
 
 
 def _stops(log: Log, rows: list[int], id_: str) -> list[tuple[list[int], Array]]:

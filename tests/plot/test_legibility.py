@@ -1,16 +1,31 @@
 """Texts of the figures of a report: none cut off, on another text or on a vehicle; and colors."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from cca_core import VehicleParams
 from cca_core.follow import shipped_gains, stability_margins
-from cca_core.plot import DEFECTS, fig_12, fig_15, plot_defect, plot_layout, plot_margins, plot_tunings
+from cca_core.plot import (
+    DEFECTS,
+    fig_12,
+    fig_15,
+    plot_braking,
+    plot_crossing,
+    plot_defect,
+    plot_layout,
+    plot_margins,
+    plot_passing,
+    plot_time_series,
+    plot_traffic,
+    plot_tunings,
+)
 from cca_core.plot.style import COLORS, COLUMN_WIDTH, ROLE_COLORS, TEXT, VEHICLE_COLORS, assign_colors
 from cca_core.report import report_figures
 from cca_core.sim import Log, paper_scenarios
@@ -116,6 +131,50 @@ def test_texts_are_legible_on_a_phone() -> None:
 def test_long_ids_and_many_vehicles_stay_legible(hostile: Log) -> None:
     for figure in report_figures([hostile]):
         assert len(list(visible_texts(figure.figure))) > 5
+
+
+LONG = "a-van-with-a-very-long-name-of-its-own"
+
+
+def renamed(log: Log, ids: list[str]) -> Log:
+    """A run whose road users have other ids."""
+    users = tuple(replace(u, id=id_, actions=()) for u, id_ in zip(log.scenario.road_users, ids, strict=True))
+    return replace(log, scenario=replace(log.scenario, road_users=users, fixed_gap=None))
+
+
+def legend_faults(figure: Figure) -> list[str]:
+    """Texts of legends that are cut off or on another text."""
+    texts = {text.get_text() for legend in figure.findobj(Legend) for text in legend.get_texts()}
+    return [fault for fault in faults(figure) if any(text in fault for text in texts)]
+
+
+def test_legends_of_many_actions_are_not_cut_off(run: Run) -> None:
+    log = run("maneuver", "2", "v2v")
+    names = "KEEP", "FOLLOW", "BRAKE", "EVADE_LEFT", "EVADE_RIGHT"
+    decisions = tuple((float(log.t[0]) + k, name, "because") for k, name in enumerate(names))
+    assert faults(plot_time_series(replace(log, decisions=decisions))) == []
+
+
+def test_legends_of_long_ids_are_not_cut_off(run: Run) -> None:
+    log = run("maneuver", "2", "v2v")
+    named = renamed(log, [f"{LONG}-{i}" for i in range(len(log.scenario.road_users))])
+    assert legend_faults(plot_time_series(named)) == []
+    assert legend_faults(plot_traffic(named)) == []
+    assert legend_faults(plot_braking([named, named])) == []
+    parked = run("curbside", "fast", "v2v")
+    ids = [f"{LONG} {user.id}" for user in parked.scenario.road_users]
+    assert legend_faults(plot_passing([renamed(parked, ids)] * 2, f"{LONG} red")) == []
+    crossing = run("ima", "left-turn", "v2v")
+    ids = [f"{LONG} {user.id}" for user in crossing.scenario.road_users]
+    assert legend_faults(plot_crossing([renamed(crossing, ids)] * 2)) == []
+
+
+def test_legend_of_words_without_spaces_keeps_its_begin(run: Run) -> None:
+    log = run("eebl", "C", "v2v")
+    figure = plot_braking([renamed(log, ["x" * 400, "y"])])
+    assert legend_faults(figure) == []
+    texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert any(text.startswith("xxxx") and text.endswith("\N{HORIZONTAL ELLIPSIS}") for text in texts)
 
 
 def test_no_text_of_bands_and_gains_is_cut_off_or_on_another() -> None:
