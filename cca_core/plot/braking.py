@@ -7,12 +7,12 @@ import numpy as np
 
 from cca_core._checks import Array
 from cca_core.errors import InputError
-from cca_core.plot.labels import ego_label, escape_figure_text, run_heading
+from cca_core.plot.labels import escape_figure_text, run_heading
 from cca_core.plot.legends import color_legend, figure_legend
+from cca_core.plot.run_labels import run_labels, run_styles
 from cca_core.plot.style import (
     COLORS,
     COLUMN_WIDTH,
-    EGO_TYPE_STYLES,
     TEXT,
     assign_colors,
     mark_collision,
@@ -32,7 +32,8 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
     Parameters
     ----------
     logs : sequence of Log
-        Runs of one scenario, from top to bottom; all vehicles on the ego's route.
+        Runs of one scenario, from top to bottom; all vehicles on the ego's route. Several runs of one ego
+        type are named by what differs: scenario, case or plant, or else a number.
     outcomes : sequence of str, optional
         Added to each run's title, such as `cca_core.report.summarize_outcome`.
 
@@ -58,17 +59,15 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
     palette = assign_colors([user.id for log in logs for user in log.scenario.road_users])
     first, last = _interesting(logs)
     inside = [_body_centers(log)[(log.t >= first) & (log.t <= last)] for log in logs]
-    for i, (log, position) in enumerate(zip(logs, positions, strict=True)):
+    labels = run_labels(logs)
+    for i, (log, position, (color, line)) in enumerate(zip(logs, positions, run_styles(logs), strict=True)):
         _draw_bands(position, log, palette)
-        position.set_title(run_heading(log, outcomes, i), fontsize=TEXT.heading, loc="left")
+        position.set_title(run_heading(labels[i], outcomes, i), fontsize=TEXT.heading, loc="left")
         position.set_ylim(min(map(np.nanmin, inside)) - 10.0, max(map(np.nanmax, inside)) + 10.0)
         position.set_ylabel("from ego's\nstart [m]")
         if log.t[-1] < last - 0.1:
             position.axvspan(log.t[-1], last, color=COLORS.road, linewidth=0.0, zorder=0)
-        color, line, _ = EGO_TYPE_STYLES[log.scenario.ego_type]
-        if log.scenario.v2v and not all(user.connected for user in log.scenario.road_users):
-            line = ":"
-        speed.plot(log.t, log.ego[:, 3], line, color=color, label=ego_label(log))
+        speed.plot(log.t, log.ego[:, 3], line, color=color, label=labels[i])
         acceleration.plot(log.t, log.ego[:, 7], line, color=color)
     speed.set_ylabel("ego's speed\n[m/s]")
     acceleration.set(ylabel="ego's accel.\na_x [m/s²]", xlabel="time [s]", xlim=(first, last))

@@ -8,13 +8,13 @@ import numpy as np
 from cca_core._checks import Array
 from cca_core.errors import InputError
 from cca_core.plot.conflict_area import EVERY, blocked, ego_stations
-from cca_core.plot.labels import ego_label, escape_figure_text, run_heading
-from cca_core.plot.road_surface import draw_roads
+from cca_core.plot.labels import escape_figure_text, run_heading
 from cca_core.plot.legends import color_legend, figure_legend
+from cca_core.plot.road_surface import draw_roads
+from cca_core.plot.run_labels import run_labels, run_styles
 from cca_core.plot.style import (
     COLORS,
     COLUMN_WIDTH,
-    EGO_TYPE_STYLES,
     TEXT,
     assign_colors,
     lighten,
@@ -36,7 +36,8 @@ def plot_crossing(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figu
     Parameters
     ----------
     logs : sequence of Log
-        Runs of one scenario, from top to bottom.
+        Runs of one scenario, from top to bottom. Several runs of one ego type are named by what differs:
+        scenario, case or plant, or else a number.
     outcomes : sequence of str, optional
         Added to each run's title, such as `cca_core.report.summarize_outcome`.
 
@@ -62,13 +63,14 @@ def plot_crossing(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figu
     *above, below = figure.subplots(n + 1, 1, squeeze=False, height_ratios=[1.3] * n + [1.0])[:, 0]
     nearest = min(logs, key=lambda log: float(log.gaps().min()))
     center = nearest.ego[int(np.argmin(nearest.gaps().min(axis=1))), :2]
+    labels = run_labels(logs)
     for i, (log, axis) in enumerate(zip(logs, above, strict=True)):
         draw_roads(axis, log.scenario)
         # half of the view is 32 m across and 20 m up
         axis.set(
             aspect="equal", xlim=center[0] + (-32.0, 32.0), ylim=center[1] + (-20.0, 20.0), ylabel="y [m]"
         )
-        axis.set_title(run_heading(log, outcomes, i), fontsize=TEXT.heading, loc="left")
+        axis.set_title(run_heading(labels[i], outcomes, i), fontsize=TEXT.heading, loc="left")
     above[-1].set_xlabel("x [m]")
     _draw_diagram(below, logs)
     color_legend(figure, _palette(logs[0]), loc="outside upper left")
@@ -156,10 +158,9 @@ def _draw_diagram(axis: Any, logs: Sequence[Log]) -> None:
     if len(t) > 1:
         axis.contourf(t, stations, area.T.astype(float), levels=(0.5, 1.5), colors=[color], alpha=0.6)
     axis.plot([], [], color=color, alpha=0.6, linewidth=8, label="conflict area")
-    for log in logs:
-        color, style, _ = EGO_TYPE_STYLES[log.scenario.ego_type]
+    for log, name, (color, style) in zip(logs, run_labels(logs), run_styles(logs), strict=True):
         ahead = log.ego_frenet[:, 0] + log.scenario.vehicle.front - base
-        axis.plot(log.t, ahead, style, color=color, linewidth=1.6, label=f"ego, {ego_label(log)}")
+        axis.plot(log.t, ahead, style, color=color, linewidth=1.6, label=f"ego, {name}")
         collision = first_collision(log)
         if collision is not None:
             mark_collision(axis, collision.t, ahead[row_at(log, collision.t)], size=9.0)

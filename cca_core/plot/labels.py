@@ -95,12 +95,13 @@ def ego_label(log: Log) -> str:
     silent = [user.id for user in log.scenario.road_users if not user.connected]
     if not log.scenario.v2v or not silent:
         return NAMES[log.scenario.ego_type]
-    return f"with V2V, {join_names(silent) if len(silent) < 3 else 'some vehicles'} without"
+    names = join_names(silent) if len(silent) < 3 else "some vehicles"
+    return f"with V2V; {names} {'has' if len(silent) == 1 else 'have'} no radio"
 
 
-def run_heading(log: Log, outcomes: Sequence[str], i: int, separator: str = ": ") -> str:
-    """Ego type of the i-th of some runs, and its outcome if it is given."""
-    return fill_text(separator.join([begin_sentence(ego_label(log)), *outcomes[i : i + 1]]), 54)
+def run_heading(label: str, outcomes: Sequence[str], i: int) -> str:
+    """Name of the i-th of some runs, and its outcome if it is given."""
+    return fill_text(": ".join([begin_sentence(label), *outcomes[i : i + 1]]), 54)
 
 
 def fill_text(text: str, width: int) -> str:

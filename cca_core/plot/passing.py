@@ -7,12 +7,12 @@ import numpy as np
 
 from cca_core.errors import InputError
 from cca_core.plot.frenet_boxes import frenet_corners
-from cca_core.plot.labels import ego_label, escape_figure_text, fill_text, run_heading, sanitize_text
+from cca_core.plot.labels import escape_figure_text, fill_text, run_heading, sanitize_text
 from cca_core.plot.legends import color_legend, figure_legend
+from cca_core.plot.run_labels import run_labels, run_styles
 from cca_core.plot.style import (
     COLORS,
     COLUMN_WIDTH,
-    EGO_TYPE_STYLES,
     MIN_A_Y_RANGE,
     TEXT,
     assign_colors,
@@ -41,7 +41,8 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
     Parameters
     ----------
     logs : sequence of Log
-        Runs of one scenario, from top to bottom.
+        Runs of one scenario, from top to bottom. Several runs of one ego type are named by what differs:
+        scenario, case or plant, or else a number.
     obstacle_id : str
         Id of the stationary road user.
     outcomes : sequence of str, optional
@@ -66,18 +67,19 @@ def plot_passing(logs: Sequence[Log], obstacle_id: str, *, outcomes: Sequence[st
     n = len(logs)
     figure = new_figure(1.0 * n + 4.9, COLUMN_WIDTH)
     *strips, paths, lateral = figure.subplots(n + 2, 1, height_ratios=[1.0] * n + [1.7, 1.5])
+    labels = run_labels(logs)
     for k, (axis, log) in enumerate(zip(strips, logs, strict=True)):
         road = log.scenario.road
         draw_lanes(axis, road)
         axis.set(aspect="equal", xlim=_NEAR, ylim=(road.right_edge - 2.5, road.left_edge + 2.5), yticks=[])
-        axis.set_title(run_heading(log, outcomes, k), fontsize=TEXT.heading, loc="left", pad=3)
+        axis.set_title(run_heading(labels[k], outcomes, k), fontsize=TEXT.heading, loc="left", pad=3)
         if k < n - 1:
             axis.set_xticklabels([])
     name = sanitize_text(obstacle_id)
     strips[-1].set_xlabel(fill_text(f"distance along the route from {name} [m], to scale", 60))
     _draw_obstacle(paths, logs[-1], at[-1])
-    for log, i in zip(logs, at, strict=True):
-        _draw_path(paths, lateral, log, i)
+    for log, i, label, style in zip(logs, at, labels, run_styles(logs), strict=True):
+        _draw_path(paths, lateral, log, i, label, style)
     if logs[-1].scenario.ego_type == "v2v":
         _draw_swept(paths, logs[-1], at[-1])
     paths.set_title("Paths of the ego's center, width drawn larger", fontsize=TEXT.heading, loc="left")
@@ -155,11 +157,12 @@ def _draw_obstacle(axis: Any, log: Log, i: int) -> None:
     axis.set(xlim=_VIEW, ylim=(road.right_edge - 0.3, road.left_edge + 0.3), ylabel="left of the\nroute [m]")
 
 
-def _draw_path(paths: Any, lateral: Any, log: Log, i: int) -> None:
-    color, line, _ = EGO_TYPE_STYLES[log.scenario.ego_type]
+def _draw_path(
+    paths: Any, lateral: Any, log: Log, i: int, label: str, style: tuple[str, str]
+) -> None:  # fmt: skip
+    color, line = style
     s = log.ego_frenet[:, 0] - final_station(log, i)
     near = (s > _VIEW[0] - 5.0) & (s < _VIEW[1] + 5.0)
-    label = ego_label(log)
     paths.plot(s[near], log.ego_frenet[near, 1], line, color=color, label=label, zorder=3)
     label += f": {np.abs(log.a_y).max():.1f} m/s²"
     lateral.plot(s[near], log.a_y[near], line, color=color, label=label)

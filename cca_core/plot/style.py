@@ -123,10 +123,10 @@ def new_figure(height: float, width: float = PAGE_WIDTH) -> "Figure":
     return figure
 
 
-def darken(color: str) -> str:
+def darken(color: str, fraction: float = 1.0) -> str:
     """Color for texts: a darker one of the same hue, which is legible on a light background."""
     r, g, b = (int(color[i : i + 2], 16) for i in (1, 3, 5))
-    factor = min(1.0, 110.0 / (0.3 * r + 0.6 * g + 0.1 * b + 1e-9))
+    factor = min(fraction, 110.0 / (0.3 * r + 0.6 * g + 0.1 * b + 1e-9))
     return "#" + "".join(f"{round(factor * part):02X}" for part in (r, g, b))
 
 

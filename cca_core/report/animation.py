@@ -10,7 +10,8 @@ import numpy as np
 
 from cca_core._checks import Array, check_bool
 from cca_core.errors import InputError
-from cca_core.plot.labels import action_words, begin_sentence, ego_label, sanitize_text, scenario_name
+from cca_core.plot.labels import action_words, begin_sentence, sanitize_text, scenario_name
+from cca_core.plot.run_labels import run_labels
 from cca_core.plot.style import assign_colors
 from cca_core.report.files import fill, read_text
 from cca_core.report.road_svg import roads_svg
@@ -84,11 +85,11 @@ def animate(logs: Sequence[Log], *, standalone: bool = True) -> str:
     data = json.dumps([_data(*each) for each in zip(logs, views, strict=True)], separators=(",", ":"))
     for sign in "<>&":
         data = data.replace(sign, f"\\u{ord(sign):04x}")
-    names = ", ".join(_name(log) for log in logs)
+    names = [begin_sentence(label) for label in run_labels(logs)]
     fragment = fill(
         "player.html",
-        label=escape(f"{sanitize_text(scenario_name(logs[0].scenario))}: {names}"),
-        runs="".join(_run(*each) for each in zip(logs, views, strict=True)),
+        label=escape(f"{sanitize_text(scenario_name(logs[0].scenario))}: {', '.join(names)}"),
+        runs="".join(_run(*each) for each in zip(logs, views, names, strict=True)),
         end=f"{max(log.duration for log in logs):.3f}",
         data=data,
     )
@@ -96,10 +97,6 @@ def animate(logs: Sequence[Log], *, standalone: bool = True) -> str:
         return fragment
     style, script = read_text("player.css"), read_text("player.js")
     return f"<div><style>\n{style}</style>{fragment}<script>\n{script}</script></div>"
-
-
-def _name(log: Log) -> str:
-    return begin_sentence(ego_label(log))
 
 
 def _rows(log: Log) -> "np.ndarray[Any, np.dtype[np.intp]]":
@@ -208,14 +205,14 @@ def _rings(log: Log) -> list[list[int]]:
     return list(shown.values())
 
 
-def _run(log: Log, view: View) -> str:
+def _run(log: Log, view: View, name: str) -> str:
     """One run at its start."""
     origin, users = _poses(log)[0, 0, :2], log.scenario.road_users
     x, y, psi = view.camera[0]
     pulses = '<circle class="pulse"/>' * len(users)
     return fill(
         "player_run.html",
-        name=escape(_name(log)),
+        name=escape(sanitize_text(name)),
         view_box=" ".join(f"{value:g}" for value in view.box),
         transform=f"scale(1 -1) rotate({-np.degrees(psi):.3f}) "
         f"translate({origin[0] - x:.3f} {origin[1] - y:.3f})",

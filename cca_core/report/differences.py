@@ -3,20 +3,21 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
-from cca_core.plot.labels import begin_sentence, ego_label, join_names
+from cca_core.plot.labels import begin_sentence, join_names
+from cca_core.plot.run_labels import run_labels
 from cca_core.sim import Log, Scenario
 
 
 def describe_differences(runs: Sequence[Log]) -> list[str]:
     """State what changes from each run to the next one, in a sentence each."""
     sentences = []
-    for before, after in pairwise(runs):
+    for (before, was), (after, now) in pairwise(zip(runs, run_labels(runs), strict=True)):
         parts = _differences(before.scenario, after.scenario)
         if before.plant != after.plant:
             parts.append(f"the plant is {after.plant or 'recorded'} instead of {before.plant or 'recorded'}")
         only = "only this changes: " if len(parts) == 1 else ""
         text = "; ".join(parts) or "nothing changes"
-        sentences.append(f"{begin_sentence(ego_label(before))} \u2192 {ego_label(after)}: {only}{text}.")
+        sentences.append(f"{begin_sentence(was)} \u2192 {now}: {only}{text}.")
     return sentences
 
 

@@ -13,6 +13,7 @@ from cca_core._checks import shown
 from cca_core.errors import InputError
 from cca_core.plot.crossing_times import crossing_times
 from cca_core.plot.labels import begin_sentence, case_name, ego_label, scenario_name
+from cca_core.plot.run_labels import run_labels
 from cca_core.report.animation import animate
 from cca_core.report.differences import describe_differences
 from cca_core.report.figures import ReportFigure, report_figures, tuning_figure
@@ -107,12 +108,9 @@ def _names(groups: Sequence[Sequence[Log]]) -> list[tuple[str, int]]:
     return names
 
 
-def _ego(log: Log) -> str:
-    return html_text(begin_sentence(ego_label(log)))
-
-
 def _section(i: int, name: str, number: int, group: Sequence[Log], folder: FilePath | None) -> Iterator[str]:
     runs = compared_runs(group)
+    egos = [html_text(begin_sentence(label)) for label in run_labels(runs)]
     scenario = runs[-1].scenario
     source = paper_figures(scenario)
     heading = f"{html_text(name)} <small>{source}</small>" if source else html_text(name)
@@ -126,7 +124,8 @@ def _section(i: int, name: str, number: int, group: Sequence[Log], folder: FileP
         figures = [replace(figure, name=f"{figure.name}_{number}") for figure in figures]
     layout, *others = figures
     yield f'<div class="figures"><div>{_picture(layout, folder)}<h3>What happens</h3>\n<ul>\n'
-    yield from (f"<li><b>{_ego(log)}.</b> {html_text(describe_run(log))}</li>\n" for log in runs)
+    for log, ego in zip(runs, egos, strict=True):
+        yield f"<li><b>{ego}.</b> {html_text(describe_run(log))}</li>\n"
     yield "</ul></div>\n"
     yield from (_picture(figure, folder) for figure in others if not figure.detail)
     yield "</div>\n"
@@ -134,8 +133,8 @@ def _section(i: int, name: str, number: int, group: Sequence[Log], folder: FileP
     yield "<details><summary>More figures and every decision</summary>\n"
     yield from _pictures([figure for figure in others if figure.detail], folder)
     yield f'<p class="note">{_REASON_WORDS}</p>\n'
-    for log in runs:
-        yield f"<p><b>{_ego(log)}</b></p><ul>\n"
+    for log, ego in zip(runs, egos, strict=True):
+        yield f"<p><b>{ego}</b></p><ul>\n"
         yield from (
             f"<li>At {t:.1f} s <b>{name}</b>: {html_text(reason)}</li>\n" for t, name, reason in log.decisions
         )
@@ -153,7 +152,7 @@ def _table(group: Sequence[Log]) -> Iterator[str]:
     has_cases = len({log.scenario.case for log in group}) > 1
     for log in group:
         key = log.summary()
-        ego = f"{ego_label(log)}, {case_name(log.scenario)}" if has_cases else ego_label(log)
+        ego = f"{ego_label(log)}; {case_name(log.scenario)}" if has_cases else ego_label(log)
         cells = (
             ego, (log.plant or "recorded").replace("_", "-"), summarize_outcome(log),
             _value(key["min_gap_m"], "m", 2), _time_to_collision(log, key["min_ttc_s"]),

@@ -1,8 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from cca_core import InputError
 from cca_core.plot import plot_braking
+from cca_core.plot.run_labels import run_labels
+from cca_core.plot.style import COLORS
 from cca_core.sim import Log, first_collision
 from tests.support.paper_runs import Run
 
@@ -52,6 +56,48 @@ def test_outcomes_are_in_the_titles(braking: tuple[Log, Log]) -> None:
     first, second = plot_braking(braking, outcomes=["collides", "stops"]).axes[:2]
     assert first.get_title(loc="left") == "Driver without V2V: collides"
     assert second.get_title(loc="left") == "With V2V: stops"
+
+
+def renamed(log: Log, name: str, case: str | None = None) -> Log:
+    return replace(log, scenario=replace(log.scenario, name=name, case=case))
+
+
+def test_runs_of_one_ego_type_are_distinct(braking: tuple[Log, Log]) -> None:
+    driver, v2v = braking
+    logs = [driver, *(renamed(v2v, f"clock {offset:+.1f} s") for offset in (0.0, 0.2, -0.2))]
+    *positions, speed, acceleration = plot_braking(logs).axes
+    titles = [axis.get_title(loc="left").replace("\N{NO-BREAK SPACE}", " ") for axis in positions]
+    assert titles == [
+        "Driver without V2V", "Clock +0.0 s, with V2V", "Clock +0.2 s, with V2V", "Clock -0.2 s, with V2V",
+    ]  # fmt: skip
+    assert [line.get_label().lower() for line in speed.lines] == [title.lower() for title in titles]
+    for axis in (speed, acceleration):
+        styles = [(line.get_color(), line.get_linestyle()) for line in axis.lines[:4]]
+        assert len(set(styles)) == 4
+        assert len({line for _, line in styles[1:]}) == 3
+        assert styles[1] == (COLORS.ego, "-")
+
+
+def test_labels_show_only_what_differs(braking: tuple[Log, Log]) -> None:
+    log = braking[1]
+    assert run_labels([log]) == ["with V2V"]
+    assert run_labels([log, log]) == ["run 1, with V2V", "run 2, with V2V"]
+    cases = [renamed(log, "queue", "wet"), renamed(log, "queue", "dry")]
+    assert run_labels(cases) == ["case wet, with V2V", "case dry, with V2V"]
+    assert run_labels([log, replace(log, plant="multi_body")]) == [
+        "single-track, with V2V", "multi-body, with V2V",
+    ]  # fmt: skip
+
+
+def test_label_names_vehicles_without_a_radio(braking: tuple[Log, Log]) -> None:
+    log = braking[1]
+
+    def silenced(*ids: str) -> Log:
+        users = tuple(replace(u, connected=u.id not in ids) for u in log.scenario.road_users)
+        return replace(log, scenario=replace(log.scenario, road_users=users))
+
+    assert run_labels([silenced("red")]) == ["with V2V; red has no radio"]
+    assert run_labels([silenced("red", "yellow")]) == ["with V2V; yellow and red have no radio"]
 
 
 def test_braking_without_runs_raises() -> None:

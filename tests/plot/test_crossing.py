@@ -28,6 +28,17 @@ def test_bodies_are_at_their_logged_positions(crossing: tuple[Log, Log]) -> None
     assert not any("collision" in text.get_text() for text in figure.axes[1].texts)
 
 
+def test_runs_of_one_ego_type_are_distinct(crossing: tuple[Log, Log]) -> None:
+    log = crossing[1]
+    figure = plot_crossing([log, log])
+    *_, below = figure.axes
+    titles = [axis.get_title(loc="left") for axis in figure.axes[:2]]
+    assert titles == ["Run 1, with V2V", "Run 2, with V2V"]
+    egos = [line for line in below.lines if line.get_label().startswith("ego")]
+    assert [line.get_label() for line in egos] == ["ego, run 1, with V2V", "ego, run 2, with V2V"]
+    assert len({(line.get_color(), line.get_linestyle()) for line in egos}) == 2
+
+
 def test_ego_enters_conflict_area_only_in_a_collision(crossing: tuple[Log, Log]) -> None:
     axis = plot_crossing(crossing).axes[2]
     area = axis.collections[0].get_paths()

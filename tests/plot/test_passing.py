@@ -28,6 +28,17 @@ def test_paths_are_those_of_the_log(passing: tuple[Log, Log]) -> None:
     assert strips[0].get_title(loc="left") == "Driver without V2V: collides"
 
 
+def test_runs_of_one_ego_type_are_distinct(passing: tuple[Log, Log]) -> None:
+    log = passing[1]
+    figure = plot_passing([log, log], "red")
+    *_, paths, lateral = figure.axes
+    titles = [axis.get_title(loc="left") for axis in figure.axes[:2]]
+    assert titles == ["Run 1, with V2V", "Run 2, with V2V"]
+    for axis in (paths, lateral):
+        lines = [line for line in axis.lines if "V2V" in line.get_label()]
+        assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == 2
+
+
 def test_passing_without_runs_raises() -> None:
     with pytest.raises(InputError, match="at least one run"):
         plot_passing([], "red")
