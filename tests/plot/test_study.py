@@ -40,18 +40,80 @@ def test_lines_are_rates_of_their_bins() -> None:
 def test_figure_shows_varying_samples() -> None:
     rows = example_table().rows
     held = tuple({**row, "latency": 0.1} for row in rows)
-    own = tuple({"index": i, "latency": 0.1, "v_red": 10.0 + i, **row} for i, row in enumerate(held))
+    own = tuple({"index": i, "v_red": 10.0 + i, **row} for i, row in enumerate(held))
     figure = plot_study([StudyTable(scenario="ima", rows=held)] * 2, egos=("v2v",), log=True)
     figure.canvas.draw()
     assert [axis.get_xlabel() for axis in figure.axes] == ["messages lost [-]"] * 2
-    labels = [axis.get_xlabel() for axis in plot_study([StudyTable(scenario="own", rows=own)]).axes]
-    assert labels == ["messages lost [-]", "v_red"]
+    assert shown([StudyTable(scenario="own", rows=own)]) == ["v_red", "messages lost [-]"]
+    assert shown([StudyTable(scenario="ima", rows=own)]) == ["messages lost [-]", "v_red [m/s]"]
+
+
+def shown(tables: list[StudyTable], **arguments: Any) -> list[str]:
+    """Labels of the panels of a figure."""
+    return [axis.get_xlabel() for axis in plot_study(tables, **arguments).axes if axis.axison]
+
+
+def own_table(**changes: Any) -> StudyTable:
+    """Runs of a function with samples of its own, in the order of a study."""
+    rng = np.random.default_rng(1)
+    rows = [
+        {
+            "index": row["index"], "seed": 7 * row["index"], "friction": 0.8, "mass": 1.0, "latency": 0.1,
+            "loss": 0.0, "mean_burst_length": rng.uniform(1.0, 10.0), "position_noise": 0.0,
+            "gap": rng.uniform(0.5, 1.5), "dec": rng.uniform(4.0, 8.0), "case": "None",
+            "t_hazard": rng.uniform(), **row, **{"latency": 0.1, "loss": 0.0}, **changes,
+        }
+        for row in example_table().rows
+    ]  # fmt: skip
+    return StudyTable(scenario="pile_up", rows=tuple(rows))
+
+
+def test_own_samples_come_first() -> None:
+    assert shown([own_table()]) == ["gap", "dec"]
+    assert shown([own_table(gap=1.0)]) == ["dec"]  # without loss a burst has no length
+    assert shown([own_table(gap=1.0, loss=0.3)]) == ["dec", "mean burst of losses [-]"]
+
+
+def test_chosen_parameters_are_shown() -> None:
+    assert shown([own_table()], parameters=("dec",)) == ["dec"]
+    assert shown([own_table(), own_table()], parameters=["dec", "friction"]) == [
+        "dec", "friction [-]", "dec", "friction [-]",
+    ]  # fmt: skip
+    labels = {"gap": "time gap [s]", "dec": "deceleration [m/s²]", "mass": "mass [-]"}
+    figure = plot_study([own_table()], parameters=labels)
+    assert [axis.get_xlabel() for axis in figure.axes if axis.axison] == list(labels.values())
+    assert figure.get_figheight() > plot_study([own_table()]).get_figheight()  # two panels in a row
+
+
+def test_fixed_parameter_has_a_legible_axis() -> None:
+    (axis,) = plot_study([own_table()], parameters=("friction",)).axes
+    low, high = axis.get_xlim()
+    assert 0.05 < high - low < 0.3
+    assert low < 0.8 < high
+
+
+def test_title_names_scenario_and_runs() -> None:
+    titles = [
+        plot_study([table]).axes[0].get_title(loc="left") for table in (own_table(), example_table())
+    ]  # fmt: skip
+    assert titles == ["Scenario pile up, 400 runs", "Occluded traffic at an intersection, 400 runs"]
+
+
+@pytest.mark.parametrize("parameters", ["gap", ("gap", "speed"), ("case",), ("gap", "gap"), (1,), {"gap": 1}])
+def test_parameters_that_cannot_be_shown_raise(parameters: Any) -> None:
+    with pytest.raises(InputError, match=r"^parameters must "):
+        plot_study([own_table()], parameters=parameters)
+
+
+def test_parameter_without_a_number_in_some_runs_raises() -> None:
+    with pytest.raises(InputError, match=r"^parameters must .* numbers in all runs, t_hazard has not"):
+        plot_study([own_table(t_hazard=None)], parameters=("t_hazard",))
 
 
 def test_study_without_varying_samples() -> None:
     held = tuple({**row, "latency": 0.1, "loss": 0.0} for row in example_table().rows)
     (axis,) = plot_study([StudyTable(scenario="ima", rows=held)]).axes
-    assert axis.get_xlabel() == "index"
+    assert axis.get_xlabel() == "number of the run [-]"
 
 
 def test_tables_with_different_samples_share_a_figure() -> None:
