@@ -55,7 +55,8 @@ class Log:
     events : tuple of (float, str, str)
         Time [s], kind and vehicle of each event, once each: ``"first_visible"``, ``"first_received"``,
         ``"hazard_received"`` (first message of hard braking), ``"brakes"``, ``"stopped"``,
-        ``"lateral_shift"``, ``"gap_released"`` (the ego's fixed time gap), ``"collision"``.
+        ``"lateral_shift"``, ``"gap_released"`` (the ego's fixed time gap), ``"collision"``, ``"overlap"``
+        (of a road user with another one).
     received : tuple of (int, bytes)
         Cycle and content of every message that arrived at the ego.
     messages : dict
@@ -78,6 +79,10 @@ class Log:
         run they follow from `received` and `visible`.
     awareness_range : ndarray, shape (n,), optional
         Awareness range that it was given then [m].
+    overlaps : tuple of (float, str, str, float)
+        The first overlap of each pair of road users in a simulated run, which do not collide: time [s], id of
+        the one that drives into the other, id of the other, and magnitude of the difference of both
+        velocities [m/s]. What follows means little.
     """
 
     scenario: Scenario
@@ -107,6 +112,7 @@ class Log:
     cycle_reasons: tuple[str, ...] = ()
     remotes: tuple[tuple[RemoteVehicle, ...], ...] | None = None
     awareness_range: Array | None = None
+    overlaps: tuple[tuple[float, str, str, float], ...] = ()
 
     def __repr__(self) -> str:
         scenario = self.scenario
@@ -289,7 +295,7 @@ class Log:
         -------
         summary : dict
             One entry of ``summary.json``: outcome, gaps [m], time to collision [s], accelerations [m/s^2],
-            tracking error [m], actions with their times [s], cycle times [us]; None where unknown.
+            tracking error [m], actions with their times [s], overlaps, cycle times [us]; None where unknown.
         """
         gaps = self.gaps()
         row = self.collision_row
@@ -317,6 +323,7 @@ class Log:
             "evading_s": _rounded(float(np.sum(np.diff(self.t)[evading[:-1]]))),
             "actions": [[round(t, 2), name] for t, name, _ in self.decisions],
             "events": [[round(t, 2), kind, vehicle_id] for t, kind, vehicle_id in self.events],
+            "overlaps": [[round(t, 2), *ids, round(speed, 3)] for t, *ids, speed in self.overlaps],
             "messages": dict(self.messages),
             "missed_deadlines": self.missed_deadlines,
             "duration_s": _rounded(self.duration),

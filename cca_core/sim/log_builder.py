@@ -11,6 +11,7 @@ from cca_core.kernel.box_gaps import box_gap
 from cca_core.path import Path
 from cca_core.planner.command import Command
 from cca_core.sim.log import Log
+from cca_core.sim.overlaps import Overlap, find_overlaps
 from cca_core.sim.scenarios.scenario import Scenario
 from cca_core.sim.world.traffic import CYCLE_TIME, TrafficMotion
 from cca_core.vehicle import RemoteVehicle, VehicleParams, VehicleState
@@ -165,17 +166,31 @@ class LogBuilder:
         """Return the log of all cycles written."""
         n = self._n
         ego, users = self._ego[:n], self._users[:n]
+        overlaps = find_overlaps(ego[:, 0], self._scenario.road_users, users)
         return Log(
             scenario=self._scenario, plant=self._plant, seed=self._seed,
             t=ego[:, 0], ego=ego[:, 1:9], a_y=ego[:, 9], command=ego[:, 10:12], ego_frenet=ego[:, 12:14],
             tracking=ego[:, 14], road_users=users[:, :, :4], user_motion=users[:, :, 4:],
             user_frenet=self._user_frenet[:n], visible=self._visible[:n], tracked=self._tracked[:n],
             gap_held=self._gap_held[:n], decisions=tuple(self._events.decisions),
-            reasons=tuple(self._events.reasons), events=tuple(self._events.events),
+            reasons=tuple(self._events.reasons), events=_with_overlaps(self._events.events, overlaps),
             received=tuple(self._received), messages=dict(messages),
             degraded=self._degraded[:n], cycle_us=self._cycle_us[:n], wall_s=wall_s,
             missed_deadlines=missed_deadlines, cycle_reasons=tuple(self._events.cycle_reasons),
+            overlaps=overlaps,
         )  # fmt: skip
+
+
+def _with_overlaps(
+    events: Sequence[tuple[float, str, str]], overlaps: Sequence[Overlap]
+) -> tuple[tuple[float, str, str], ...]:
+    """Return events in order, with the first overlap of each road user."""
+    first: dict[str, float] = {}
+    for t, *ids, _ in overlaps:
+        for user_id in ids:
+            first.setdefault(user_id, t)
+    added = [(t, "overlap", user_id) for user_id, t in first.items()]
+    return tuple(sorted((*events, *added), key=lambda event: event[0]) if added else events)
 
 
 def find_collision(

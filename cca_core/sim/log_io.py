@@ -100,6 +100,9 @@ def load_log(path: str | FilePath) -> Log:
             (row, blob[begin:end]) for row, begin, end in zip(rows, [0, *ends][:-1], ends, strict=True)
         )
         meta["reasons"] = tuple(map(tuple, meta.get("reasons", ())))
+        meta["overlaps"] = tuple(
+            (float(t), str(one), str(other), float(v)) for t, one, other, v in meta.get("overlaps", ())
+        )
         meta["cycle_reasons"] = tuple(map(str, meta.get("cycle_reasons", ())))
         meta["scenario"] = from_dict(Scenario, meta["scenario"])
         if meta.get("remotes") is not None:

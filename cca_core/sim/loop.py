@@ -16,6 +16,7 @@ from cca_core.real_time import RealTimeLoop, RealTimeSettings, real_time_process
 from cca_core.sim.human_driver import Driver
 from cca_core.sim.log import Log
 from cca_core.sim.log_builder import LogBuilder, bodies_of, find_collision
+from cca_core.sim.overlaps import warn_of_overlaps
 from cca_core.sim.plants.build import PlantMaker, plant_name, start_plant
 from cca_core.sim.plants.plant import Plant
 from cca_core.sim.scenarios.scenario import Scenario
@@ -82,7 +83,31 @@ def simulate(
         If the plant is unknown, lacks a member or is not at the scenario's start, or `real_time` is no bool.
     MissingExtraError
         If the plant's package is not installed.
+
+    Warns
+    -----
+    UserWarning
+        If road users drive into each other (`Log.overlaps`): they do not collide.
     """
+    log = run_loop(
+        scenario, plant=plant, seed=seed, planner=planner, progress=progress, bsm_log=bsm_log,
+        real_time=real_time,
+    )  # fmt: skip
+    warn_of_overlaps(log.overlaps)
+    return log
+
+
+def run_loop(
+    scenario: Scenario,
+    *,
+    plant: str | Plant | PlantMaker = "single_track",
+    seed: int | None = None,
+    planner: EgoController | None = None,
+    progress: Callable[[float], None] | None = None,
+    bsm_log: Iterable[tuple[float, bytes]] = (),
+    real_time: bool = False,
+) -> Log:
+    """Do what `simulate` does, without its warning: a study counts the runs that it would warn of."""
     check_bool("real_time", real_time)
     seed = scenario.seed if seed is None else seed
     controller = planner or make_controller(scenario)

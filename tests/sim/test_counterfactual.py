@@ -46,6 +46,7 @@ def test_no_evading_without_adjacent_lane() -> None:
     assert avoiding_action(simulate(replace(narrow, road=road))) == ""
 
 
+@pytest.mark.filterwarnings("ignore:yellow drives into adjacent:UserWarning")
 def test_evading_into_another_vehicle_does_not_count() -> None:
     scenario = curbside("fast", channel=ChannelSettings(range=44.5))
     red = scenario.road_users[1]

@@ -20,7 +20,7 @@ ARRAYS = (
 )  # fmt: skip
 EXACT = (
     "decisions", "reasons", "cycle_reasons", "events", "received", "messages", "seed", "plant", "remotes",
-    "awareness_range",
+    "awareness_range", "overlaps",
 )  # fmt: skip
 
 

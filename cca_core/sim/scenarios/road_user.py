@@ -37,7 +37,7 @@ class BrakeAction:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReactToLeadAction:
-    """Brake when the lead vehicle brakes, harder than wanted if necessary.
+    """Brake when the lead vehicle brakes, with up to 7 m/s^2 if the wanted deceleration is too small.
 
     Parameters
     ----------
@@ -58,6 +58,9 @@ class ReactToLeadAction:
 
     Notes
     -----
+    If 7 m/s^2 are too little or too late, the vehicle drives through its lead vehicle: road users do not
+    collide. The run then has an overlap (`Log.overlaps`), and `simulate` warns.
+
     Brake lights go on at 0.25 m/s^2. The reaction of 1.25 s is that of a driver to brake lights [1]_.
 
     References
