@@ -14,6 +14,7 @@ from cca_core.errors import InputError, MissingExtraError
 from cca_core.plot import plot_study
 from cca_core.sim import EGO_TYPES, ParameterRanges, Study, StudyTable, run_study
 from cca_core.sim.study.pool import local_processes
+from cca_core.sim.study.statistics import describe_overlapping
 
 __all__ = ["run"]
 
@@ -47,6 +48,8 @@ def run(given: argparse.Namespace) -> int:
     _print_rates(table)
     if not table.avoidable.any():
         print(f"no collision was avoidable: {explain_no_avoidable(study)}")
+    if table.overlapping.any():
+        print(f"{describe_overlapping(table)}: these runs mean little")
     print(f"table: {file}")
     try:
         picture = given.out / f"{name}.png"

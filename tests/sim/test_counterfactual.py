@@ -74,8 +74,8 @@ def test_run_is_repeated_exactly_until_hazard(monkeypatch: pytest.MonkeyPatch) -
     import cca_core.sim.study.counterfactual as module
 
     log, again = simulate(eebl()), []
-    drive = module.simulate
-    monkeypatch.setattr(module, "simulate", lambda *a, **k: again.append(drive(*a, **k)) or again[-1])
+    drive = module.run_loop
+    monkeypatch.setattr(module, "run_loop", lambda *a, **k: again.append(drive(*a, **k)) or again[-1])
     assert avoiding_action(log) == "brake"
     hazard = first_hazard_cycle(log)
     assert hazard is not None

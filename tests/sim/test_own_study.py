@@ -15,6 +15,7 @@ import pytest
 from cca_core import InputError, Lane, Road, VehicleParams, VehicleState
 from cca_core.path import interpolate_path
 from cca_core.sim import (
+    EGO_TYPES,
     BrakeAction,
     ParameterRanges,
     RoadUser,
@@ -22,6 +23,7 @@ from cca_core.sim import (
     Scenario,
     SingleTrackPlant,
     Study,
+    StudyTable,
     run_study,
 )
 from cca_core.sim.study.changes import describe_changes
@@ -85,6 +87,14 @@ class SameProcess(Executor):
         future: Future[Any] = Future()
         future.set_result(fn(*args, **kwargs))
         return future
+
+
+def pile_up(sample: Sample) -> Scenario:
+    """A car drives through another one in half of the runs, far ahead of the ego."""
+    made = queue_end(sample)
+    parked = replace(made.road_users[0], id="parked", s=700.0, v_x=0.0, actions=())
+    fast = replace(parked, id="fast", s=640.0, v_x=20.0 if sample.uniform("half", 0.0, 1.0) < 0.5 else 2.0)
+    return replace(made, road_users=(*made.road_users, parked, fast))
 
 
 OWN = ParameterRanges(scenario=queue_end, loss=(0.0, 0.2))
@@ -168,6 +178,24 @@ def test_fingerprint_follows_what_the_scenario_is_made_of() -> None:
     assert "WIDTH = 3.5" in text  # used by that
     assert "def twice" not in text
     assert "class StiffPlant" in replace(study, plant=StiffPlant).fingerprint
+
+
+def test_study_counts_runs_with_road_users_in_each_other(recwarn: pytest.WarningsRecorder) -> None:
+    rows = tuple(simulate_run(ParameterRanges(scenario=pile_up), 1, i) for i in range(4))
+    table = StudyTable(scenario="pile_up", rows=rows)
+    overlapping = table.column("half") < 0.5
+    assert 0 < overlapping.sum() < 4
+    assert (table.overlapping == overlapping).all()
+    for ego_type in EGO_TYPES:
+        texts = table.column(f"{ego_type}_overlap")
+        assert ((texts != "") == overlapping).all()
+        assert set(texts[overlapping]) == {"fast drives into parked at 2.8 s"}
+    n = overlapping.sum()
+    assert f"\n  road users drive into each other in {n} of 4 runs (columns that end in _ov" in repr(table)
+    assert len(recwarn) == 0
+    rest = StudyTable(scenario="pile_up", rows=tuple(row for row in rows if row["half"] >= 0.5))
+    assert not rest.overlapping.any()
+    assert "road users" not in repr(rest)
 
 
 def test_scenario_without_road_users_has_no_gap() -> None:

@@ -269,6 +269,7 @@ class TestSmallStudy:
         table = StudyTable(scenario=name, rows=tuple(rows))
         assert table.rate("v2v").n >= 1
         assert [row for row in table.rows if row["avoiding_action"] and row["v2v_collided_with"]] == []
+        assert not table.overlapping.any()
         assert not any("internal error" in row["v2v_last_decision"] for row in table.rows)
         if name == "eebl":
             assert table.rate("driver").n_events >= 4

@@ -13,7 +13,7 @@ from cca_core.geometry import quintic_step
 from cca_core.path import Path, interpolate_path
 from cca_core.planner.command import Command
 from cca_core.sim.log import Log
-from cca_core.sim.loop import simulate
+from cca_core.sim.loop import run_loop
 from cca_core.sim.plants.build import PlantMaker
 from cca_core.sim.scenarios.eebl import JERK
 from cca_core.sim.world.radio import sender_id
@@ -88,7 +88,7 @@ class _ReplayThenAct:
 
 def _avoids(log: Log, plant: str | PlantMaker, controller: _ReplayThenAct) -> bool:
     """Return whether the ego neither collides nor leaves the road."""
-    again = simulate(log.scenario, plant=plant, seed=log.seed, planner=controller)
+    again = run_loop(log.scenario, plant=plant, seed=log.seed, planner=controller)
     road, half = log.scenario.road, 0.5 * log.scenario.vehicle.width
     d = again.ego_frenet[:, 1]
     on_road = bool((d >= road.right_edge + half).all() and (d <= road.left_edge - half).all())

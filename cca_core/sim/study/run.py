@@ -4,7 +4,8 @@ from dataclasses import replace
 from typing import Any
 
 from cca_core.sim.log import Log
-from cca_core.sim.loop import make_controller, simulate
+from cca_core.sim.loop import make_controller, run_loop
+from cca_core.sim.overlaps import describe_overlap
 from cca_core.sim.plants.build import PlantMaker
 from cca_core.sim.scenarios.scenario import EGO_TYPES, Scenario
 from cca_core.sim.study.counterfactual import avoiding_action, first_hazard_cycle
@@ -33,10 +34,12 @@ def simulate_run(
             f"{ego_type}_gap": float(log.gaps().min()) if scenario.road_users else None,  # [m]
             f"{ego_type}_deceleration": max(0.0, -float(log.ego[:, 7].min())),  # [m/s^2]
             f"{ego_type}_last_decision": f"{log.decisions[-1][1]}: {log.cycle_reasons[-1]}",
+            # empty if no road user drives into another
+            f"{ego_type}_overlap": describe_overlap(log.overlaps[0]) if log.overlaps else "",
         }
     return row
 
 
 def _simulate(scenario: Scenario, nominal: VehicleParams, plant: str | PlantMaker) -> Log:
     controller = make_controller(replace(scenario, vehicle=nominal))
-    return simulate(scenario, plant=plant, planner=controller)
+    return run_loop(scenario, plant=plant, planner=controller)

@@ -96,8 +96,10 @@ class StudyTable:
         if not egos or "avoiding_action" not in self.names:
             return f"{first})"
         rates = "".join(f"\n  {ego_type:<7} {self.rate(ego_type)}" for ego_type in egos)
+        overlapping = f"\n  {describe_overlapping(self)}" if self.overlapping.any() else ""
         return (
-            f"{first}, {np.sum(self.avoidable)} avoidable; collisions among these at 95 % confidence:{rates})"
+            f"{first}, {np.sum(self.avoidable)} avoidable; collisions among these at 95 % confidence:{rates}"
+            f"{overlapping})"
         )
 
     @property
@@ -132,6 +134,12 @@ class StudyTable:
     def avoidable(self) -> Mask:
         """Whether braking or evading from the first hazard message on avoids any collision, by run."""
         return np.array([row["avoiding_action"] != "" for row in self.rows], dtype=bool)
+
+    @property
+    def overlapping(self) -> Mask:
+        """Whether road users drive into each other, with any ego type, by run; such a run means little."""
+        names = [f"{ego_type}_overlap" for ego_type in EGO_TYPES]
+        return np.array([any(row.get(name) for name in names) for row in self.rows], dtype=bool)
 
     def collided(self, ego_type: str) -> Mask:
         """Return which runs ended in a collision.
@@ -214,3 +222,11 @@ class StudyTable:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(self.names)
             writer.writerows(row.values() for row in self.rows)
+
+
+def describe_overlapping(table: StudyTable) -> str:
+    """State in how many runs road users drive into each other."""
+    return (
+        f"road users drive into each other in {np.sum(table.overlapping)} of {len(table)} runs "
+        "(columns that end in _overlap)"
+    )
