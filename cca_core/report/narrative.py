@@ -10,6 +10,7 @@ from cca_core.plot.labels import case_name, join_names, scenario_name
 from cca_core.report.selection import baseline_and_v2v, compares_v2v, one_run_per_ego
 from cca_core.sim import Log
 from cca_core.sim.outcome import MOVING_SPEED, ahead_at_ends, final_lead, first_collision, overtaken, row_at
+from cca_core.sim.overlaps import describe_overlap, explain_overlaps
 
 
 def headline(groups: Sequence[Sequence[Log]]) -> str:
@@ -77,8 +78,14 @@ def summarize_outcome(log: Log) -> str:
     -------
     text : str
         The rest of a sentence that begins with the ego: the collision and its speed, the vehicle behind which
-        the ego stopped, the time it waited, or the vehicles it passed and how closely.
+        the ego stopped, the time it waited, or the vehicles it passed and how closely. Road users that drive
+        into each other are added to it.
     """
+    outcome = _summarize_ego(log)
+    return f"{outcome}; {describe_overlap(log.overlaps[0])}" if log.overlaps else outcome
+
+
+def _summarize_ego(log: Log) -> str:
     collision = first_collision(log)
     if collision is not None:
         return f"collides with {collision.id} at {collision.speed:.1f} m/s"
@@ -115,7 +122,8 @@ def describe_run(log: Log) -> str:
     Returns
     -------
     text : str
-        What the ego did and when, the vehicles it waited for, and how the run ended.
+        What the ego did and when, the vehicles it waited for, how the run ended, and whether road users drove
+        into each other.
     """
     events: list[tuple[float, str]] = []
     reasons = log.reasons or [(reason, "") for _, _, reason in log.decisions]
@@ -142,7 +150,8 @@ def describe_run(log: Log) -> str:
         end_of_run = ""
     events.sort(key=lambda event: event[0])
     text = (" ".join(f"At {t:.1f} s {text}" for t, text in events) + end_of_run).strip()
-    return re.sub(r"\b[Ii]t\b", lambda found: "the ego" if found[0] == "it" else "The ego", text, count=1)
+    text = re.sub(r"\b[Ii]t\b", lambda found: "the ego" if found[0] == "it" else "The ego", text, count=1)
+    return f"{text} {explain_overlaps(log.overlaps)}." if log.overlaps else text
 
 
 def _describe_wait(log: Log, begin: float, end: float, cause: str | None) -> str:

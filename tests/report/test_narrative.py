@@ -38,6 +38,16 @@ def test_summary_of_following_gives_gap_and_speed(run: Run) -> None:
     assert summarize_outcome(log) == f"ends {log.gaps()[-1, 0]:.1f} m behind R1, at {log.ego[-1, 3]:.1f} m/s"
 
 
+def test_texts_state_that_a_road_user_drives_into_another(run: Run) -> None:
+    log = run("eebl", "C", "v2v")
+    crushed = replace(log, overlaps=((6.12, "yellow", "red", 4.0), (7.0, "green", "red", 1.0)))
+    assert summarize_outcome(crushed) == f"{summarize_outcome(log)}; yellow drives into red at 6.1 s"
+    assert describe_run(crushed) == (
+        f"{describe_run(log)} yellow drives into red at 6.1 s: road users do not collide, so what follows "
+        "means little; 1 more such pair."
+    )
+
+
 def test_summary_without_other_vehicles(alone: Log) -> None:
     assert summarize_outcome(alone) == describe_outcome(alone) == "ends with no vehicle ahead"
 
