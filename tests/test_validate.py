@@ -92,6 +92,8 @@ def test_other_clone_resumes_from_the_page(monkeypatch: pytest.MonkeyPatch) -> N
             ("tests/test_serial.py", "0" * 12),
         )
     }
+    name = "tests/test_repr.py"
+    suite.rows[name] = {"tests": 9, "skipped": 0, "failed": 2, "seconds": 5, "code": suite.files[name]}
     row = simulate_run(ParameterRanges(scenario="eebl"), validate.SEED, 0)
     safe = {**row, "v2v_collided_with": "", "avoiding_action": "brake"}
     late = {**row, "index": 2000, "v2v_collided_with": "red", "avoiding_action": "", "t_hazard": 2.0}
@@ -106,6 +108,8 @@ def test_other_clone_resumes_from_the_page(monkeypatch: pytest.MonkeyPatch) -> N
     assert "study_eebl.png" in page
     again = validate.Suite()
     assert again.passed.keys() == {"tests/test_ncap.py"}
+    assert again.failed == {name: suite.rows[name]}
+    assert again.missing[0] == name
     assert again.passed["tests/test_ncap.py"] == suite.rows["tests/test_ncap.py"]
     assert validate.progress_of("eebl") == (2000, None)
     assert validate.progress_of("ima") == (0, None)
@@ -114,6 +118,22 @@ def test_other_clone_resumes_from_the_page(monkeypatch: pytest.MonkeyPatch) -> N
     assert validate.PAGE.read_text(encoding="utf-8") == page.replace("3 of 2000", "0 of 2000")
     monkeypatch.setattr(Study, "fingerprint", "other sources")
     assert validate.progress_of("eebl") == (0, None)
+
+
+def test_page_counts_files_without_result() -> None:
+    suite = validate.Suite()
+    row = {"tests": 2, "skipped": 0, "failed": 0, "seconds": 1}
+    suite.rows = {name: row | {"code": code} for name, code in suite.files.items()}
+    n = len(suite.files)
+    assert validate.summary_lines(suite) == [
+        f"All {n} test files ({2 * n} tests) have passed with the present code."
+    ]
+    suite.rows |= {"tests/test_ncap.py": suite.rows["tests/test_ncap.py"] | {"failed": 1}}
+    del suite.rows["tests/test_serial.py"]
+    first, second, *_, last = validate.summary_lines(suite)
+    assert first.startswith(f"{n - 2} of {n} test files")
+    assert second == "Files without a result for this code yet: 1."
+    assert last.startswith("- `tests/test_ncap.py`: 1 of 2 tests failed")
 
 
 def test_parts_may_run_at_the_same_time(monkeypatch: pytest.MonkeyPatch) -> None:

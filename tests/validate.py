@@ -53,10 +53,14 @@ PUBLIC = {
     for alias in node.names
 }
 HEAD = """\
-# Validation: the last full run
+# Validation: the full tests
 
-Every test with the full number of random cases: 1000 for each property instead of 50, and fewer if one case
-is a whole drive or a fit. The name of a property fixes its seed. Written by `make validate`.
+This page lists the test files that passed with the full number of random cases, and the results of the
+studies. A property has 1000 random cases instead of 50, or fewer if one case is a whole drive or a fit. The
+name of a property fixes its seed. `make validate` writes this page, and continues where it was stopped.
+
+The column *sources* is a digest of all that a result depends on. The result holds at each commit at which
+this digest is the same.
 """
 
 
@@ -103,7 +107,7 @@ def print_plan(suite: "Suite", with_tests: bool, studies: list[str]) -> None:
 
 
 class Suite:
-    """Test files, what they depend on, and results of those that passed with the present sources."""
+    """Test files, what they depend on, and their results with the present sources."""
 
     def __init__(self, wanted: tuple[str, ...] = ("tests",)) -> None:
         files = sorted(p for p in TESTS.rglob("test_*.py") if "bench" not in p.parts)
@@ -116,6 +120,16 @@ class Suite:
     @property
     def passed(self) -> dict[str, dict[str, Any]]:
         """Results of the files that passed with the present sources."""
+        return {name: row for name, row in self.present.items() if not row["failed"]}
+
+    @property
+    def failed(self) -> dict[str, dict[str, Any]]:
+        """Results of those that failed with the present sources."""
+        return {name: row for name, row in self.present.items() if row["failed"]}
+
+    @property
+    def present(self) -> dict[str, dict[str, Any]]:
+        """Results with the present sources."""
         return {name: row for name, row in self.rows.items() if row["code"] == self.files.get(name)}
 
     @property
@@ -142,7 +156,7 @@ class Suite:
                 if result["failed"]:
                     failed.append(name)
                     tqdm.write(f"{name} failed")
-                else:
+                if result["tests"] or not result["failed"]:  # it was not interrupted
                     # another process may run other parts at the same time
                     self.rows = self.stored() | {name: {**result, "code": self.files[name]}}
                     self.save()
@@ -174,6 +188,12 @@ def rows_of_page() -> dict[str, dict[str, Any]]:
             name, *numbers, code = found.groups()
             tests, skipped, seconds = map(int, numbers)
             rows[name] = {"tests": tests, "skipped": skipped, "failed": 0, "seconds": seconds, "code": code}
+        elif found := re.fullmatch(
+            r"- `(tests/\S+)`: (\d+) of (\d+) tests failed, in (\d+) s, sources ([0-9a-f]{12})", line
+        ):
+            name, *numbers, code = found.groups()
+            failed, tests, seconds = map(int, numbers)
+            rows[name] = {"tests": tests, "skipped": 0, "failed": failed, "seconds": seconds, "code": code}
     return rows
 
 
@@ -298,7 +318,7 @@ def write_page(suite: Suite) -> None:
     for table in tables:
         plot_study([table], log=True).savefig(figure_of(table.scenario), dpi=120)
     today = datetime.datetime.now(tz=datetime.UTC).date()
-    lines = [HEAD, f"Commit {commit()}, {today}, seed {SEED} of the studies.", "", *test_lines(suite)]
+    lines = [HEAD, f"Written at commit {commit()} on {today}.", "", "## Tests", "", *test_lines(suite)]
     lines += ["", "## Studies", "", *study_lines(studies)]
     kept = [line for name, (_, table) in studies.items() if table is None for line in study_of_page(name)[1:]]
     lines += collision_lines(tables, kept) if tables or kept else []
@@ -308,11 +328,10 @@ def write_page(suite: Suite) -> None:
 
 
 def test_lines(suite: Suite) -> list[str]:
-    """Table of the test files that passed."""
+    """How many test files passed, and the table of these."""
     rows = sorted(suite.passed.items())
-    total = sum(row["tests"] for _, row in rows)
     return [
-        f"{len(rows)} of {len(suite.files)} test files passed, {total} tests.",
+        *summary_lines(suite),
         "",
         "| file | tests | skipped | seconds | sources |",
         "|---|---|---|---|---|",
@@ -323,12 +342,29 @@ def test_lines(suite: Suite) -> list[str]:
     ]
 
 
+def summary_lines(suite: Suite) -> list[str]:
+    """How many test files passed with the present sources, and what is known of the others."""
+    total, n, passed = sum(row["tests"] for row in suite.passed.values()), len(suite.files), len(suite.passed)
+    if passed == n:
+        return [f"All {n} test files ({total} tests) have passed with the present code."]
+    lines = [f"{passed} of {n} test files ({total} tests) have passed with the present code."]
+    if others := n - passed - len(suite.failed):
+        lines.append(f"Files without a result for this code yet: {others}.")
+    if suite.failed:
+        lines += ["", f"Files that failed with the present code: {len(suite.failed)}.", ""]
+    return lines + [
+        f"- `{name}`: {row['failed']} of {row['tests']} tests failed, in {row['seconds']} s,"
+        f" sources {row['code']}"
+        for name, row in sorted(suite.failed.items())
+    ]
+
+
 def study_lines(studies: dict[str, tuple[int, StudyTable | None]]) -> list[str]:
     """Table of collision rates."""
     lines = [
-        f"Each study samples a scenario until {AVOIDABLE_RUNS} runs are avoidable; see [Studies](study.md).",
-        "Collisions among the avoidable runs: number, rate and its 95 % confidence interval, for V2V also",
-        "the one-sided upper bound.",
+        f"Each study samples a scenario with seed {SEED} until {AVOIDABLE_RUNS} runs are avoidable; see",
+        "[Studies](study.md). The table shows the collisions among the avoidable runs: number, rate and its",
+        "95 % confidence interval. The upper bound is the one-sided bound of the rate with V2V, at 95 %.",
         "",
         "| scenario | runs | avoidable | with V2V | upper bound | driver | sensor | sources |",
         "|---|---|---|---|---|---|---|---|",
