@@ -49,7 +49,7 @@ def test_reference_solve_banded(reference_us: float, record_property: Callable[[
 def test_planner_step(
     benchmark: Bench, route: Path, positions: tuple[tuple[float, float], ...], replans: bool, action: str
 ) -> None:
-    """One cycle: without a new decision; with rejected candidates on both sides; replanning a maneuver."""
+    """One cycle (keeps: no new decision; follows: rejected candidates on both sides; evades: replanning)."""
     road = Road(route, (Lane(d=0.0), Lane(d=3.5), Lane(d=-3.5)))
     planner = Planner(CAR, road, cruise_speed=20.0, evasion=EvasionSettings(awareness_range=np.inf))
     for t in (0.0, 0.1, 0.2, 0.3, 0.4):  # a maneuver begins ahead of the ego
@@ -72,7 +72,7 @@ def test_planner_step(
 
 @pytest.mark.parametrize("case", CASES)
 def test_maneuver_in_real_time(benchmark: Bench, case: str, slowness: float, budget: Budget) -> None:
-    """At least 60 times real time with planner and lossy channel, divided by 1.3 for scatter."""
+    """Speed relative to real time, with lossy channel; the goal is 60, the budget 60 / 1.3: times scatter."""
     (scenario,) = (s for s in paper_scenarios() if s.name == "maneuver" and s.v2v and s.case == case)
     log = benchmark.pedantic(simulate, args=(scenario,), rounds=3, iterations=1, warmup_rounds=1)
     factor = float(log.t[-1]) / benchmark.stats.stats.min
