@@ -20,10 +20,11 @@ _SLEW = 0.05  # rate at which the correction follows the offset [s/s]
 class _Marks:
     """Last second marks of one sender: times of reception, and reception minus mark."""
 
-    __slots__ = ("delays", "mark")
+    __slots__ = ("delays", "lowest", "mark")
 
     def __init__(self) -> None:
         self.mark: float | None = None
+        self.lowest = math.inf  # of the delays, up to the next estimate that of `low` [s]
         self.delays: deque[tuple[float, float]] = deque(maxlen=100)
 
     def recent(self) -> float | None:
@@ -63,6 +64,7 @@ class SenderClocks:
             for marks in self._senders.values():
                 shifted = [(t_received + step, delay + step) for t_received, delay in marks.delays]
                 marks.delays = deque(shifted, maxlen=marks.delays.maxlen)
+                marks.lowest += step
         self._t = t
         if abs(t - self._t_estimated) >= _INTERVAL:
             self._estimate(t)
@@ -79,13 +81,30 @@ class SenderClocks:
             return
         marks.mark = mark
         base = self.correction
-        marks.delays.append((t, (t - mark - base + 30.0) % 60.0 - 30.0 + base))
+        delay = (t - mark - base + 30.0) % 60.0 - 30.0 + base
+        marks.delays.append((t, delay))
+        marks.lowest = min(marks.lowest, delay)
+
+    def error(self, sender: str) -> float:
+        """Return how far the time of a sender's messages may be off [s].
+
+        An apparent age of its youngest messages may be latency or an error of either clock, and a latency of
+        up to `latency` may be hidden behind such an error.
+        """
+        marks = self._senders.get(sender)
+        lowest = self.offset if marks is None else marks.lowest
+        if lowest is None:
+            return 0.0
+        apparent = lowest - self.correction
+        return max(apparent, self._latency - apparent)
 
     def _estimate(self, t: float) -> None:
         """Update offset and correction."""
         elapsed, self._t_estimated = min(t - self._t_estimated, 2.0 * _INTERVAL), t
         for sender in [s for s, m in self._senders.items() if not m.delays or t - m.delays[-1][0] > _MEMORY]:
             del self._senders[sender]
+        for marks in self._senders.values():
+            marks.lowest = marks.low(t)
         recent = {s: low for s, m in self._senders.items() if (low := m.recent()) is not None}
         self.n_senders = len(recent)
         if not recent:
@@ -99,7 +118,7 @@ class SenderClocks:
                 marks.delays = deque(list(marks.delays)[-_RECENT:], maxlen=marks.delays.maxlen)
         else:
             agreeing = [s for s, low in recent.items() if self._is_acceptable(low)]
-            self.offset = _median([self._senders[s].low(t) for s in agreeing], expected)
+            self.offset = _median([self._senders[s].lowest for s in agreeing], expected)
             self._follow(self.offset, elapsed)
         self.n_agreeing = sum(map(self._is_acceptable, recent.values()))
 

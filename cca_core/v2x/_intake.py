@@ -120,7 +120,7 @@ class Intake:
         fix = Fix(measured, *position, psi, motion.v, a, r)
         return Track(
             bsm.id if track is None else track.id, fix, length, width, bsm.events, bsm.msg_count, timed,
-            accuracy, height, motion,
+            self.clocks.error(bsm.id) if timed else 0.0, accuracy, height, motion,
         )  # fmt: skip
 
     def _motion(

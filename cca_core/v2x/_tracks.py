@@ -24,7 +24,7 @@ class Track:
     __slots__ = (
         "accuracy", "driven", "ego_likeness", "events", "first_reported", "fix", "height", "id", "length",
         "motion", "msg_count", "ref", "rejected", "reported", "rivals", "row", "speed", "t_first",
-        "t_position", "timed", "width",
+        "t_position", "time_error", "timed", "width",
     )  # fmt: skip
 
     def __init__(
@@ -36,12 +36,13 @@ class Track:
         events: frozenset[str],
         msg_count: int,
         timed: bool,
+        time_error: float,
         accuracy: float,
         height: float | None,
         motion: ReportedMotion,
     ) -> None:
         self.id, self.fix, self.length, self.width, self.events = id, fix, length, width, events
-        self.msg_count, self.timed, self.accuracy = msg_count, timed, accuracy
+        self.msg_count, self.timed, self.time_error, self.accuracy = msg_count, timed, time_error, accuracy
         self.height, self.motion = height, motion
         self.t_first = fix.t  # time of its first message [s]
         # positions [m]: last accepted as reported, first reported, estimate by all messages
@@ -62,6 +63,7 @@ class Track:
         self.ref = self.ref[0] + x - old.x, self.ref[1] + y - old.y
         self.fix = new._replace(x=x, y=y)
         self.events, self.msg_count, self.timed = message.events, message.msg_count, message.timed
+        self.time_error = message.time_error
 
     def has_size_of(self, other: "Track") -> bool:
         """Return whether the sizes of both may be those of one vehicle."""
@@ -93,16 +95,17 @@ class Track:
         v = min(max(v, -MAX_REVERSING), MAX_SPEED)  # a valid record, whatever acceleration is reported
         age, model = max(t - self.t_position, 0.0), settings.position_errors
         if self.t_position == fix.t:
-            along, across = position_bounds(fix.v, age, model=model)
+            along, across = position_bounds(fix.v, age, time_error=self.time_error, model=model)
         else:
-            driven = self.driven + abs(fix.v) * max(t - fix.t, 0.0)
-            along, across = position_bounds(self.speed, age, driven, model=model)
+            driven, late = self.driven + abs(fix.v) * max(t - fix.t, 0.0), self.time_error
+            along, across = position_bounds(self.speed, age, driven, time_error=late, model=model)
         rejected = self.rejected
         if rejected is not None and rejected.fix.t - rejected.t_first >= settings.readmit_after:
             # a rejected position that was reported for long may be true: the bounds include it
             other, cos, sin = dead_reckon(rejected.fix, t), math.cos(psi), math.sin(psi)
             far_x, far_y = other.x - x, other.y - y
-            more = position_bounds(rejected.fix.v, max(t - rejected.fix.t, 0.0), model=model)
+            gap = max(t - rejected.fix.t, 0.0)
+            more = position_bounds(rejected.fix.v, gap, time_error=rejected.time_error, model=model)
             along = max(along, abs(far_x * cos + far_y * sin) + more[0])
             across = max(across, abs(far_y * cos - far_x * sin) + more[1])
         if t - fix.t > STALE_AGE:  # the bounds need to know the reported speed, see `reachable_interval`

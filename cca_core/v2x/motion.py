@@ -133,7 +133,12 @@ def predicted_displacement(last: Fix, fix: Fix) -> tuple[float, float, float]:
 
 @formula
 def position_bounds(
-    v: float, age: float, driven: float = math.inf, *, model: PositionErrorModel = _RECORDED
+    v: float,
+    age: float,
+    driven: float = math.inf,
+    *,
+    time_error: float = 0.0,
+    model: PositionErrorModel = _RECORDED,
 ) -> tuple[float, float]:
     """Uncertainty bounds of a dead-reckoned position: errors that are not exceeded in 95 % of cases.
 
@@ -145,6 +150,8 @@ def position_bounds(
         Time since the position was measured [s], not negative.
     driven : float
         Distance driven since by the speeds reported later [m]; infinite if there was no message.
+    time_error : float
+        Known error of the time of measurement [s], such as that of a clock, not negative.
     model : PositionErrorModel
         Errors of positions and time stamps.
 
@@ -165,7 +172,7 @@ def position_bounds(
     [4.7, 0.07, 6.3, 0.35]
     """
     speed = abs(v)
-    time_error = min(model.time_error_rate * age, model.max_time_error)
+    time_error = max(min(model.time_error_rate * age, model.max_time_error), time_error)
     along, across = model.along + speed * time_error, model.across + model.across_rate * age
     late = age - STALE_AGE
     if late > 0.0:

@@ -62,6 +62,30 @@ def test_latency_is_not_corrected(offset: float) -> None:
     assert [v.age for v in tracker.vehicles(now)] == pytest.approx([offset + 0.04] * 3, abs=1e-6)
 
 
+@pytest.mark.parametrize("offset", [-0.5, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 2.0, 18.0])
+@pytest.mark.parametrize("v", [-3.0, 12.0, 20.0, 30.0])
+@pytest.mark.parametrize("one_sender", [False, True])
+def test_position_is_within_its_bound_from_the_first_message_on(
+    offset: float, v: float, one_sender: bool
+) -> None:
+    """A receiver's clock that leads by an offset, or that of one sender of four which is late by it."""
+    tracker = Tracker(FRAME)
+    for k in range(400):
+        t = 0.02 * k
+        now = T0 + t + (0.0 if one_sender else offset)
+        for i in range(4 if one_sender else 1):
+            if k % 5 == 2 and (measured := t - 0.04) >= 0.0:
+                late = offset if one_sender and i == 0 else 0.0
+                message = bsm(
+                    T0 + measured - late, abs(v) * measured * math.copysign(1.0, v) + 100.0 * i, v=abs(v),
+                    id=f"{i + 1:08x}", n=k // 5 % 128, transmission="forward" if v > 0.0 else "reverse",
+                )  # fmt: skip
+                tracker.update(message, now)
+        for vehicle in tracker.vehicles(now):
+            true = v * t + 100.0 * (int(vehicle.id) - 1)
+            assert abs(vehicle.x - true) <= 2.0 * vehicle.sigma_along + 1e-6, (t, vehicle)
+
+
 @pytest.mark.parametrize("drift", [50e-6, -50e-6])
 @pytest.mark.parametrize("offset", [-3.0, 0.0, 18.0])
 def test_clock_drift_is_followed(offset: float, drift: float) -> None:
