@@ -41,6 +41,8 @@ def assess(
         change = weights.abort if path.kind is PathKind.RETURN else weights.change
     elif not path.is_last and path.kind is not PathKind.ROUTE and was is not PathKind.ROUTE:
         change = weights.replan
+    if path.kind is PathKind.RETURN:
+        change += weights.delay * max(path.end - around.s, 0.0) / max(around.v, 2.0)
     canceled = last is not None and last.to_lane is not None and path.kind is PathKind.RETURN
     if canceled and not path.is_smooth:
         change += weights.hard

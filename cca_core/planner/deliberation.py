@@ -133,7 +133,7 @@ class Deliberation:
             self._add(replace(last, is_last=True), None)
         wish = self._wish
         to, begun = 0.0 if wish is None else wish.d, 0.0 if last is None else last.rest
-        if not lateral.is_lost and to != begun:
+        if to != (0.0 if lateral.is_lost else begun):  # a change goes on from where the ego is
             for path in change_paths(around, wish):
                 self._add(path, None)
 

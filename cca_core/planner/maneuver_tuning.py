@@ -203,6 +203,8 @@ class CostSettings:
         Of not changing to a lane that was requested, and of changing to another one [s].
     change, replan, abort : float
         Of another intention, of a new path of the same, and of returning before a pass is complete [s].
+    delay : float
+        Of the time until a return is complete [-]: without a reason to wait the ego returns at once.
     narrow, hard : float
         Of the levels beyond comfort [s].
     sharp, sharp_from : float
@@ -248,6 +250,7 @@ class CostSettings:
     change: float = 0.4
     replan: float = 0.15
     abort: float = 1.0
+    delay: float = 0.02
     narrow: float = 0.8
     hard: float = 0.4
     sharp: float = 15.0

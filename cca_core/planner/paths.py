@@ -117,22 +117,24 @@ def return_paths(around: Surroundings) -> list[LateralPath]:
 def change_paths(around: Surroundings, wish: LaneWish | None) -> list[LateralPath]:
     """Return paths into another lane, gentle and as sharp as comfort allows; without one, a gentle way back.
 
-    They begin once the path can change, so that steering does not jump, and are complete before the route
-    ends, where the wanted lane may go on.
+    They begin once the path can change, so that steering does not jump, or where the ego is if it has lost
+    its path. They are complete before the route ends, where the wanted lane may go on.
     """
     state, v, to = around.lateral, max(around.v, 2.0), 0.0 if wish is None else wish.d
-    grid = state.base + np.arange(float(len(state.d)))
-    begin = math.ceil(around.s + around.settings.replan.committed_time * v)
-    k, found = begin - state.base, []
-    behind, here, ahead = state.d[k - 1 : k + 2].tolist()
+    begin, found = around.s, []
+    start = state.offset - to, state.slope, state.bend
+    if not state.is_lost:
+        begin = math.ceil(around.s + around.settings.replan.committed_time * v)
+        k = begin - state.base
+        behind, here, ahead = state.d[k - 1 : k + 2].tolist()
+        start = here - to, 0.5 * (ahead - behind), ahead - 2.0 * here + behind
+    x: Array = state.base + np.arange(float(len(state.d))) - begin
     kind = PathKind.RETURN if wish is None else PathKind(wish.side)
-    start = here - to, 0.5 * (ahead - behind), ahead - 2.0 * here + behind
     left = around.road.path.end - begin
     a_ys = around.settings.change.gentle_fraction * around.limits.a_y, around.limits.a_y
     for a_y in a_ys if wish is not None else a_ys[:1]:
-        d = state.d.copy()
-        rest, length = blend(*start, a_y, v, grid[k:] - begin, max_length=left)
-        d[k:] = to + rest
+        rest, length = blend(*start, a_y, v, x, max_length=left)
+        d = np.where(x < 0.0, state.d, to + rest)
         path = LateralPath(
             kind=kind, base=state.base, d=d, begin=around.s, end=begin + length, rest=to, is_smooth=True
         )

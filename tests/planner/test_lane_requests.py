@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -82,6 +83,24 @@ def test_free_lane_becomes_ego_lane(d: float) -> None:
     side = "left" if d > 0.0 else "right"
     assert any(f"changing to the {side} lane" in reason for reason in change.reasons)
     assert change.reasons[-1].startswith("keeping lane")
+
+
+@pytest.mark.parametrize("at", [1.5, 2.0, 3.0])
+@pytest.mark.parametrize("jump", [-0.8, -0.5, 0.5, 0.8])
+def test_change_goes_on_after_a_jump_of_position(at: float, jump: float) -> None:
+    """The ego is off its path then, and the change goes on from where it is."""
+    planner, plant = make_planner(THREE_LANES), SingleTrackPlant(CAR, ego_state(20.0, 20.0))
+    planner.request_lane(3.5)
+    commands = []
+    for k in range(600):
+        t, state = CYCLE * k, plant.state
+        if t >= at:
+            state = replace(state, y=state.y + jump)
+        commands.append(planner.step(t, state, []))
+        plant.step(commands[-1].delta, commands[-1].a_x, CYCLE)
+    modes = [command.mode for command in commands]
+    assert Mode.RETURN not in modes[modes.index(Mode.EVADE_LEFT) :]
+    assert state.y == pytest.approx(3.5, abs=0.05)
 
 
 def test_change_stays_within_both_lanes() -> None:

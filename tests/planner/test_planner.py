@@ -1,6 +1,7 @@
 """Planner in closed loop: the route alone, and a lead vehicle."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -84,6 +85,17 @@ class TestRoute:
 
     def test_ego_starts_from_standstill(self) -> None:
         assert ClosedLoop(make_planner(), [], 6.0, v=0.0).v[-1] > 8.0
+
+    @pytest.mark.parametrize("d", [0.35, 0.45, 0.5, 0.7, 0.9, 1.2, 2.0, 3.0])
+    @pytest.mark.parametrize("side", [-1.0, 1.0])
+    def test_ego_next_to_its_lane_center_returns_at_once(self, d: float, side: float) -> None:
+        """However small the offset is."""
+        planner, plant = make_planner(), SingleTrackPlant(CAR, replace(ego_state(START, 20.0), y=side * d))
+        for k in range(150):
+            command = planner.step(CYCLE * k, plant.state, [])
+            plant.step(command.delta, command.a_x, CYCLE)
+            assert side * plant.state.y > -0.2
+        assert abs(plant.state.y) < 0.1
 
 
 class TestLead:
