@@ -15,7 +15,7 @@ class LastResortSettings:
     grip_fraction : float
         Fraction of the grip that limits the lateral acceleration [-].
     clearance : float
-        Clearance of the narrowest maneuver [m]; 0.2 if this is more.
+        Clearance of the narrowest maneuver [m].
     min_ttc : float
         Time to collision of the latest maneuver [s].
     lateral_acceleration : float
@@ -35,7 +35,7 @@ class LastResortSettings:
     """
 
     grip_fraction: float = 0.8
-    clearance: float = 0.3
+    clearance: float = 0.2
     min_ttc: float = 0.1
     lateral_acceleration: float = 3.5
     walking_pace: float = 2.0

@@ -20,7 +20,6 @@ from cca_core.planner.stretch import AHEAD, narrowed
 _MAX_NODES = 140  # of a band
 _MIN_SPEED = 5.0  # below it steering limits the curvature, not the tires [m/s]
 _VEHICLE_SHARE = 0.5  # of the free space, kept to the vehicle; the rest to the edge [-]
-_MIN_CLEARANCE = 0.2  # of the narrowest path [m]
 _TIME_TO_CLEAR = 1.0  # in which a body that is beyond an edge comes back inside [s]
 _EDGE_MARGIN = 0.15  # kept to an edge for the error of steering, where there is room [m]
 _EDGE_TOLERANCE = 0.05  # by which the committed part of a path may be closer to an edge [m]
@@ -48,7 +47,7 @@ def plan_path(
     if isinstance(window, Rejection):
         return window
     found = _bend_path(around, group, side, level, last, window)
-    narrowest = min(around.settings.last_resort.clearance, _MIN_CLEARANCE)
+    narrowest = around.settings.last_resort.clearance
     if level is Level.NARROW and isinstance(found, Rejection) and window.clearance > narrowest:
         return _bend_path(around, group, side, level, last, replace(window, clearance=narrowest))
     if level is Level.COMFORT and isinstance(found, Rejection) and around.creeps:
@@ -169,7 +168,7 @@ def _window(
     space = edge - outermost - around.vehicle.width
     clearance = settings.clearance
     if narrow:
-        narrowest = min(settings.last_resort.clearance, _MIN_CLEARANCE)
+        narrowest = settings.last_resort.clearance
         clearance = min(clearance, max(_VEHICLE_SHARE * space, narrowest))
     if space < clearance - 0.05:
         if lane is None:
