@@ -49,8 +49,8 @@ def read_commonroad_map(file: str | FilePath, *, origin: Origin | None = None) -
     file : str or pathlib.Path
         File as for `cca_core.sim.read_commonroad`.
     origin : tuple of float, optional
-        Position in the file that becomes x = y = 0 [m], such as that of another map. By default it is 0, and
-        for maps around more than 900 km from there the full kilometers next to their middle.
+        Position in the file that becomes x = y = 0 [m], such as that of another map. By default it is 0.
+        A map whose middle is more than 900 km from there gets an origin near its middle, at whole kilometers.
 
     Returns
     -------

@@ -264,8 +264,8 @@ def read_opendrive(file: str | FilePath, *, origin: Origin | None = None) -> Ope
     file : str or pathlib.Path
         File of OpenDRIVE 1.4 to 1.8 (XML), at most 50 MB, without a document type declaration.
     origin : tuple of float, optional
-        Position in the file that becomes x = y = 0 [m], such as that of another map. By default it is 0, and
-        for maps around more than 900 km from there the full kilometers next to their middle.
+        Position in the file that becomes x = y = 0 [m], such as that of another map. By default it is 0.
+        A map whose middle is more than 900 km from there gets an origin near its middle, at whole kilometers.
 
     Returns
     -------

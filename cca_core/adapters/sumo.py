@@ -43,8 +43,8 @@ class SumoWorld:
         SUMO reports none, and its lanes are polylines: twice the distance of their corners is a good value.
         By default yaw rates are zero.
     origin : tuple of float, optional
-        Position in the net that is x = y = 0 here [m], such as `SumoNet.origin`. By default it is 0, and more
-        than 900 km from there the full kilometers next to the ego.
+        Position in the net that is x = y = 0 here [m], such as `SumoNet.origin`. By default it is 0, or,
+        more than 900 km from there, near the ego at whole kilometers.
 
     Attributes
     ----------

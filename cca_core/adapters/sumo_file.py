@@ -232,8 +232,8 @@ def read_sumo_net(file: str | FilePath, *, origin: Origin | None = None) -> Sumo
     file : str or pathlib.Path
         File that ends in ``.net.xml``, at most 50 MB, without a document type declaration.
     origin : tuple of float, optional
-        Position in the net that becomes x = y = 0 [m], such as that of another map. By default it is 0, and
-        for nets around more than 900 km from there the full kilometers next to their middle.
+        Position in the net that becomes x = y = 0 [m], such as that of another map. By default it is 0.
+        A net whose middle is more than 900 km from there gets an origin near its middle, at whole kilometers.
 
     Returns
     -------

@@ -144,7 +144,8 @@ def kkt_residual(
     Returns
     -------
     residual : ndarray, shape (...)
-        Largest unbalanced force, as the violation of a bound that would supply it [m].
+        Largest unbalanced force, as the distance [m] by which a node would have to be beyond its bound to
+        cause it.
 
     Raises
     ------

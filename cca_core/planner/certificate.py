@@ -21,8 +21,9 @@ class Grade(IntEnum):
     Attributes
     ----------
     COMFORTABLE
-        The worst case: no vehicle within the declared bounds can touch an ego that drives its safe stop. The
-        stop needs at most `CertificateSettings.comfortable_braking`; in a maneuver, the path is comfortable.
+        The worst case: no vehicle within the declared bounds can collide with an ego that drives its safe
+        stop. The stop needs at most `CertificateSettings.comfortable_braking`; in a maneuver, the path is
+        comfortable.
     FULL
         The same; the stop needs more, or the path is beyond comfort.
     RESPONSE
@@ -135,5 +136,5 @@ class Certificate:
 
     @property
     def keeps_worst_case(self) -> bool:
-        """Whether no vehicle within the declared bounds can touch an ego that drives its safe stop."""
+        """Whether no vehicle within the declared bounds can collide with an ego that drives its safe stop."""
         return self.grade <= Grade.FULL

@@ -1,4 +1,4 @@
-"""Clocks of the rig: monotonic time for control, UTC for messages, one map between them."""
+"""Clocks of the rig: monotonic time for control, UTC for messages, and the conversion."""
 
 import time
 from collections.abc import Callable
@@ -68,7 +68,7 @@ class RigClock:
 
 
 class ClockMap:
-    """Map between control time and UTC, fixed when it is made.
+    """Conversion between control time and UTC, made once.
 
     Parameters
     ----------

@@ -50,7 +50,8 @@ def main() -> int:
         for name, rows in zip(FILES, measured, strict=True):
             write_rows(given.docs / "table1" / name, rows)
         today = datetime.now(tz=UTC).date()
-        text = f"Measured on {today}: {_processor()}, Python {platform.python_version()}.\n"
+        versions = f"Python {platform.python_version()}, sources {source_digest()[:12]}"
+        text = f"Measured on {today}: {_processor()}, {versions}.\n"
         (given.docs / "table1" / "measured.txt").write_text(text, encoding="utf-8")
         unfinished.unlink()
     sys.stdout.write(write(given.docs) + "\n")
