@@ -8,19 +8,18 @@ import numpy as np
 from cca_core._checks import Array, Mask
 from cca_core.band import Side
 from cca_core.decide import Rejection, RejectionKind
-from cca_core.frenet import FrenetVehicle
 from cca_core.kernel.memory import Lent
 from cca_core.kernel.scene import Scene
 from cca_core.planner.candidates import Stop, lane_refusal, lane_rejection
 from cca_core.planner.certificate import Certificate, Grade
 from cca_core.planner.lane_entry import entry_rejection
-from cca_core.planner.occupancy import reported_rate
 from cca_core.planner.paths import Surroundings
 from cca_core.planner.rear_gaps import keeps_rear_gaps
 from cca_core.planner.records import Branch, LateralPath, Level, PathKind, Plan
+from cca_core.planner.response import ProperResponse
 from cca_core.planner.scene import N_ROWS, TIMES, check_gaps, check_worst, roll, set_numbers
 from cca_core.planner.stretch import adjacent_lanes
-from cca_core.vehicle import STALE_AGE, STANDSTILL_SPEED
+from cca_core.vehicle import STANDSTILL_SPEED
 
 _TAIL = N_ROWS - 1  # row of the braking tail
 _BISECTIONS = 3
@@ -51,6 +50,7 @@ class Certifier:
         # deceleration of a safe stop, if no vehicle asks for more
         self._firm = min(around.settings.actuation.safe_stop_deceleration, around.limits.b_max)
         self._valid = valid  # time after which the last certified plan must brake [s]
+        self._response = ProperResponse(around, self._exposure)
         self.home_acceleration = 0.0  # least one of the ego in its lane [m/s^2]
         self.count = 0
 
@@ -217,82 +217,16 @@ class Certifier:
         return 2.0 * min(vehicles[j].remote.sigma_along, vehicles[j].remote.sigma_across)
 
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
-        limits = self._around.limits
-        plan.silence = self._silence(plan.decides)
-        opens = plan.gap >= self._around.settings.clearance and self._is_faster(plan.decides)
-        may_respond = (opens or not out_now) and not plan.path.kind.is_evasive
+        limits, response = self._around.limits, self._response
+        plan.silence = response.silence(plan.decides)
         if plan.braking <= self._settings.comfortable_braking:
             plan.grade = Grade.COMFORTABLE
         elif plan.braking <= limits.b_max:
             plan.grade = Grade.FULL
-        elif may_respond and self._is_ahead(plan.decides) and self._responds(plan, self._urgency(plan)):
+        elif response.is_possible(plan, out_now=out_now) and response.is_given(plan):
             plan.grade, plan.braking = Grade.RESPONSE, limits.b_max
         else:
             plan.grade = Grade.NOMINAL
-
-    def _is_ahead(self, name: str) -> bool:
-        """Whether a vehicle drives ahead: braking is no response to what comes from behind or the side."""
-        traffic = self._around.traffic
-        j = traffic.index(name)
-        return j < 0 or bool(traffic.s[j, 0] > self._around.s and not traffic.crosses[j])
-
-    def _is_faster(self, name: str) -> bool:
-        """Whether a vehicle is at least as fast as the ego, so that the gap to it opens."""
-        traffic = self._around.traffic
-        j = traffic.index(name)
-        return j >= 0 and bool(traffic.v[j, 0] >= self._around.v)
-
-    def _responds(self, plan: Plan, urgency: float) -> bool:
-        """Whether a plan brakes soon and stays at it: in comfort, or up to fully where it is urgent."""
-        limits, reaction = self._around.limits, self._settings.reaction_time
-        response = limits.b_comfort + (limits.b_max - limits.b_comfort) * urgency
-        jerk = self._around.jerk + (self._around.jerk_emergency - self._around.jerk) * urgency
-        begun = max(-response, float(plan.a[0]) - 0.5 * jerk * reaction)
-        soon, k = np.searchsorted(TIMES, (reaction, reaction + limits.b_comfort / jerk)).tolist()
-        return all(
-            plan.v[i] < STANDSTILL_SPEED or plan.a[i] <= a + 0.05
-            for i, a in ((soon, begun), (k - 1, -response))
-        )
-
-    def _urgency(self, plan: Plan) -> float:
-        """Part of the braking beyond comfort that a proper response needs [-]."""
-        return max(plan.silence, self._braking_ahead(), self._danger(plan))
-
-    def _silence(self, name: str) -> float:
-        """Part of the time of silence that asks for full braking [-]; 0 for what is not a stale lead."""
-        late = max((n.remote.age - STALE_AGE for n in self._leads() if n.id == name), default=0.0)
-        return min(max(late, 0.0) / self._settings.silence_time, 1.0)
-
-    def _braking_ahead(self) -> float:
-        """Part of the braking beyond comfort that is seen ahead, as far as the ego needs to stop [-].
-
-        Half of it counts as all: reports tell of braking that still builds up.
-        """
-        around, limits = self._around, self._around.limits
-        until = around.s + around.v**2 / (2.0 * limits.b_comfort)
-        braking = max((-reported_rate(n) for n in self._leads() if n.rear < until), default=0.0)
-        return min(
-            max(braking - limits.b_comfort, 0.0) / max(0.5 * (limits.b_max - limits.b_comfort), 0.1), 1.0
-        )
-
-    def _danger(self, plan: Plan) -> float:
-        """Part of it that a lead asks for: by its present speed, and by the impact if it brakes now [-]."""
-        around, limits, settings = self._around, self._around.limits, self._settings
-        lead = next((n for n in self._leads() if n.id == plan.decides and n.v_s >= 0.0), None)
-        if lead is None:
-            return 0.0
-        gap, closing = lead.rear - around.s - around.vehicle.front, max(around.v - lead.v_s, 0.0)
-        need = settings.response * closing * closing / (2.0 * max(gap - settings.touch, 0.1))
-        now = max(need - limits.b_comfort, 0.0) / max(limits.b_max - limits.b_comfort, 0.1)
-        above = max(self._exposure(plan) - settings.mild_impact, 0.0)
-        return min(max(now, above / max(settings.severe_impact - settings.mild_impact, 0.1)), 1.0)
-
-    def _leads(self) -> list[FrenetVehicle]:
-        """Return the vehicles ahead of the ego that are in its way across the road."""
-        around, traffic = self._around, self._around.traffic
-        reach = traffic.half_w + 0.5 * around.vehicle.width + around.settings.lead.blocking_gap
-        blocks = (traffic.s[:, 0] >= around.s) & (np.abs(traffic.d[:, 0] - around.lateral.offset) <= reach)
-        return [traffic.vehicles[j] for j in np.flatnonzero(blocks).tolist()]
 
     def _certify_maneuver(self, plan: Plan, out: Mask, touch: float, clearance: float) -> None:
         """Certify a plan that leaves its lane: gap acceptance, and one safe end for all vehicles."""
