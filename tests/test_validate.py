@@ -47,6 +47,28 @@ def test_result_counts_until_sources_change() -> None:
     assert again.missing[0] == name  # its time is known
 
 
+CODE = '"""Text."""\n\nX = 1  # comment\n\n\ndef f() -> int:\n    """Text."""\n    return X\n'
+
+
+@pytest.mark.parametrize(
+    ("new", "same"),
+    [
+        (CODE.replace("Text.", "Another text."), True),
+        (CODE.replace("  # comment", ""), True),
+        (CODE.replace("= 1", "= 2"), False),
+        (CODE.replace("return X", "return -X"), False),
+        (CODE.replace("X = 1", 'X = """Text."""'), False),
+    ],
+)
+def test_comments_and_docstrings_do_not_count(tmp_path: Path, new: str, same: bool) -> None:
+    files = tmp_path / "old.py", tmp_path / "new.py"
+    for file, text in zip(files, (CODE, new), strict=True):
+        file.write_text(text)
+    old, other = (validate.digest([file]) for file in files)
+    assert (old == other) is same
+    assert validate.digest([files[0]], exact=True) != validate.digest([files[1]], exact=True)
+
+
 def test_only_what_a_file_uses_counts() -> None:
     def used(name: str) -> set[str]:
         files = validate.inputs(validate.ROOT / name)

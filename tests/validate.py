@@ -32,6 +32,7 @@ from cca_core.plot.study import plot_study
 from cca_core.sim.scenarios.scenario import EGO_TYPES
 from cca_core.sim.study.parameters import ParameterRanges
 from cca_core.sim.study.sampling import STUDY_SCENARIOS
+from cca_core.sim.study.source import code_of
 from cca_core.sim.study.statistics import StudyTable
 from cca_core.sim.study.store import Store
 from cca_core.sim.study.study import Study, run_study
@@ -59,8 +60,8 @@ This page lists the test files that passed with the full number of random cases,
 studies. A property has 1000 random cases instead of 50, or fewer if one case is a whole drive or a fit. The
 name of a property fixes its seed. `make validate` writes this page, and continues where it was stopped.
 
-The column *sources* is a digest of all that a result depends on. The result holds at each commit at which
-this digest is the same.
+The column *sources* is a digest of all that a result depends on, without comments and docstrings. The result
+holds at each commit at which this digest is the same.
 """
 
 
@@ -111,7 +112,9 @@ class Suite:
 
     def __init__(self, wanted: tuple[str, ...] = ("tests",)) -> None:
         files = sorted(p for p in TESTS.rglob("test_*.py") if "bench" not in p.parts)
-        self.files = {p.relative_to(ROOT).as_posix(): digest(inputs(p)) for p in files}
+        self.files = {
+            p.relative_to(ROOT).as_posix(): digest(inputs(p), exact=p.parent == TESTS) for p in files
+        }
         self.wanted = wanted
         self.memory = STATE / "passed.json"
         self.rows = self.stored()
@@ -242,9 +245,10 @@ def uses(file: Path) -> set[Path]:
     return {p for p in found if p.is_file() and p.relative_to(ROOT).parts[0] in ("cca_core", "tests")}
 
 
-def digest(files: Iterable[Path]) -> str:
-    """Digest of the contents of files."""
-    return hashlib.sha256(b"\0".join(file.read_bytes() for file in sorted(files))).hexdigest()[:12]
+def digest(files: Iterable[Path], *, exact: bool = False) -> str:
+    """Digest of the contents of files; of Python only the code unless it is exact."""
+    contents = (file.read_bytes() if exact else code_of(file) for file in sorted(files))
+    return hashlib.sha256(b"\0".join(contents)).hexdigest()[:12]
 
 
 def run_file(name: str) -> dict[str, int]:

@@ -1,9 +1,11 @@
 """Source text that a result depends on: the library's, and that of a user's function or class."""
 
+import ast
 import hashlib
 import inspect
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import is_dataclass
+from functools import cache
 from pathlib import Path as FilePath
 from types import CodeType, FunctionType
 from typing import Any
@@ -21,8 +23,27 @@ def source_digest(without: Collection[str] = ()) -> str:
     for file in sorted(package.rglob("*.py")):
         name = file.relative_to(package)
         if name.parts[0] not in without:
-            digest.update(name.as_posix().encode() + b"\0" + file.read_bytes() + b"\0")
+            digest.update(name.as_posix().encode() + b"\0" + code_of(file) + b"\0")
     return digest.hexdigest()
+
+
+@cache
+def code_of(file: FilePath) -> bytes:
+    """Content of a file; of Python the code alone, because comments and docstrings change no result."""
+    if file.suffix != ".py":
+        return file.read_bytes()
+    tree = ast.parse(file.read_bytes())
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            node.body = [part for part in node.body if not _is_text(part)]
+    return ast.dump(tree).encode()
+
+
+def _is_text(part: ast.stmt) -> bool:
+    """Return whether a statement is a text alone."""
+    if not isinstance(part, ast.Expr) or not isinstance(part.value, ast.Constant):
+        return False
+    return isinstance(part.value.value, str)
 
 
 def check_definition(name: str, value: object) -> None:
