@@ -37,7 +37,7 @@ def run(*command: str | Path, **variables: str) -> str:
     """Return the output of a command that must succeed."""
     env = os.environ | variables
     done = subprocess.run(
-        command, env=env, cwd=ROOT, capture_output=True, text=True, check=False, timeout=1800
+        command, env=env, cwd=ROOT, capture_output=True, text=True, check=False, timeout=10800
     )
     assert done.returncode == 0, done.stdout[-5000:] + done.stderr[-5000:]
     return done.stdout
