@@ -139,8 +139,7 @@ class CertificateSettings:
         Distance from the middle of its lane [m] up to which lateral speed is no lane change, because drivers
         correct their course within a lane, and a heading is known to one or two degrees.
     return_speed : float
-        Lateral speed with which an oncoming vehicle returns that drives in the middle of a lane next to one
-        of its direction [m/s].
+        Lateral speed with which an oncoming vehicle returns that drives in the middle of a wrong lane [m/s].
     acceleration_time, braking_time : float
         Time for which a reported acceleration or deceleration is expected to last [s].
 

@@ -20,7 +20,6 @@ N_STOPS = 6
 _BEHIND, _AHEAD = 200.0, 700.0  # part of the route around the ego in which vehicles are relevant [m]
 _HARD_BRAKING = 4.0  # least deceleration of a vehicle that reports hard braking [m/s^2]
 _MAX_VEHICLES = 600
-_NEXT = 0.5  # distance of lanes that are next to each other [m]
 _MAX_DRIFT = 5.0  # of an offset that is dead-reckoned; more is another branch of the route [m]
 
 
@@ -158,16 +157,12 @@ def _excess(n: FrenetVehicle, half_w: float, road: Road) -> tuple[float, float]:
 
 
 def _distance_home(n: FrenetVehicle, road: Road) -> float:
-    """Return how far left an oncoming vehicle in the middle of another lane has to its own [m]; else 0."""
+    """Return how far left an oncoming vehicle in the middle of a wrong lane has to its own [m]; else 0."""
     lanes = _lanes_at(road, n.s)
     here = next((lane for lane in lanes if abs(n.d - lane.d) <= n.half_width), None)
     if n.v_s > -STANDSTILL_SPEED or here is None or here.direction < 0:
         return 0.0
-    home = [
-        lane.d - n.d for lane in lanes
-        if lane.direction < 0 and max(lane.right - here.left, here.right - lane.left) < _NEXT
-    ]  # fmt: skip
-    return min(home, key=abs, default=0.0)
+    return min((lane.d - n.d for lane in lanes if lane.direction < 0), key=abs, default=0.0)
 
 
 def _lanes_at(road: Road, s: float) -> list[Lane]:

@@ -110,6 +110,17 @@ class TestHazards:
         assert run.gaps["O"] > 0.5
         assert "EVADE_LEFT" not in run.actions
 
+    @pytest.mark.parametrize("gap", [180.0, 220.0])
+    @pytest.mark.parametrize("speed", [12.0, 18.0])
+    @pytest.mark.parametrize("begin", [3.0, 4.0])
+    def test_oncoming_vehicle_can_return_across_a_lane(self, gap: float, speed: float, begin: float) -> None:
+        """The lane between them is clear, but not to be evaded into."""
+        lanes = Lane(d=0.0), Lane(d=3.5), Lane(d=7.0, direction=-1)
+        planner = Planner(CAR, Road(straight(), lanes), cruise_speed=20.0, evasion=ALL_KNOWN)
+        run = ClosedLoop(planner, [ReturningVehicle(gap, speed, begin=begin, home=7.0)], 9.0)
+        assert run.gaps["O"] > 0.5
+        assert "EVADE_LEFT" not in run.actions
+
     @pytest.mark.parametrize(("d", "action"), [(-3.0, "KEEP"), (-1.4, "EVADE_LEFT")])
     def test_cyclist_at_the_edge_against_traffic_is_passed(self, d: float, action: str) -> None:
         """It drives neither in the opposing lane nor in the middle of the ego's, and will not return."""

@@ -110,9 +110,9 @@ class LaneLeavingVehicle(ScriptedVehicle):
 class ReturningVehicle(ScriptedVehicle):
     """Comes towards the ego in the ego's lane, and changes to its own within seconds from a time on."""
 
-    def __init__(self, gap: float, v: float, *, begin: float, speed: float = 2.0) -> None:
+    def __init__(self, gap: float, v: float, *, begin: float, speed: float = 2.0, home: float = 3.5) -> None:
         super().__init__("O", gap, 0.0, v, psi=math.pi)
-        self.begin, self.speed, self.t = begin, speed, 0.0
+        self.begin, self.speed, self.home, self.t = begin, speed, home, 0.0
 
     def record(self) -> RemoteVehicle:
         aside = self.speed if self.is_returning else 0.0
@@ -120,13 +120,13 @@ class ReturningVehicle(ScriptedVehicle):
 
     @property
     def is_returning(self) -> bool:
-        return self.t >= self.begin and self.d < 3.5
+        return self.t >= self.begin and self.d < self.home
 
     def move(self, t: float) -> None:
         super().move(t)
         self.t = t
         if self.is_returning:
-            self.d = min(self.d + self.speed * CYCLE, 3.5)
+            self.d = min(self.d + self.speed * CYCLE, self.home)
 
 
 class WobblingVehicle(ScriptedVehicle):
