@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from cca_core.sim.study.parameters import ParameterRanges
 from cca_core.sim.study.run import simulate_run
+from cca_core.sim.study.source import code_of
 from cca_core.sim.study.statistics import StudyTable
 from cca_core.sim.study.store import Store
 from cca_core.sim.study.study import Study
@@ -58,6 +59,8 @@ CODE = '"""Text."""\n\nX = 1  # comment\n\n\ndef f() -> int:\n    """Text."""\n 
         (CODE.replace("= 1", "= 2"), False),
         (CODE.replace("return X", "return -X"), False),
         (CODE.replace("X = 1", 'X = """Text."""'), False),
+        (CODE.replace("    return", "    # comment\n\n    return"), True),
+        (CODE.replace('"""Text."""\n', '"""Té # xt.\n\nMore.\n"""; Y = 2\n', 1), False),
     ],
 )
 def test_comments_and_docstrings_do_not_count(tmp_path: Path, new: str, same: bool) -> None:
@@ -67,6 +70,20 @@ def test_comments_and_docstrings_do_not_count(tmp_path: Path, new: str, same: bo
     old, other = (validate.digest([file]) for file in files)
     assert (old == other) is same
     assert validate.digest([files[0]], exact=True) != validate.digest([files[1]], exact=True)
+
+
+def test_code_is_the_same_text_in_each_version_of_python(tmp_path: Path) -> None:
+    """A syntax tree is not: its fields and their text differ between Python 3.11 and 3.13."""
+    file = tmp_path / "a.py"
+    file.write_text(
+        CODE + 'class A:\n    x: int\n    """Té # xt."""; y = "# é\\n"  # comment\n\n    # comment\n'
+        '    z = f"{y} # "\n    v = """\n\n  # no comment\n"""\n',
+        encoding="utf-8",
+    )
+    assert code_of(file).decode() == (
+        "X = 1\ndef f() -> int:\n    return X\n"
+        'class A:\n    x: int\n    ; y = "# é\\n"\n    z = f"{y} # "\n    v = """\n\n  # no comment\n"""\n'
+    )
 
 
 def test_only_what_a_file_uses_counts() -> None:

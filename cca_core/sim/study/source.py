@@ -3,7 +3,9 @@
 import ast
 import hashlib
 import inspect
-from collections.abc import Callable, Collection, Iterator
+import io
+import tokenize
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import is_dataclass
 from functools import cache
 from pathlib import Path as FilePath
@@ -14,6 +16,7 @@ from cca_core._checks import shown
 from cca_core.errors import InputError
 
 _DATA = (bool, int, float, str, bytes, tuple, frozenset, type(None))
+_Span = tuple[int, int, int, int]  # first line and column, last line and end
 
 
 def source_digest(without: Collection[str] = ()) -> str:
@@ -29,14 +32,39 @@ def source_digest(without: Collection[str] = ()) -> str:
 
 @cache
 def code_of(file: FilePath) -> bytes:
-    """Content of a file; of Python the code alone, because comments and docstrings change no result."""
+    """Content of a file; of Python the code alone, because comments and docstrings change no result.
+
+    It is text, as a syntax tree is another one in each version of Python.
+    """
+    source = file.read_bytes()
     if file.suffix != ".py":
-        return file.read_bytes()
-    tree = ast.parse(file.read_bytes())
+        return source
+    source = source.replace(b"\r\n", b"\n")
+    lines = source.splitlines(keepends=True)
+    tokens = list(tokenize.tokenize(io.BytesIO(source).readline))
+    spans = [*_texts(ast.parse(source)), *_comments(tokens, lines)]
+    for first, begin, last, end in sorted(spans, reverse=True):
+        before, behind = lines[first - 1][:begin], lines[last - 1][end:]
+        before = before if behind.strip() else before.rstrip()
+        lines[first - 1 : last] = [before + behind, *[b""] * (last - first)]
+    blank = {token.start[0] for token in tokens if token.type == tokenize.NL} | {span[0] for span in spans}
+    return b"".join(line for i, line in enumerate(lines, start=1) if i not in blank or line.strip())
+
+
+def _texts(tree: ast.Module) -> Iterator[_Span]:
+    """Yield where docstrings are."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            node.body = [part for part in node.body if not _is_text(part)]
-    return ast.dump(tree).encode()
+            for part in filter(_is_text, node.body):
+                yield part.lineno, part.col_offset, part.end_lineno or part.lineno, part.end_col_offset or 0
+
+
+def _comments(tokens: Iterable[tokenize.TokenInfo], lines: Sequence[bytes]) -> Iterator[_Span]:
+    """Yield where comments are, in bytes as the syntax tree counts."""
+    for token in tokens:
+        if token.type == tokenize.COMMENT:
+            row, end = token.start[0], len(lines[token.start[0] - 1].rstrip(b"\r\n"))
+            yield row, end - len(token.string.encode()), row, end
 
 
 def _is_text(part: ast.stmt) -> bool:
