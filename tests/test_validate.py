@@ -72,6 +72,27 @@ def test_comments_and_docstrings_do_not_count(tmp_path: Path, new: str, same: bo
     assert validate.digest([files[0]], exact=True) != validate.digest([files[1]], exact=True)
 
 
+@pytest.mark.parametrize(
+    ("name", "reads"),
+    [
+        ("tests/codegen/test_translation.py", True),
+        ("tests/codegen/test_project.py", True),
+        ("tests/kernel/test_compilers.py", True),
+        ("tests/test_style.py", True),
+        ("tests/band/test_qp.py", False),
+        ("tests/planner/test_work.py", False),
+    ],
+)
+def test_docstrings_count_where_a_test_reads_them(
+    name: str, reads: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The translation to C takes over the docstrings of kernels, and refuses some."""
+    called = []
+    monkeypatch.setattr(validate, "digest", lambda _, exact: called.append(exact) or "")
+    validate.digest_of(validate.ROOT / name)
+    assert called == [reads]
+
+
 def test_code_is_the_same_text_in_each_version_of_python(tmp_path: Path) -> None:
     """A syntax tree is not: its fields and their text differ between Python 3.11 and 3.13."""
     file = tmp_path / "a.py"
