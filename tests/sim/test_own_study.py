@@ -26,7 +26,7 @@ from cca_core.sim import (
     StudyTable,
     run_study,
 )
-from cca_core.sim.study.changes import describe_changes
+from cca_core.sim.study.changes import LIBRARY, describe_changes
 from cca_core.sim.study.parameters import sample_scenario
 from cca_core.sim.study.run import simulate_run
 from cca_core.sim.study.store import Store
@@ -256,6 +256,19 @@ def test_changed_line_of_a_source_is_shown() -> None:
     assert describe_changes(before, other) == "the version or the sources of cca_core"
     assert describe_changes(before, before) == ""
     assert describe_changes("[" * 100000, before) == ""
+
+
+def test_names_of_the_caller_come_first() -> None:
+    """The class that reads scenario files belongs to the library, not to the user's scenario."""
+    before, now = (json.dumps({"definition": f"class A:\n    {name} = 1\n"}) for name in "ab")
+    assert describe_changes(before, now, {"definition": LIBRARY}) == LIBRARY
+    assert describe_changes(before, now, {"seed": "the seed"}).startswith("the source of the scenario (was ")
+
+
+@pytest.mark.parametrize("other", ["def f():\n    b = 2\n    a = 1\n", "def f():\n  a = 1\n  b = 2\n"])
+def test_source_of_the_same_lines_shows_none(other: str) -> None:
+    before = json.dumps({"definition": "def f():\n    a = 1\n    b = 2\n"})
+    assert describe_changes(before, json.dumps({"definition": other})) == "the source of the scenario"
 
 
 def test_plant_object_in_a_study_raises() -> None:

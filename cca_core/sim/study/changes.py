@@ -27,16 +27,18 @@ def describe_changes(before: str, now: str, names: Mapping[str, str] = _NO_NAMES
     if not old or not new:
         return ""
     differing = [key for key in (*new, *(old.keys() - new.keys())) if old.get(key) != new.get(key)]
-    return ", ".join(dict.fromkeys(_change(key, old, new, {**_NAMES, **names}) for key in differing))
+    found = (names[key] if key in names else _change(key, old, new, {**_NAMES, **names}) for key in differing)
+    return ", ".join(dict.fromkeys(found))
 
 
 def _change(key: str, old: Mapping[str, Any], new: Mapping[str, Any], names: Mapping[str, str]) -> str:
     """Return the name of a part, with both values where they are short."""
     values = [content.get(key) for content in (old, new)]
     sources = [value for value in values if isinstance(value, str) and "\n" in value]
-    if len(sources) == 2 and key not in names.keys() - _NAMES.keys():
+    if len(sources) == 2:
+        lines = _changed_lines(*sources)
         what = "plant" if key == "plant" else "scenario"
-        return f"the source of the {what}{_pair(*_changed_lines(*sources))}"
+        return f"the source of the {what}{_pair(*lines) if any(lines) else ''}"
     if sources and key == "plant":
         return "the plant"
     if key in names:
