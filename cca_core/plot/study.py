@@ -137,7 +137,7 @@ def _check_parameters(parameters: object, tables: Sequence[StudyTable]) -> None:
 
 def _label(name: str, table: StudyTable, parameters: Sequence[str] | Mapping[str, str]) -> str:
     """Label of a sample, with its unit if that is known."""
-    if isinstance(parameters, Mapping):
+    if isinstance(parameters, Mapping) and name in parameters:
         return parameters[name]
     if name not in _LABELS and table.scenario in STUDY_SCENARIOS:
         unit = "m" if name.startswith("shift_") else _UNITS.get(name, "")

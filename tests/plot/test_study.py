@@ -80,6 +80,7 @@ def test_chosen_parameters_are_shown() -> None:
         "dec", "friction [-]", "dec", "friction [-]",
     ]  # fmt: skip
     labels = {"gap": "time gap [s]", "dec": "deceleration [m/s²]", "mass": "mass [-]"}
+    assert shown([own_table()], parameters={}) == shown([own_table()])
     figure = plot_study([own_table()], parameters=labels)
     assert [axis.get_xlabel() for axis in figure.axes if axis.axison] == list(labels.values())
     assert figure.get_figheight() > plot_study([own_table()]).get_figheight()  # two panels in a row
