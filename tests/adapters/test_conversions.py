@@ -1,6 +1,8 @@
 """Conversions of reference points, angles and axes, and motion by differences."""
 
 import math
+from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -82,6 +84,27 @@ def test_axes_flipped_twice_are_the_same(x: float, y: float, psi: float) -> None
     flipped = flip_axes(x, y, psi)
     assert flipped == (x, -y, -psi)
     assert flip_axes(*flipped) == (x, y, psi)
+
+
+@pytest.mark.parametrize(
+    ("axes", "convert"),
+    [
+        ("east, y north", lambda x, y, compass: (x, y, compass_to_heading(compass))),
+        ("north, y east", lambda x, y, compass: flip_axes(x, y, math.radians(compass))),
+    ],
+)
+@given(compass=st.floats(0.0, 360.0))
+def test_compass_row_of_the_guide_turns_motion_into_heading(
+    axes: str, convert: Callable[..., tuple[float, float, float]], compass: float
+) -> None:
+    """A vehicle that has driven straight on from the origin is in the direction of its heading."""
+    rows = (Path(__file__).parents[2] / "docs" / "adapters.md").read_text(encoding="utf-8").splitlines()
+    (row,) = [row for row in rows if row.startswith("| ") and f"x {axes}" in row]
+    assert ("compass_to_heading" in row) == ("north" in axes[5:])
+    assert ("`~cca_core.adapters.flip_axes`" in row) == ("east" in axes[5:])
+    east, north = 9.0 * math.sin(math.radians(compass)), 9.0 * math.cos(math.radians(compass))
+    x, y, psi = convert(*((east, north) if axes.startswith("east") else (north, east)), compass)
+    assert (x, y) == pytest.approx((9.0 * math.cos(psi), 9.0 * math.sin(psi)))
 
 
 @pytest.mark.parametrize("call", [compass_to_heading, heading_to_compass])
