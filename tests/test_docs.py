@@ -237,6 +237,21 @@ def test_page_is_a_program(name: str, tmp_path: Path) -> None:
     assert result.stdout
 
 
+def test_code_of_steering_page_works_and_keeps_its_reasons(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    pytest.importorskip("matplotlib")
+    done: dict[str, Any] = {}
+    exec(compile(blocks(DOCS / "steering.md"), "steering.md", "exec"), done)
+    assert done["figure"].axes[0].get_title(loc="left").startswith("20 m/s, ")
+    region = "region=StabilityRegion(decay=0.47, damping=0.24) works at all speeds"
+    assert capsys.readouterr().out.strip().endswith(region)
+    slow = done["StabilityRegion"](delay=1.0)
+    with pytest.raises(done["NoGainsError"], match=r"works up to 3 m/s"):
+        done["gains_for"](done["van"], [10.0, 20.0], slow)
+    assert done["gains_for"](done["van"], [2.0, 10.0], slow).speeds == (2.0,)
+
+
 def test_readme_picture_matches_its_code(tmp_path: Path) -> None:
     """The first code block has five lines at most, and makes the picture that the page shows."""
     (first, *_) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "README.md").read_text("utf-8"), re.M | re.S)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cca_core._checks import shown
+from cca_core.errors import InputError
 from cca_core.follow import GainRegion, Margins, PreviewGains
 from cca_core.plot.legends import legend_above
 from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, new_figure, set_text_sizes
@@ -32,9 +34,15 @@ def plot_gain_region(region: GainRegion, shipped: PreviewGains | None = None) ->
 
     Raises
     ------
+    InputError
+        If `region` or `shipped` is of another type.
     MissingExtraError
         If matplotlib is not installed.
     """
+    if not isinstance(region, GainRegion):
+        raise InputError(f"region must be a GainRegion, the result of gain_region, was {shown(region)}")
+    if shipped is not None and not isinstance(shipped, PreviewGains):
+        raise InputError(f"shipped must be PreviewGains, was {shown(shipped)}")
     figure = new_figure(4.5, COLUMN_WIDTH)
     axis = figure.subplots()
     _draw_region(axis, region)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from cca_core import VehicleParams
+from cca_core import InputError, VehicleParams
 from cca_core.follow import StabilityRegion, gain_region, shipped_gains, stability_margins
 from cca_core.plot import plot_gain_region, plot_margins
 
@@ -32,6 +32,18 @@ def test_region_without_admissible_gains() -> None:
     assert found.selected is None
     (axis,) = plot_gain_region(found).axes
     assert "selected" not in {line.get_label() for line in axis.lines}
+
+
+@pytest.mark.parametrize("region", [CAR, StabilityRegion(), None])
+def test_region_of_another_type_names_the_function_that_makes_it(region: object) -> None:
+    with pytest.raises(InputError, match=r"^region must be a GainRegion, the result of gain_region, was "):
+        plot_gain_region(region)  # type: ignore[arg-type]
+
+
+def test_schedule_of_another_type_raises() -> None:
+    found = gain_region(CAR, 20.0, 20.0, StabilityRegion(damping=1.0, delay=0.5))
+    with pytest.raises(InputError, match=r"^shipped must be PreviewGains, was 20\.0"):
+        plot_gain_region(found, 20.0)  # type: ignore[arg-type]
 
 
 def test_margins_are_shown_over_speed() -> None:
