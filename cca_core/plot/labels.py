@@ -99,6 +99,11 @@ def ego_label(log: Log) -> str:
     return f"with V2V; {names} {'has' if len(silent) == 1 else 'have'} no radio"
 
 
+def gap_words(gap: float) -> str:
+    """Gap between bodies with its unit, in centimeters below 1 m: there they count."""
+    return f"{max(gap, 0.0):.{2 if gap < 0.995 else 1}f} m"
+
+
 def run_heading(label: str, outcomes: Sequence[str], i: int) -> str:
     """Name of the i-th of some runs, and its outcome if it is given."""
     return fill_text(": ".join([begin_sentence(label), *outcomes[i : i + 1]]), 54)

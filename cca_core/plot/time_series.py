@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cca_core._checks import Array
+from cca_core._optional import require_extra
 from cca_core.plot.crossing_times import crossing_times
-from cca_core.plot.labels import action_words, escape_figure_text, title_lines
+from cca_core.plot.labels import action_words, escape_figure_text, gap_words, title_lines
 from cca_core.plot.legends import color_patches, legend_above
 from cca_core.plot.style import (
     ACTION_COLORS,
@@ -15,6 +16,7 @@ from cca_core.plot.style import (
     MIN_A_Y_RANGE,
     TEXT,
     assign_colors,
+    darken,
     expand_limits,
     new_figure,
     set_text_sizes,
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _FLAT = 0.5  # range of the lateral acceleration of a run in which steering is not shown [m/s^2]
+_MIN_VIEW, _MAX_VIEW = 10.0, 60.0  # of gaps [m]
+_VIEW_OF_GAP = 8.0  # height of the view of gaps, of the smallest one [-]
 
 
 def plot_time_series(log: Log) -> "Figure":
@@ -40,7 +44,8 @@ def plot_time_series(log: Log) -> "Figure":
     -------
     figure : Figure
         The action as a bar; below it speed, longitudinal acceleration, steering and lateral acceleration if
-        the ego steers, gaps to other vehicles within 60 m, and the time to collision where it is below 10 s.
+        the ego steers, gaps to other vehicles, and the time to collision where it is below 10 s. The smallest
+        gap is marked; the view reaches up to eight times that, but to 10 m at least and 60 m at most.
 
     Raises
     ------
@@ -50,7 +55,7 @@ def plot_time_series(log: Log) -> "Figure":
     panels = [_draw_speed, _draw_acceleration]
     if np.ptp(log.a_y) > _FLAT:
         panels += [_draw_steering, _draw_lateral]
-    panels += [draw for draw, has_data in ((_draw_gaps, _near(log)), (_draw_ttc, _ttc(log))) if has_data]
+    panels += [draw for draw, has_data in ((_draw_gaps, _near(log)[1]), (_draw_ttc, _ttc(log))) if has_data]
     figure = new_figure(1.0 + 1.12 * len(panels), COLUMN_WIDTH)
     bar, *axes = figure.subplots(
         len(panels) + 1, 1, sharex=True, squeeze=False, height_ratios=[0.16] + [1.0] * len(panels)
@@ -98,22 +103,33 @@ def _draw_lateral(axis: Any, log: Log) -> None:
     expand_limits(axis, MIN_A_Y_RANGE)
 
 
-def _near(log: Log, max_gap: float = 60.0) -> dict[str, Array]:
-    """Gaps to each vehicle that comes nearer than `max_gap` [m]; up to twice the nearest if that is more."""
+def _near(log: Log) -> tuple[float, dict[str, Array]]:
+    """Return the height of the view [m], and the gaps to the vehicles that come into it."""
     gaps = {user.id: each for user, each in zip(log.scenario.road_users, log.gaps().T, strict=True)}
-    near = {id_: each for id_, each in gaps.items() if each.min() < max_gap}
-    shown = max(max_gap, 2.0 * min((float(each.min()) for each in near.values()), default=0.0))
-    return {id_: np.where(each < shown, each, np.nan) for id_, each in near.items()}
+    smallest = min((float(each.min()) for each in gaps.values()), default=np.inf)
+    if smallest >= _MAX_VIEW:
+        return _MAX_VIEW, {}
+    top = max(float(np.clip(_VIEW_OF_GAP * smallest, _MIN_VIEW, _MAX_VIEW)), 2.0 * smallest)
+    return top, {id_: np.where(each < top, each, np.nan) for id_, each in gaps.items() if each.min() < top}
 
 
 def _draw_gaps(axis: Any, log: Log) -> None:
     palette = assign_colors([user.id for user in log.scenario.road_users])
-    near = _near(log)
+    top, near = _near(log)
     for i, (id_, gaps) in enumerate(near.items()):
         axis.plot(log.t, gaps, ("-", "--", "-.", ":")[i % 4], color=palette[id_], label=id_)
     axis.axhline(0.0, color=COLORS.line, linewidth=0.8)
-    top = max(60.0, *(float(np.nanmax(gaps)) for gaps in near.values()))
     axis.set(ylim=(-0.05 * top, 1.05 * top), ylabel="gap between\nbodies [m]")
+    id_, gaps = min(near.items(), key=lambda item: float(np.nanmin(item[1])))
+    t, gap = log.t[np.nanargmin(gaps)], float(np.nanmin(gaps))
+    axis.plot(t, gap, "o", color=palette[id_], markersize=4)
+    along = float((t - log.t[0]) / (log.t[-1] - log.t[0]))
+    halo = require_extra("matplotlib.patheffects", "plot").withStroke(linewidth=2.5, foreground="white")
+    axis.annotate(
+        gap_words(gap), (t, gap), (0, 6), textcoords="offset points", fontsize=TEXT.legend, weight="bold",
+        ha="left" if along < 0.1 else "right" if along > 0.9 else "center", color=darken(palette[id_]),
+        path_effects=[halo],
+    )  # fmt: skip
 
 
 def _ttc(log: Log, limit: float = 9.5, critical: float = 5.0) -> dict[str, tuple[Array, Array]]:
