@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cca_core.decide import Action
+from cca_core.plot.labels import gap_words
 from cca_core.sim import Log
 from cca_core.sim.outcome import first_collision
 
@@ -50,7 +51,7 @@ def _encounters(log: Log, max_distance: float) -> list[KeyFrame]:
         row = int(np.argmin(distance))
         if distance[row] < max_distance and 0 < row < len(log.t) - 1:
             alongside = abs(log.user_frenet[row, i, 0] - log.ego_frenet[row, 0]) < user.length
-            text = f"{'alongside' if alongside else 'closest to'} {user.id}, gap {gaps[row, i]:.1f} m"
+            text = f"{'alongside' if alongside else 'closest to'} {user.id}, gap {gap_words(gaps[row, i])}"
             frames.append(KeyFrame(t=float(log.t[row]), text=text))
     return frames
 

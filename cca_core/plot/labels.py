@@ -112,8 +112,12 @@ def run_heading(label: str, outcomes: Sequence[str], i: int) -> str:
 def fill_text(text: str, width: int) -> str:
     """Text on lines of at most some characters, in which numbers and their units stay together."""
     whole = re.sub(r"(\d) (m/s²|m/s|m|s)\b", "\\1\N{NO-BREAK SPACE}\\2", text)
-    whole = re.sub(r"\b(min) (gap) (\d)", "\\1\N{NO-BREAK SPACE}\\2\N{NO-BREAK SPACE}\\3", whole)
+    whole = re.sub(r"\bmin gap (?:to (?:it|them) )?(?=\d)", _unbroken, whole)
     return "\n".join(fill(line, width) for line in whole.split("\n"))
+
+
+def _unbroken(found: re.Match[str]) -> str:
+    return found[0].replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def begin_sentence(text: str) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cca_core.decide import Action
-from cca_core.plot.labels import case_name, join_names, scenario_name
+from cca_core.plot.labels import case_name, gap_words, join_names, scenario_name
 from cca_core.report.selection import baseline_and_v2v, compares_v2v, one_run_per_ego
 from cca_core.sim import Log
 from cca_core.sim.outcome import MOVING_SPEED, ahead_at_ends, final_lead, first_collision, overtaken, row_at
@@ -94,20 +94,21 @@ def _summarize_ego(log: Log) -> str:
     lead, passed = final_lead(log), overtaken(log)
     passes = ""
     if passed:
-        passes = f"passes {join_names([names[i] for i in passed])}, min gap {gaps[:, passed].min():.1f} m"
+        which, pronoun = join_names([names[i] for i in passed]), "it" if len(passed) == 1 else "them"
+        passes = f"passes {which}, min gap to {pronoun} {gap_words(gaps[:, passed].min())}"
     if stationary[-1]:
-        stops = "stops" if lead is None else f"stops {gaps[-1, lead]:.1f} m behind {names[lead]}"
+        stops = "stops" if lead is None else f"stops {gap_words(gaps[-1, lead])} behind {names[lead]}"
         return f"{passes}, then {stops}" if passes else stops
     min_gap = gaps.min(initial=np.inf)
     if stationary.any():
         waited = float(np.sum(np.diff(log.t)[stationary[:-1]]))
-        return f"waits {waited:.1f} s, then drives on, min gap {min_gap:.1f} m"
+        return f"waits {waited:.1f} s, then drives on, min gap {gap_words(min_gap)}"
     if passes:
         return passes
     if lead is not None:
-        return f"ends {gaps[-1, lead]:.1f} m behind {names[lead]}, at {log.ego[-1, 3]:.1f} m/s"
+        return f"ends {gap_words(gaps[-1, lead])} behind {names[lead]}, at {log.ego[-1, 3]:.1f} m/s"
     if any(user.route is not None for user in log.scenario.road_users):
-        return f"slows down to {log.ego[:, 3].min():.1f} m/s and drives on, min gap {min_gap:.1f} m"
+        return f"slows down to {log.ego[:, 3].min():.1f} m/s and drives on, min gap {gap_words(min_gap)}"
     return describe_outcome(log)
 
 

@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from datetime import date
 
+import numpy as np
+
 from cca_core import __version__
 from cca_core.plot.style import COLORS, assign_colors
 from cca_core.report.animation import animate
@@ -26,10 +28,18 @@ def card(i: int, name: str, group: Sequence[Log]) -> Iterator[str]:
     yield f"<p>{html_text(describe_situation(scenario))}</p></div>\n<dl>"
     for log in runs:
         ego_type = log.scenario.ego_type
-        kind = "collided" if first_collision(log) is not None else "good" if log.scenario.v2v else "fair"
         yield f'<div class="{ego_type}"><dt>{_SHORT_NAMES[ego_type]}</dt>'
-        yield f'<dd class="{kind}">{html_text(summarize_outcome(log))}</dd></div>'
+        yield f'<dd class="{_kind(log)}">{html_text(summarize_outcome(log))}</dd></div>'
     yield "</dl></a>\n"
+
+
+def _kind(log: Log) -> str:
+    """Kind of the outcome of a run, which has a color."""
+    if first_collision(log) is not None:
+        return "collided"
+    if log.gaps().min(initial=np.inf) < log.scenario.evasion.replan.min_clearance:
+        return "close"
+    return "good" if log.scenario.v2v else "fair"
 
 
 def swatches(log: Log) -> str:

@@ -144,8 +144,8 @@ def _section(i: int, name: str, number: int, group: Sequence[Log], folder: FileP
 
 def _table(group: Sequence[Log]) -> Iterator[str]:
     names = (
-        "Ego", "Plant", "Outcome", "Smallest gap", "Shortest time to collision", "Hardest braking",
-        "Peak lateral acceleration", "Messages",
+        "Ego", "Plant", "Outcome", "Smallest gap to any vehicle", "Shortest time to collision",
+        "Hardest braking", "Peak lateral acceleration", "Messages",
     )  # fmt: skip
     yield '<table class="facts">\n<thead><tr>'
     yield "".join(f"<th>{name}</th>" for name in names) + "</tr></thead>\n<tbody>\n"

@@ -1,5 +1,7 @@
 from dataclasses import replace
 
+import pytest
+
 from cca_core.report import (
     describe_outcome,
     describe_participants,
@@ -9,7 +11,9 @@ from cca_core.report import (
     summarize_outcome,
     vehicles_waited_for,
 )
+from cca_core.report.overview import card
 from cca_core.sim import Log
+from cca_core.sim.outcome import overtaken
 from tests.support.paper_runs import Run
 
 
@@ -25,7 +29,26 @@ def test_summary_of_a_stop_gives_the_gap(run: Run) -> None:
 
 def test_summary_of_passing_gives_the_min_gap(run: Run) -> None:
     log = run("curbside", "fast", "v2v")
-    assert summarize_outcome(log) == f"passes red, min gap {log.gaps()[:, 1].min():.1f} m"
+    assert summarize_outcome(log) == f"passes red, min gap to it {log.gaps()[:, 1].min():.1f} m"
+
+
+def test_summary_of_passing_names_to_which_vehicles_the_gap_is(run: Run) -> None:
+    log = run("maneuver", "2", "v2v")
+    gaps = log.gaps()[:, overtaken(log)]
+    assert f"passes R1 and R2, min gap to them {gaps.min():.1f} m" in summarize_outcome(log)
+
+
+def test_gap_below_a_meter_has_centimeters_and_is_not_good(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = run("curbside", "fast", "v2v")
+
+    def outcome() -> str:
+        (text,) = [each for each in card(0, "a", [log]) if "<dd" in each]
+        return text[text.index("<dd") :].replace("\N{NO-BREAK SPACE}", " ")
+
+    assert outcome().startswith('<dd class="good">passes red, min gap to it')
+    gaps = log.gaps()
+    monkeypatch.setattr(Log, "gaps", lambda _: gaps - gaps[:, 1].min() + 0.013)
+    assert outcome().startswith('<dd class="close">passes red, min gap to it 0.01 m')
 
 
 def test_summary_of_a_crossing_gives_the_min_gap(run: Run) -> None:
