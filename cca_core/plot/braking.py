@@ -42,6 +42,8 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
     figure : Figure
         From top to bottom: for each run the interval from the rear to the front bumper of each vehicle; then
         the speeds and the accelerations of the ego in all runs. Where two bands meet, the vehicles collide.
+        The time is that in which vehicles brake and stop, gray after the end of a run; oncoming vehicles are
+        shown where they are near.
 
     Raises
     ------
@@ -58,7 +60,8 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
     *positions, speed, acceleration = axes
     palette = assign_colors([user.id for log in logs for user in log.scenario.road_users])
     first, last = _interesting(logs)
-    inside = [_body_centers(log)[(log.t >= first) & (log.t <= last)] for log in logs]
+    inside = [_in_view(log, first, last) for log in logs]
+    colors = {"ego": COLORS.ego, **palette}
     labels = run_labels(logs)
     for i, (log, position, (color, line)) in enumerate(zip(logs, positions, run_styles(logs), strict=True)):
         _draw_bands(position, log, palette)
@@ -66,14 +69,15 @@ def plot_braking(logs: Sequence[Log], *, outcomes: Sequence[str] = ()) -> "Figur
         position.set_ylim(min(map(np.nanmin, inside)) - 10.0, max(map(np.nanmax, inside)) + 10.0)
         position.set_ylabel("from ego's\nstart [m]")
         if log.t[-1] < last - 0.1:
-            position.axvspan(log.t[-1], last, color=COLORS.road, linewidth=0.0, zorder=0)
+            position.axvspan(log.t[-1], last, color=COLORS.asphalt, linewidth=0.0, zorder=0)
+            colors["after the run"] = COLORS.asphalt
         speed.plot(log.t, log.ego[:, 3], line, color=color, label=labels[i])
         acceleration.plot(log.t, log.ego[:, 7], line, color=color)
     speed.set_ylabel("ego's speed\n[m/s]")
     acceleration.set(ylabel="ego's accel.\na_x [m/s²]", xlabel="time [s]", xlim=(first, last))
     for axis in axes:
         axis.locator_params(axis="y", nbins=4, min_n_ticks=3)
-    color_legend(figure, {"ego": COLORS.ego, **palette}, loc="outside upper left")
+    color_legend(figure, colors, loc="outside upper left")
     figure_legend(figure, speed.lines, loc="outside lower center", ncols=2)
     set_text_sizes(figure)
     figure.align_ylabels()
@@ -85,6 +89,12 @@ def _body_centers(log: Log) -> Array:
     ego = log.ego_frenet[:, :1] + log.scenario.vehicle.box_offset
     centers: Array = np.hstack((ego, log.user_frenet[:, :, 0])) - log.ego_frenet[0, 0]
     return centers
+
+
+def _in_view(log: Log, first: float, last: float) -> Array:
+    """Body centers that the view holds: not those of oncoming vehicles, which come from far away."""
+    is_along = [True, *(user.direction > 0 for user in log.scenario.road_users)]
+    return _body_centers(log)[(log.t >= first) & (log.t <= last)][:, is_along]
 
 
 def _draw_bands(axis: Any, log: Log, palette: dict[str, str]) -> None:
@@ -104,7 +114,7 @@ def _draw_bands(axis: Any, log: Log, palette: dict[str, str]) -> None:
 
 
 def _interesting(logs: Sequence[Log]) -> tuple[float, float]:
-    """Time from the first braking to the last standstill of any vehicle in any run [s]."""
+    """Time from 1 s before a vehicle brakes to 1.5 s after all stand still, or to the last end [s]."""
     first, last = [], []
     for log in logs:
         v = np.column_stack((log.ego[:, 3], log.road_users[:, :, 3]))
@@ -112,4 +122,5 @@ def _interesting(logs: Sequence[Log]) -> tuple[float, float]:
         brakes, moves = (a < -1.0).any(axis=1), (v > MOVING_SPEED).any(axis=1)
         first.append(log.t[np.argmax(brakes)] if brakes.any() else log.t[0])
         last.append(log.t[np.flatnonzero(moves)[-1]] if moves.any() else log.t[-1])
-    return max(min(first) - 1.0, min(log.t[0] for log in logs)), max(last) + 1.5
+    begin, end = min(log.t[0] for log in logs), max(log.t[-1] for log in logs)
+    return max(min(first) - 1.0, begin), min(max(last) + 1.5, end)

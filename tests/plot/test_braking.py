@@ -1,4 +1,4 @@
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -107,3 +107,52 @@ def test_braking_without_runs_raises() -> None:
 
 def test_braking_without_other_vehicles_has_three_axes(alone: Log) -> None:
     assert len(plot_braking([alone]).axes) == 3
+
+
+def oncoming(log: Log) -> Log:
+    """The run, with one more vehicle that comes from 600 m ahead with 20 m/s."""
+    red = log.scenario.road_users[1]
+    user = replace(red, id="oncoming", s=600.0, d=3.5, v_x=20.0, direction=-1, actions=())
+    s, frenet = 600.0 - 20.0 * log.t, log.user_frenet
+    frenet = np.concatenate((frenet, np.stack((s, np.full_like(s, 3.5)), axis=-1)[:, None]), axis=1)
+    doubled = {
+        name: np.concatenate((getattr(log, name), getattr(log, name)[:, -1:]), axis=1)
+        for name in ("road_users", "user_motion", "visible", "tracked")
+    }
+    scenario = replace(log.scenario, road_users=(*log.scenario.road_users, user))
+    return replace(log, scenario=scenario, user_frenet=frenet, **doubled)
+
+
+def test_oncoming_vehicle_does_not_widen_the_view(braking: tuple[Log, Log]) -> None:
+    alone, met = (plot_braking([log]).axes[0] for log in (braking[1], oncoming(braking[1])))
+    assert met.get_ylim() == alone.get_ylim()
+    assert "oncoming" in {band.get_label() for band in met.collections}
+
+
+def test_only_a_run_that_ends_before_the_others_has_a_gray_strip(braking: tuple[Log, Log]) -> None:
+    def named(logs: list[Log]) -> bool:
+        figure = plot_braking(logs)
+        names = [text.get_text() for legend in figure.legends for text in legend.texts]
+        assert figure.axes[-1].get_xlim()[1] <= max(log.t[-1] for log in logs)
+        return "after the run" in names
+
+    assert not named([braking[1]])
+    assert not named([moving(braking[1])])
+    rows = slice(0, len(braking[1].t) // 2)
+    assert named([moving(braking[1]), moving(cut(braking[1], rows))])
+
+
+def cut(log: Log, rows: slice) -> Log:
+    """Some cycles of a run."""
+    per_cycle = {
+        name: value[rows] for name, value in ((each.name, getattr(log, each.name)) for each in fields(log))
+        if isinstance(value, np.ndarray) and len(value) == len(log.t)
+    }  # fmt: skip
+    return replace(log, **per_cycle)
+
+
+def moving(log: Log) -> Log:
+    """The run, with road users that do not come to rest."""
+    users = log.road_users.copy()
+    users[:, :, 3] += 5.0
+    return replace(log, road_users=users)
