@@ -68,7 +68,8 @@ def first_animation(groups: Sequence[Sequence[Log]], names: Sequence[str]) -> st
 
 def words_used(groups: Sequence[Sequence[Log]]) -> str:
     """Explanations of the words of a report."""
-    scenarios = [log.scenario for group in groups for log in group]
+    logs = [log for group in groups for log in group]
+    scenarios = [log.scenario for log in logs]
     parts = [
         "Ego: the car that is studied, always blue. V2V: cars report their motion to each other by radio."
     ]
@@ -76,10 +77,13 @@ def words_used(groups: Sequence[Sequence[Log]]) -> str:
     if drivers:
         seconds = " or ".join(f"{value:g}" for value in drivers)
         parts.append(f"Driver: a person, who brakes {seconds} s after they can see the hazard.")
-    delays = sorted({s.sensor_delay for s in scenarios if s.ego_type == "sensor"})
+    sensors = [log for log in logs if log.scenario.ego_type == "sensor"]
+    delays = sorted({log.scenario.sensor_delay for log in sensors if log.remotes is None})
     if delays:
         seconds = " or ".join(f"{value:g}" for value in delays)
         parts.append(f"Sensor: a program that drives, and knows what its sensor saw {seconds} s ago.")
+    elif sensors:  # recorded: the delay is unknown
+        parts.append("Sensor: a program that drives, and knows what its sensor sees.")
     if any(s.v2v for s in scenarios):
         parts.append("With V2V: the same program, which also receives messages of hidden vehicles.")
     parts.append("Collision speeds are relative. Gaps are measured between the bodies.")

@@ -43,8 +43,9 @@ class Recorder:
         once, and so are `evasion` and `speed`, if it has them; a run on a new route is a new record.
     name, case : str, optional
         Name and case of the run in figures and reports.
-    ego_type : {"v2v", "driver", "sensor"}
-        Controller of the ego in figures and reports.
+    ego_type : {"v2v", "driver", "sensor"}, optional
+        Controller of the ego in figures and reports. By default it follows from the vehicles: ``"sensor"`` if
+        all of them have the `RemoteVehicle.source` ``"sensor"``, else ``"v2v"``.
 
     Raises
     ------
@@ -75,7 +76,12 @@ class Recorder:
     """
 
     def __init__(
-        self, planner: Planned, *, name: str = "own run", case: str | None = None, ego_type: str = "v2v"
+        self,
+        planner: Planned,
+        *,
+        name: str = "own run",
+        case: str | None = None,
+        ego_type: str | None = None,
     ) -> None:
         kinds: dict[str, type] = {"vehicle": VehicleParams, "road": Road}
         wrong = [each for each, kind in kinds.items() if not isinstance(getattr(planner, each, None), kind)]
@@ -92,8 +98,10 @@ class Recorder:
         path = planner.road.path
         self._scenario = Scenario(
             name=str(name), case=case, road=planner.road, vehicle=planner.vehicle, start=path.start, v_x=0.0,
-            cruise_speed=planner.cruise_speed, road_users=(), ego_type=ego_type, **settings,
+            cruise_speed=planner.cruise_speed, road_users=(),
+            ego_type="v2v" if ego_type is None else ego_type, **settings,
         )  # fmt: skip
+        self._has_type = ego_type is not None
         self._rows: list[tuple[float, ...]] = []  # columns as in `add`
         self._remotes: list[tuple[RemoteVehicle, ...]] = []
         self._frenet: list[list[tuple[float, float]]] = []  # of each of these
@@ -222,8 +230,10 @@ class Recorder:
             for vehicle_id, i in index.items()
         )
         path = self._scenario.road.path
+        has_sensor_alone = bool(road_users) and not any(user.connected for user in road_users)
+        ego_type = "sensor" if has_sensor_alone and not self._has_type else self._scenario.ego_type
         scenario = replace(
-            self._scenario, road_users=road_users, duration=float(t[-1] - t[0]),
+            self._scenario, ego_type=ego_type, road_users=road_users, duration=float(t[-1] - t[0]),
             v_x=max(float(ego[0, 3]), 0.0), start=min(max(float(rows[0, 12]), path.start), path.end),
         )  # fmt: skip
         return Log(

@@ -30,6 +30,7 @@ from cca_core.report import (
     summarize_outcome,
     write_report,
 )
+from cca_core.report.overview import words_used
 from cca_core.sim import Log, Recorder, SingleTrackPlant, save_log
 
 pytestmark = pytest.mark.requires("matplotlib")
@@ -150,6 +151,14 @@ def test_report_compares_recorded_runs_with_and_without_v2v(passed: Log, tmp_pat
     text = (tmp_path / "own.html").read_text(encoding="utf-8")
     assert "what V2V changed" in text
     assert text.count("<h2>") == 1
+
+
+def test_report_claims_no_sensor_delay_of_a_recorded_run(passed: Log) -> None:
+    alone = replace(passed, scenario=replace(passed.scenario, ego_type="sensor"))
+    text = words_used([[alone]])
+    assert "Sensor: a program that drives, and knows what its sensor sees. " in text
+    assert "V2V:" in text
+    assert "With V2V" not in text
 
 
 def test_command_reports_recorded_runs(

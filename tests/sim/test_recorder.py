@@ -267,3 +267,28 @@ def test_command_without_numbers_raises(route: Path) -> None:
 def test_invalid_recorder_raises(route: Path, arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         Recorder(**({"planner": planner_on(route)} | arguments))
+
+
+@pytest.mark.parametrize(
+    ("sources", "given", "expected"),
+    [
+        (["sensor", "sensor"], {}, "sensor"),
+        (["sensor", "v2v"], {}, "v2v"),
+        ([], {}, "v2v"),
+        (["sensor"], {"ego_type": "v2v"}, "v2v"),
+        (["v2v"], {"ego_type": "driver"}, "driver"),
+    ],
+)
+def test_ego_type_follows_from_the_sources_unless_given(
+    route: Path, sources: list[str], given: dict[str, str], expected: str
+) -> None:
+    planner = planner_on(route)
+    recorder = Recorder(planner, **given)
+    state = State(x=20.0, y=0.0, psi=0.0, v_x=15.0)
+    remotes = [
+        RemoteVehicle(id=str(i), x=100.0 + 30.0 * i, y=0.0, psi=0.0, v_x=15.0, source=source)
+        for i, source in enumerate(sources)
+    ]
+    for t in (0.0, DT):
+        recorder.add(t, state, remotes, planner.step(t, state, remotes))
+    assert recorder.log().scenario.ego_type == expected
