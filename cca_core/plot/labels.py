@@ -6,7 +6,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from cca_core._optional import require_extra
-from cca_core.sim import Log, Scenario
+from cca_core.sim import Log, RoadUser, Scenario
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -102,6 +102,11 @@ def ego_label(log: Log) -> str:
 def gap_words(gap: float) -> str:
     """Gap between bodies with its unit, in centimeters below 1 m: there they count."""
     return f"{max(gap, 0.0):.{2 if gap < 0.995 else 1}f} m"
+
+
+def is_called_oncoming(user: RoadUser) -> bool:
+    """Return whether a text says that a road user is oncoming: not if its id does."""
+    return user.direction < 0 and user.route is None and "oncoming" not in user.id.lower()
 
 
 def run_heading(label: str, outcomes: Sequence[str], i: int) -> str:

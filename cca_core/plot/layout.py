@@ -7,7 +7,13 @@ import numpy as np
 
 from cca_core.geometry import box_gap, boxes
 from cca_core.path import Path
-from cca_core.plot.labels import break_title, escape_figure_text, sanitize_text, scenario_name
+from cca_core.plot.labels import (
+    break_title,
+    escape_figure_text,
+    is_called_oncoming,
+    sanitize_text,
+    scenario_name,
+)
 from cca_core.plot.road_surface import draw_roads
 from cca_core.plot.style import (
     COLORS,
@@ -98,7 +104,7 @@ def plot_layout(scenario: Scenario) -> "Figure":
 def _describe_actions(user: RoadUser) -> str:
     """Speed and actions, such as ``"29 m/s, brakes with 7 m/s² at 3 s"``."""
     parts = ["stands still" if user.v_x == 0.0 else f"{user.v_x:.0f} m/s"]
-    if user.direction < 0 and user.route is None:
+    if is_called_oncoming(user):
         parts[0] += " oncoming"
     for action in user.actions:
         if isinstance(action, BrakeAction):

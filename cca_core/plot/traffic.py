@@ -11,7 +11,7 @@ from cca_core._optional import require_extra
 from cca_core.errors import InputError
 from cca_core.plot.frenet_boxes import frenet_corners
 from cca_core.plot.key_frames import KeyFrame, key_frames
-from cca_core.plot.labels import escape_figure_text, fill_text, title_lines
+from cca_core.plot.labels import escape_figure_text, fill_text, is_called_oncoming, title_lines
 from cca_core.plot.legends import color_patches, fit_texts
 from cca_core.plot.style import COLORS, COLUMN_WIDTH, TEXT, assign_colors, darken, draw_lanes, set_text_sizes
 from cca_core.plot.text_slots import TextSlots, offsets_around
@@ -155,7 +155,7 @@ def _draw_overview(axis: Any, log: Log, frames: list[KeyFrame]) -> None:
             if view[0] < xy[0] < view[1]:
                 _draw_number(axis, slots, xy, numbers, color, f"{id_}@{numbers[0]}")
     axis.set_xlabel("distance along the route [m]", labelpad=1)
-    axis.set_ylabel("left of the\nroute [m]", labelpad=1)
+    axis.set_ylabel("left of route [m]", labelpad=1)
 
 
 def _stops(log: Log, rows: list[int], id_: str) -> list[tuple[list[int], Array]]:
@@ -198,7 +198,7 @@ def _draw_strip(axis: Any, log: Log, number: int, frame: KeyFrame) -> None:
     slots, inside, outside = TextSlots(axis, ground=COLORS.road), [], []
     ego, users = log.scenario.vehicle.box_offset, log.scenario.road_users
     lengths = {"ego": log.scenario.vehicle.length, **{user.id: user.length for user in users}}
-    oncoming = {user.id for user in users if user.direction < 0}
+    oncoming = {user.id for user in users if is_called_oncoming(user)}
     for id_, box, v in _boxes(log, row):
         box = box - (s, 0.0)
         x, d = box.mean(axis=0).tolist()

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cca_core.decide import Action
-from cca_core.plot.labels import case_name, gap_words, join_names, scenario_name
+from cca_core.plot.labels import case_name, gap_words, is_called_oncoming, join_names, scenario_name
 from cca_core.report.selection import baseline_and_v2v, compares_v2v, one_run_per_ego
 from cca_core.sim import Log
 from cca_core.sim.outcome import MOVING_SPEED, ahead_at_ends, final_lead, first_collision, overtaken, row_at
@@ -192,7 +192,7 @@ def describe_participants(log: Log) -> str:
         gap = abs(ahead) - 0.5 * (user.length + vehicle.length)
         where = f"{gap:.0f} m {'ahead' if ahead > 0.0 else 'behind'}" if gap > 0.0 else "alongside"
         side = "ego" if lane.right < d < lane.left else "left" if d > 0.0 else "right"
-        oncoming = ", oncoming" if user.direction < 0 else ""
+        oncoming = ", oncoming" if is_called_oncoming(user) else ""
         parts.append(f"{user.id} {motion} in the {side} lane, {where}{oncoming}")
     fixed = log.scenario.fixed_gap
     if fixed is not None:

@@ -10,7 +10,7 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-from cca_core import VehicleParams
+from cca_core import Lane, Road, VehicleParams
 from cca_core.follow import shipped_gains, stability_margins
 from cca_core.plot import (
     DEFECTS,
@@ -184,3 +184,11 @@ def test_no_text_of_bands_and_gains_is_cut_off_or_on_another() -> None:
     for figure in (fig_12(), fig_15(), plot_margins(margins), *map(plot_defect, DEFECTS)):
         assert faults(figure) == []
         assert figure.get_figwidth() == COLUMN_WIDTH
+
+
+@pytest.mark.parametrize("offsets", [(), (3.5,), (3.5, -3.5), (3.5, -3.5, -7.0)])
+def test_no_text_of_the_traffic_on_some_lanes_is_cut_off(run: Run, offsets: tuple[float, ...]) -> None:
+    log = run("eebl", "C", "v2v")
+    lanes = [Lane(d=0.0), *(Lane(d=d, direction=-1 if d > 0.0 else 1) for d in offsets)]
+    road = Road(log.scenario.road.path, lanes)
+    assert faults(plot_traffic(replace(log, scenario=replace(log.scenario, road=road)))) == []

@@ -4,8 +4,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cca_core.plot import plot_traffic
+from cca_core.plot import plot_layout, plot_traffic
 from cca_core.plot.key_frames import key_frames
+from cca_core.report import describe_participants
 from cca_core.sim import Log, first_collision
 
 pytestmark = pytest.mark.requires("matplotlib")
@@ -103,3 +104,17 @@ def test_caption_is_written_below_the_title(waiting: Log) -> None:
 
 def test_traffic_without_other_vehicles_shows_the_ego(alone: Log) -> None:
     assert len(polygons(plot_traffic(alone).axes[1])) == 1
+
+
+@pytest.mark.parametrize(("id_", "text"), [("van", "van 20 m/s oncoming"), ("oncoming", "oncoming 20 m/s")])
+def test_oncoming_vehicle_is_called_so_once(run: Callable[..., Log], id_: str, text: str) -> None:
+    met = run("maneuver", "3", "v2v")
+    users = [replace(u, id=id_ if u.direction < 0 else u.id, actions=()) for u in met.scenario.road_users]
+    log = replace(met, scenario=replace(met.scenario, road_users=tuple(users), fixed_gap=None))
+    (strip,) = plot_traffic(log, times=[0.0]).axes[1:]
+    assert any(f"{text}, " in each.get_text() for each in strip.texts)
+    (axis,) = plot_layout(log.scenario).axes
+    assert any(f"{text.replace(' 20', ': 20')}, " in each.get_text() for each in axis.texts)
+    described = describe_participants(log)
+    assert described.count("oncoming") == 1
+    assert ("ahead, oncoming" in described) == (id_ == "van")
