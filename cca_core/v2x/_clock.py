@@ -85,18 +85,20 @@ class SenderClocks:
         marks.delays.append((t, delay))
         marks.lowest = min(marks.lowest, delay)
 
-    def error(self, sender: str) -> float:
-        """Return how far the time of a sender's messages may be off [s].
+    def error(self, sender: str, age: float) -> float:
+        """Return how far the time of a sender's message may be off that has an apparent age [s].
 
-        An apparent age of its youngest messages may be latency or an error of either clock, and a latency of
-        up to `latency` may be hidden behind such an error.
+        The apparent age of its youngest messages may be latency or an error of either clock, and a latency of
+        up to `latency` may be hidden behind such an error. Of the last few messages the youngest one counts,
+        so that the error is known soon after a clock has stepped. What comes from the future is rejected.
         """
-        marks = self._senders.get(sender)
-        lowest = self.offset if marks is None else marks.lowest
-        if lowest is None:
-            return 0.0
-        apparent = lowest - self.correction
-        return max(apparent, self._latency - apparent)
+        marks, limit = self._senders.get(sender), -self._checks.clock_error
+        youngest = recent = age
+        if marks is not None:
+            youngest = min(age, marks.lowest - self.correction)
+            last = (delay - self.correction for _, delay in list(marks.delays)[-_RECENT:])
+            recent = min((x for x in last if x >= limit), default=age)
+        return max(min(age, recent), self._latency - max(youngest, limit))
 
     def _estimate(self, t: float) -> None:
         """Update offset and correction."""
@@ -106,19 +108,21 @@ class SenderClocks:
         for marks in self._senders.values():
             marks.lowest = marks.low(t)
         recent = {s: low for s, m in self._senders.items() if (low := m.recent()) is not None}
+        others = [m.lowest for s, m in self._senders.items() if s not in recent and t - m.delays[-1][0] < 1.0]
         self.n_senders = len(recent)
         if not recent:
             self.n_agreeing = 0
             return
         expected = self.correction if self.offset is None else self.offset
-        step = _median(list(recent.values()), expected)
+        step = _median([*recent.values(), *others], expected)
         if not -self._checks.clock_error <= step - self.correction <= _MAX_LATENCY:
             self.offset, self.correction = step, step - self._latency
             for marks in self._senders.values():
                 marks.delays = deque(list(marks.delays)[-_RECENT:], maxlen=marks.delays.maxlen)
+                marks.lowest = marks.low(t)
         else:
             agreeing = [s for s, low in recent.items() if self._is_acceptable(low)]
-            self.offset = _median([self._senders[s].lowest for s in agreeing], expected)
+            self.offset = _median([self._senders[s].lowest for s in agreeing] or [step], expected)
             self._follow(self.offset, elapsed)
         self.n_agreeing = sum(map(self._is_acceptable, recent.values()))
 

@@ -72,7 +72,7 @@ class Intake:
             measured = measured if timed else max(measured, track.fix.t + 1e-3)
         if order == "duplicate" and track is not None and math.dist(position, track.reported) < 0.01:
             return order
-        message = self._message(bsm, measured, position, timed, track, order)
+        message = self._message(bsm, measured, position, timed, track, order, t - measured)
         if message is None:
             return order or "unusable"
         failed = implausible_state(self.settings.plausibility, message.fix, message.length, message.width, t)
@@ -99,6 +99,7 @@ class Intake:
         timed: bool,
         track: Track | None,
         order: str,
+        age: float,
     ) -> Track | None:
         """Return what a message reports as a track of its own; None if it is unusable."""
         motion = self._motion(bsm, measured, position, track, order)
@@ -120,7 +121,8 @@ class Intake:
         fix = Fix(measured, *position, psi, motion.v, a, r)
         return Track(
             bsm.id if track is None else track.id, fix, length, width, bsm.events, bsm.msg_count, timed,
-            self.clocks.error(bsm.id) if timed else 0.0, accuracy, height, motion,
+            self.clocks.correction, self.clocks.error(bsm.id, age) if timed else 0.0, accuracy, height,
+            motion,
         )  # fmt: skip
 
     def _motion(

@@ -22,8 +22,8 @@ class Track:
     """State of one sender: motion of its last message, position of the last accepted one."""
 
     __slots__ = (
-        "accuracy", "driven", "ego_likeness", "events", "first_reported", "fix", "height", "id", "length",
-        "motion", "msg_count", "ref", "rejected", "reported", "rivals", "row", "speed", "t_first",
+        "accuracy", "base", "driven", "ego_likeness", "events", "first_reported", "fix", "height", "id",
+        "length", "motion", "msg_count", "ref", "rejected", "reported", "rivals", "row", "speed", "t_first",
         "t_position", "time_error", "timed", "width",
     )  # fmt: skip
 
@@ -36,13 +36,15 @@ class Track:
         events: frozenset[str],
         msg_count: int,
         timed: bool,
+        base: float,
         time_error: float,
         accuracy: float,
         height: float | None,
         motion: ReportedMotion,
     ) -> None:
         self.id, self.fix, self.length, self.width, self.events = id, fix, length, width, events
-        self.msg_count, self.timed, self.time_error, self.accuracy = msg_count, timed, time_error, accuracy
+        self.msg_count, self.timed, self.accuracy = msg_count, timed, accuracy
+        self.base, self.time_error = base, time_error  # correction of the clock, and what is unknown [s]
         self.height, self.motion = height, motion
         self.t_first = fix.t  # time of its first message [s]
         # positions [m]: last accepted as reported, first reported, estimate by all messages
@@ -63,7 +65,7 @@ class Track:
         self.ref = self.ref[0] + x - old.x, self.ref[1] + y - old.y
         self.fix = new._replace(x=x, y=y)
         self.events, self.msg_count, self.timed = message.events, message.msg_count, message.timed
-        self.time_error = message.time_error
+        self.base, self.time_error = message.base, message.time_error
 
     def has_size_of(self, other: "Track") -> bool:
         """Return whether the sizes of both may be those of one vehicle."""
@@ -88,16 +90,17 @@ class Track:
             return "duplicate"
         return "out_of_order" if ahead >= 64 or (timed and measured <= last) else ""
 
-    def vehicle(self, t: float, name: str, settings: TrackerSettings) -> RemoteVehicle:
-        """Return the vehicle dead-reckoned to a time [s], under a name."""
+    def vehicle(self, t: float, name: str, settings: TrackerSettings, base: float) -> RemoteVehicle:
+        """Return the vehicle dead-reckoned to a time [s] of a corrected clock, under a name."""
         fix, shared = self.fix, math.hypot(settings.sigma_position, self.accuracy)
         _, x, y, psi, v, a, r = dead_reckon(fix, t)
         v = min(max(v, -MAX_REVERSING), MAX_SPEED)  # a valid record, whatever acceleration is reported
         age, model = max(t - self.t_position, 0.0), settings.position_errors
+        late = self.time_error + abs(base - self.base)  # a correction may be wrong as well
         if self.t_position == fix.t:
-            along, across = position_bounds(fix.v, age, time_error=self.time_error, model=model)
+            along, across = position_bounds(fix.v, age, time_error=late, model=model)
         else:
-            driven, late = self.driven + abs(fix.v) * max(t - fix.t, 0.0), self.time_error
+            driven = self.driven + abs(fix.v) * max(t - fix.t, 0.0)
             along, across = position_bounds(self.speed, age, driven, time_error=late, model=model)
         rejected = self.rejected
         if rejected is not None and rejected.fix.t - rejected.t_first >= settings.readmit_after:

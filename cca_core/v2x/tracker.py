@@ -220,7 +220,7 @@ class Tracker:
             self._ego_motion.add(t, ego)
         vehicles = []
         for track in tuple(intake.tracks.by_id.values()):
-            vehicle = track.vehicle(t, _name(track.id, names), self.settings)
+            vehicle = track.vehicle(t, _name(track.id, names), self.settings, intake.clocks.correction)
             gap, own = t - track.fix.t, False
             if ego is not None:
                 own = track.ego_likeness.compare(track.fix, ego, vehicle, self._ego_motion)

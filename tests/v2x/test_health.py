@@ -81,9 +81,54 @@ def test_position_is_within_its_bound_from_the_first_message_on(
                     id=f"{i + 1:08x}", n=k // 5 % 128, transmission="forward" if v > 0.0 else "reverse",
                 )  # fmt: skip
                 tracker.update(message, now)
-        for vehicle in tracker.vehicles(now):
+        vehicles = tracker.vehicles(now)
+        assert vehicles or k < 30
+        for vehicle in vehicles:
             true = v * t + 100.0 * (int(vehicle.id) - 1)
             assert abs(vehicle.x - true) <= 2.0 * vehicle.sigma_along + 1e-6, (t, vehicle)
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("lead", [-2.0, -0.8, -0.6, -0.4, 0.3, 0.6, 2.0])
+def test_honest_sender_is_within_its_bound_next_to_a_wrong_one(lead: float, seed: int) -> None:
+    """Whichever of both is known first, by the loss of messages."""
+    tracker, random, seen = Tracker(FRAME), np.random.default_rng(seed), 0
+    for k in range(300):
+        t = 0.02 * k
+        for i in range(2):
+            if k % 5 == 2 and random.random() > 0.2:
+                measured = t - 0.04
+                message = bsm(
+                    T0 + measured + i * lead, 20.0 * measured + 100.0 * i, id=f"{i + 1:08x}", n=k // 5 % 128,
+                    transmission="forward",
+                )  # fmt: skip
+                tracker.update(message, T0 + t)
+        for vehicle in tracker.vehicles(T0 + t):
+            if vehicle.id == "00000001":
+                assert abs(vehicle.x - 20.0 * t) <= 2.0 * vehicle.sigma_along + 1e-6
+                seen += 1
+    assert seen > 250
+
+
+def test_forged_future_marks_do_not_widen_bounds() -> None:
+    """They are rejected: one in five messages under the id of the first of three senders."""
+    tracker, widest = Tracker(FRAME), 0.0
+    for k in range(1500):
+        t = 0.02 * k
+        for i in range(3):
+            if k % 5 == 2:
+                message = bsm(
+                    T0 + t - 0.04,
+                    20.0 * t + 100.0 * i,
+                    id=f"{i + 1:08x}",
+                    n=k // 5 % 128,
+                    transmission="forward",
+                )
+                tracker.update(message, T0 + t)
+        if k % 25 == 9:
+            tracker.update(bsm(T0 + t + 5.0, 20.0 * t, n=(k // 5 + 1) % 128), T0 + t)
+        widest = max([widest, *(vehicle.sigma_along for vehicle in tracker.vehicles(T0 + t))])
+    assert 1.0 < widest < 3.5
 
 
 @pytest.mark.parametrize("drift", [50e-6, -50e-6])
