@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 from cca_core._checks import Array, Mask
 from cca_core.frenet import CROSSING_SINE, FrenetVehicle
@@ -20,6 +21,8 @@ N_STOPS = 6
 _BEHIND, _AHEAD = 200.0, 700.0  # part of the route around the ego in which vehicles are relevant [m]
 _HARD_BRAKING = 4.0  # least deceleration of a vehicle that reports hard braking [m/s^2]
 _MAX_VEHICLES = 600
+_NEXT = 0.5  # distance of lanes that are next to each other [m]
+_NARROW, _SLOW = 1.2, 10.0  # width [m] and speed [m/s] of pedestrians and cyclists
 _MAX_DRIFT = 5.0  # of an offset that is dead-reckoned; more is another branch of the route [m]
 
 
@@ -157,12 +160,20 @@ def _excess(n: FrenetVehicle, half_w: float, road: Road) -> tuple[float, float]:
 
 
 def _distance_home(n: FrenetVehicle, road: Road) -> float:
-    """Return how far left an oncoming vehicle in the middle of a wrong lane has to its own [m]; else 0."""
-    lanes = _lanes_at(road, n.s)
+    """Return how far left an oncoming vehicle in the middle of a wrong lane has to its own [m]; else 0.
+
+    Pedestrians and cyclists do not overtake, and nobody returns across a median.
+    """
+    lanes = sorted(_lanes_at(road, n.s), key=lambda lane: lane.d)
     here = next((lane for lane in lanes if abs(n.d - lane.d) <= n.half_width), None)
-    if n.v_s > -STANDSTILL_SPEED or here is None or here.direction < 0:
+    home = min((x for x in lanes if x.direction < 0), key=lambda x: abs(x.d - n.d), default=None)
+    if n.v_s > -STANDSTILL_SPEED or here is None or here.direction < 0 or home is None:
         return 0.0
-    return min((lane.d - n.d for lane in lanes if lane.direction < 0), key=abs, default=0.0)
+    low, high = sorted((here.d, home.d))
+    between = [lane for lane in lanes if low <= lane.d <= high]
+    is_divided = any(b.right - a.left > _NEXT for a, b in pairwise(between))
+    walks_or_cycles = n.remote.width < _NARROW and abs(n.v_s) < _SLOW
+    return 0.0 if is_divided or walks_or_cycles else home.d - n.d
 
 
 def _lanes_at(road: Road, s: float) -> list[Lane]:

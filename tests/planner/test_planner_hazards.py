@@ -121,6 +121,25 @@ class TestHazards:
         assert run.gaps["O"] > 0.5
         assert "EVADE_LEFT" not in run.actions
 
+    @pytest.mark.parametrize(
+        ("left", "size", "speed"),
+        [
+            ((3.5, 7.0), (0.5, 0.6), 1.4),  # a pedestrian
+            ((3.5, 7.0), (1.9, 0.7), 5.0),  # a cyclist
+            ((3.5, 12.0), (4.5, 1.8), 20.0),  # a car on the wrong side of a median
+        ],
+    )
+    def test_oncoming_body_that_cannot_return_is_evaded(
+        self, left: tuple[float, float], size: tuple[float, float], speed: float
+    ) -> None:
+        lanes = Lane(d=0.0), Lane(d=left[0]), Lane(d=left[1], direction=-1)
+        planner = Planner(CAR, Road(straight(), lanes), cruise_speed=20.0, evasion=ALL_KNOWN)
+        other = ScriptedVehicle("O", 180.0, -0.3, speed, psi=math.pi, length=size[0], width=size[1])
+        run = ClosedLoop(planner, [other], 10.0)
+        assert run.gaps["O"] > 0.9
+        assert min(run.v) > 12.0
+        assert "EVADE_LEFT" in run.actions
+
     @pytest.mark.parametrize(("d", "action"), [(-3.0, "KEEP"), (-1.4, "EVADE_LEFT")])
     def test_cyclist_at_the_edge_against_traffic_is_passed(self, d: float, action: str) -> None:
         """It drives neither in the opposing lane nor in the middle of the ego's, and will not return."""
