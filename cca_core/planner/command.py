@@ -29,8 +29,8 @@ class Command:
     reference : Path
         The path that is steered along.
     status : Status
-        `Status.OK`; `DEGRADED` if the path exceeds the comfort limits or is safe only nominally;
-        `INVALID_INPUT` if the state cannot be used. Following and braking are `OK`, even at full
+        `Status.OK`; `DEGRADED` if a maneuver is sharper or narrower than a comfortable one, or safe only
+        nominally; `INVALID_INPUT` if the state cannot be used. Following and braking are `OK`, even at full
         deceleration.
     dropped : tuple of (str, str)
         Id and reason of remote vehicles that are not used.

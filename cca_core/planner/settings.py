@@ -36,7 +36,8 @@ class EvasionSettings:
         Peak lateral acceleration at which a maneuver aims [m/s^2]: from smooth (2) to fast (3.5). A lateral
         offset of w takes sqrt(5.77 w / a) seconds.
     lateral_acceleration_limit : float
-        Lateral acceleration above which a maneuver is rejected [m/s^2].
+        Lateral acceleration above which a comfortable maneuver is rejected [m/s^2]; if there is no safe plan
+        without, `LastResortSettings.grip_fraction` limits it.
     clearance : float
         Clearance between boxes [m].
     min_ttc : float
