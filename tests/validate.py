@@ -47,12 +47,6 @@ MAX_RATE = 0.002  # of avoidable collisions with V2V, one-sided at 95 %
 STUDY_TIME = 2400.0  # of one processor for each study [s]
 STUDY_COLUMNS = 8
 NUMBERS = "v2v_speed", "latency", "loss", "radio_range"  # of a collision, on the page
-PUBLIC = {
-    alias.name: node.module
-    for node in ast.parse((ROOT / "cca_core" / "__init__.py").read_text(encoding="utf-8")).body
-    if isinstance(node, ast.ImportFrom)
-    for alias in node.names
-}
 HEAD = """\
 # Validation: the full tests
 
@@ -220,6 +214,24 @@ def inputs(file: Path) -> set[Path]:
 
 
 @cache
+def modules() -> frozenset[Path]:
+    """All modules of library and tests."""
+    return frozenset(p for folder in ("cca_core", "tests") for p in (ROOT / folder).rglob("*.py"))
+
+
+@cache
+def home(module: str, name: str) -> str:
+    """Return the module that defines a name, which a package may only pass on."""
+    file = ROOT / module.replace(".", "/") / "__init__.py"
+    if file in modules():
+        for node in ast.parse(file.read_text(encoding="utf-8")).body:
+            passes_on = isinstance(node, ast.ImportFrom) and name in {alias.name for alias in node.names}
+            if passes_on and node.module and node.module != module:
+                return home(node.module, name)
+    return module
+
+
+@cache
 def uses(file: Path) -> set[Path]:
     """Modules of library and tests that a file imports, or names as a text of its own."""
     names: set[str] = set()
@@ -227,17 +239,18 @@ def uses(file: Path) -> set[Path]:
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
-            # the top package imports everything: only what is taken from it counts
-            homes = PUBLIC if node.module == "cca_core" else {}
-            names |= {f"{homes.get(alias.name, node.module)}.{alias.name}" for alias in node.names}
+            names |= {f"{home(node.module, alias.name)}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             names |= set(re.findall(r"^(?:cca_core|tests)(?:\.\w+)+$", node.value))
-    found = set()
+    found: set[Path] = set()
+    existing = modules()
     for name in names:
         parts = name.split(".")
-        for end in range(2, len(parts) + 1):
+        for end in range(len(parts), 1, -1):
             stem = "/".join(parts[:end])
-            found |= {ROOT / f"{stem}.py", ROOT / f"{stem}/__init__.py"}
+            if files := {ROOT / f"{stem}.py", ROOT / f"{stem}/__init__.py"} & existing:
+                found |= files
+                break
     if file.parts[-2] in ("band", "follow", "path", "v2x", "planner", "sim"):  # a figure in Jupyter alone
         found = {p for p in found if "plot" not in p.parts}
     return {p for p in found if p.is_file() and p.relative_to(ROOT).parts[0] in ("cca_core", "tests")}
