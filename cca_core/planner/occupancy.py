@@ -162,7 +162,7 @@ def _excess(n: FrenetVehicle, half_w: float, road: Road) -> tuple[float, float]:
 def _distance_home(n: FrenetVehicle, road: Road) -> float:
     """Return how far left an oncoming vehicle in the middle of a wrong lane has to its own [m]; else 0.
 
-    Pedestrians and cyclists do not overtake, and nobody returns across a median.
+    Pedestrians and cyclists do not overtake, and no vehicle returns across a median.
     """
     lanes = sorted(_lanes_at(road, n.s), key=lambda lane: lane.d)
     here = next((lane for lane in lanes if abs(n.d - lane.d) <= n.half_width), None)

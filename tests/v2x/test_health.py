@@ -110,6 +110,24 @@ def test_honest_sender_is_within_its_bound_next_to_a_wrong_one(lead: float, seed
     assert seen > 250
 
 
+@pytest.mark.parametrize("step", [-0.45, -0.15, 0.15, 0.3, 0.45, 0.55])
+@pytest.mark.parametrize("v", [20.0, 40.0])
+def test_bound_holds_again_soon_after_a_clock_step(step: float, v: float) -> None:
+    """A step of up to 0.3 s ahead is covered at once."""
+    tracker, seen = Tracker(FRAME), 0
+    for k in range(800):
+        t = 0.02 * k
+        now = T0 + t + (step if t > 10.0 else 0.0)
+        if k % 5 == 2:
+            message = bsm(T0 + t - 0.04, v * (t - 0.04), v=v, n=k // 5 % 128, transmission="forward")
+            tracker.update(message, now)
+        is_unsure = 10.0 <= t < 10.0 + (0.0 if 0.0 < step <= 0.3 else 1.1)
+        for vehicle in tracker.vehicles(now):
+            assert is_unsure or abs(vehicle.x - v * t) <= 2.0 * vehicle.sigma_along + 1e-6, t
+            seen += 1
+    assert seen > 750
+
+
 def test_forged_future_marks_do_not_widen_bounds() -> None:
     """They are rejected: one in five messages under the id of the first of three senders."""
     tracker, widest = Tracker(FRAME), 0.0
