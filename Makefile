@@ -41,7 +41,7 @@ rig: .venv/rig.stamp
 test: .venv/kernel.stamp
 	@echo "make test: about 6 minutes on two processors"
 	@$(call editable,[all])
-	$(MAKE) --no-print-directory lint docs
+	$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint docs
 	$(ONE_THREAD) $(BIN)/python -m pytest --numprocesses auto --doctest-modules cca_core tests
 
 # with the developer's Python, or another: make kernel PY=python

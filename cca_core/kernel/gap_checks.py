@@ -101,6 +101,18 @@ def nominal_gap(w: Scene, row: Int, j: Int, k: Int, pet: Real, enough: Real) -> 
     return ego_gap(w, row, k, s - w.half_l[j], s + w.half_l[j], d - w.half_w[j], d + w.half_w[j], enough)
 
 
+def impact_speed(w: Scene, row: Int, j: Int, k: Int) -> Real:
+    """Relative speed of the ego and a vehicle at a time; 0 if both drive the same way and draw apart."""
+    v = w.v[row, k]
+    v_o = w.v_o[j, k]
+    ahead = w.s_o[j, k] - w.s[row, k] - w.offset
+    if w.crosses[j] == 0 and v_o >= 0.0 and (v_o - v) * ahead > 0.0:
+        return 0.0
+    route = at_station(w.n, w.psi, w.s[row, k])
+    psi = w.psi_o[j, k] if w.crosses[j] != 0 else route
+    return norm(v * math.cos(route) - v_o * math.cos(psi), v * math.sin(route) - v_o * math.sin(psi))
+
+
 def check_nominal(
     w: Scene, row: Int, p: Int, touch: Real, met: Real, clearance: Real, wait: Real, pet: Real
 ) -> None:
@@ -147,11 +159,7 @@ def check_nominal(
             if gap < 0.0 and k < hit:
                 hit = k
                 which = j
-                route = at_station(w.n, w.psi, w.s[row, k])
-                psi = w.psi_o[j, k] if w.crosses[j] != 0 else route
-                dx = w.v[row, k] * math.cos(route) - w.v_o[j, k] * math.cos(psi)
-                dy = w.v[row, k] * math.sin(route) - w.v_o[j, k] * math.sin(psi)
-                w.impact = norm(dx, dy)
+                w.impact = impact_speed(w, row, j, k)
     w.min_margin = margin
     w.gap = closest
     w.which = which

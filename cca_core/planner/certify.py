@@ -27,6 +27,7 @@ _SAME = 0.05  # difference of accelerations of the same motion [m/s^2]
 _ALL, _ADJACENT = 0, 1  # vehicles of a check
 _BETWEEN_STEPS = 0.1  # by which a fast vehicle comes nearer between two steps of a check [m]
 _SLACK = 0.05  # by which a gap may shrink before it counts [m]
+_IMPACT = 1.0  # least severity of a plan that ends in an impact although the ego brakes fully in time [-]
 _GRIP_SHARE = 0.95  # of all tires that a path may use [-]
 
 
@@ -177,10 +178,13 @@ class Certifier:
 
         What it comes to without that is at stake, and costs: less if it comes later.
         """
+        work, foresight = self._scene.workspace, self._settings.foresight
         plan.severity, plan.at_stake = self._severity(plan, plan.row, clearance)
-        if plan.at_stake > 0.0:
+        if plan.severity >= _IMPACT:
+            patience = 1.0 - math.exp(-float(TIMES[min(work.when, len(TIMES) - 1)]) / foresight)
             self._roll(plan, plan.branch)
             plan.severity = min(plan.severity, self._severity(plan, _TAIL, clearance)[0])
+            plan.patience = patience if plan.severity >= _IMPACT else 1.0
 
     def _severity(self, plan: Plan, row: int, clearance: float) -> tuple[float, float]:
         """Return how bad a motion is, by its impact or the gap that lacks, and its later impact."""
@@ -189,13 +193,14 @@ class Certifier:
             work, row, plan.path_row, settings.touch, settings.touch, clearance, settings.duty_delay, 0.0
         )
         if work.gap < -self._doubt(work.which):
-            # a later impact is less certain: others and the ego can still react
+            # a later impact is less certain: others and the ego can still react; a shallow one may be a miss
+            share = min(-work.gap / settings.full_overlap, 1.0)
             t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
             left, stake = (
-                work.impact**2 * math.exp(-t / settings.foresight)
-                for t in (self._time_left(work.which, t_impact), t_impact)
+                math.exp(-t / settings.foresight) for t in (self._time_left(work.which, t_impact), t_impact)
             )
-            return 1.0 + left, stake
+            impact = share * work.impact**2
+            return _IMPACT + left * (impact - work.gap), stake * impact
         lack = max(-work.min_margin, 0.01)
         plan.exposure = self._exposure(plan)
         return float(min(lack + self._settings.exposure * plan.exposure, 0.9)), 0.0

@@ -102,9 +102,13 @@ def choose(plans: Sequence[Plan], certifier: Certifier, around: Surroundings) ->
 
 
 def _key(plan: Plan, around: Surroundings) -> tuple[float, float]:
-    """Rank of a plan; a maneuver that is under way and nominally safe is compared with certified plans."""
+    """Rank of a plan; a maneuver that is under way and nominally safe is compared with certified plans.
+
+    The nearer an impact that cannot be avoided, the less time and comfort count.
+    """
     tier = Grade.RESPONSE.tier if _goes_on(plan, around) else plan.grade.tier
-    return tier, plan.cost + plan.peril
+    change = plan.costs.change
+    return tier, plan.peril + change + plan.patience * (plan.cost - change)
 
 
 def _goes_on(plan: Plan, around: Surroundings) -> bool:

@@ -114,6 +114,8 @@ class CertificateSettings:
     foresight : float
         Time constant with which the weight of a predicted impact falls [s]. If the ego brakes fully, the time
         until the vehicle is met at the present speeds counts.
+    full_overlap : float
+        Predicted overlap of two bodies from which on their impact counts in full [m]: less may be a miss.
     exposure : float
         Weight of an impact speed in the worst case, added to the lack of a nominal gap [s].
     response : float
@@ -154,6 +156,7 @@ class CertificateSettings:
     touch: float = 0.3
     touch_kept: float = 0.1
     foresight: float = 2.0
+    full_overlap: float = 0.5
     exposure: float = 0.05
     response: float = 1.5
     mild_impact: float = 4.0
@@ -173,7 +176,7 @@ class CertificateSettings:
     __repr__ = short_repr
 
     def __post_init__(self) -> None:
-        check_fields(self, positive=("lag", "foresight", "silence_time"))
+        check_fields(self, positive=("lag", "foresight", "full_overlap", "silence_time"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

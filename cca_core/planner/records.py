@@ -180,6 +180,7 @@ class Plan:
     exposure: float = 0.0  # impact speed in the worst case, with full braking after the reaction time [m/s]
     at_stake: float = 0.0  # squared impact speed without it, less if it comes later [m^2/s^2]
     peril: float = 0.0  # what both cost, when all plans come too close [s]
+    patience: float = 1.0  # part of time and comfort that counts, less if an impact is near [-]
     impact_id: str = ""
     rejection: Rejection | None = None
     is_certified: bool = False

@@ -17,8 +17,10 @@ from tests.support.planner_drives import (
     ALL_KNOWN,
     CAR,
     CYCLE,
+    TWO_LANES,
     ClosedLoop,
     CrossingVehicle,
+    CutInVehicle,
     ReturningVehicle,
     ScriptedVehicle,
     TurningVehicle,
@@ -95,6 +97,27 @@ class TestHazards:
         assert run.gaps["R"] > 1.0
         if v - speed <= 10.0 and gap >= 42.0:
             assert min(c.a_x for c in run.commands[: round(begin / CYCLE)]) > -5.0
+
+    @pytest.mark.parametrize(
+        ("v", "speed", "aside", "gap"),
+        [(13.0, 8.0, 0.8, 13.5), (20.0, 17.0, 1.2, 9.5), (20.0, 17.0, 0.8, 8.5), (30.0, 22.0, 0.8, 13.5)],
+    )
+    def test_car_that_cuts_in_alongside_is_not_touched(
+        self, v: float, speed: float, aside: float, gap: float
+    ) -> None:
+        """The ego brakes until it is behind it, and does not stay next to it at its speed."""
+        planner = Planner(CAR, Road(straight(2000.0), TWO_LANES), cruise_speed=v, evasion=ALL_KNOWN)
+        other = CutInVehicle(gap, speed, begin=1.0, speed=aside)
+        run = ClosedLoop(planner, [other], 9.0, v=v)
+        assert run.collided_with is None
+
+    @pytest.mark.parametrize("gap", [12.5, 13.5, 14.5, 16.5])
+    def test_brakes_are_not_released_before_an_impact(self, gap: float) -> None:
+        """A car cuts in so close that it cannot be avoided: comfort does not count any more."""
+        planner = Planner(CAR, Road(straight(2000.0), TWO_LANES), cruise_speed=20.0, evasion=ALL_KNOWN)
+        run = ClosedLoop(planner, [CutInVehicle(gap, 14.0, begin=1.0, speed=1.2)], 9.0)
+        assert run.collided_with == "C"
+        assert max(c.a_x for c in run.commands[round(1.8 / CYCLE) :]) < -6.9
 
     @pytest.mark.parametrize("gap", [180.0, 220.0])
     @pytest.mark.parametrize("speed", [12.0, 18.0])

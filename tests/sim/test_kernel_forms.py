@@ -14,7 +14,7 @@ from tests.support.kernel_forms import needs_c
 
 CLOCKS = ("cycle_us", "wall_s", "missed_deadlines", "scenario")  # of the machine, and the input
 NAMES = [f"{s.name}-{s.case}-{s.ego_type}" for s in paper_scenarios()]
-QUICK = ("curbside-fast-v2v", "maneuver-3-sensor")
+QUICK = ("maneuver-3-sensor",)
 
 
 def digest(log: Log) -> str:

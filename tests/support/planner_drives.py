@@ -129,6 +129,28 @@ class ReturningVehicle(ScriptedVehicle):
             self.d = min(self.d + self.speed * CYCLE, self.home)
 
 
+class CutInVehicle(ScriptedVehicle):
+    """Changes from the left lane into the ego's at a lateral speed, from a time on."""
+
+    def __init__(self, gap: float, v: float, *, begin: float, speed: float) -> None:
+        super().__init__("C", gap, 3.5, v)
+        self.begin, self.speed, self.t = begin, speed, 0.0
+
+    @property
+    def is_changing(self) -> bool:
+        return self.t >= self.begin and self.d > 0.0
+
+    def record(self) -> RemoteVehicle:
+        aside = self.speed if self.is_changing else 0.0
+        return replace(super().record(), psi=-math.atan2(aside, self.v))
+
+    def move(self, t: float) -> None:
+        super().move(t)
+        self.t = t
+        if self.is_changing:
+            self.d = max(self.d - self.speed * CYCLE, 0.0)
+
+
 class WobblingVehicle(ScriptedVehicle):
     """Keeps its lane, and reports a heading that swings."""
 

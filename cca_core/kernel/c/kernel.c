@@ -4053,6 +4053,20 @@ static double gap_checks_nominal_gap(const Scene *w, int row, int j, int k, doub
         + w->half_w[j], enough);
 }
 
+/* Relative speed of the ego and a vehicle at a time; 0 if both drive the same way and draw apart. */
+static double gap_checks_impact_speed(const Scene *w, int row, int j, int k)
+{
+    double v = w->v[row * w->steps + k];
+    double v_o = w->v_o[j * w->steps + k];
+    double ahead = w->s_o[j * w->steps + k] - w->s[row * w->steps + k] - w->offset;
+    if (w->crosses[j] == 0 && v_o >= 0.0 && (v_o - v) * ahead > 0.0) {
+        return 0.0;
+    }
+    double route = scene_at_station(w->n, w->psi, w->s[row * w->steps + k]);
+    double psi = w->crosses[j] != 0 ? w->psi_o[j * w->steps + k] : route;
+    return box_gaps_norm(v * cos(route) - v_o * cos(psi), v * sin(route) - v_o * sin(psi));
+}
+
 /* Least gap to the nominal motion of others beyond what is asked, and the first overlap.
 
 Asked are `clearance` of vehicles that are passed; of others `touch`, and `met` where the ego is outside
@@ -4103,11 +4117,7 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double met, doubl
             if (gap < 0.0 && k < hit) {
                 hit = k;
                 which = j;
-                double route = scene_at_station(w->n, w->psi, w->s[row * w->steps + k]);
-                double psi = w->crosses[j] != 0 ? w->psi_o[j * w->steps + k] : route;
-                double dx = w->v[row * w->steps + k] * cos(route) - w->v_o[j * w->steps + k] * cos(psi);
-                double dy = w->v[row * w->steps + k] * sin(route) - w->v_o[j * w->steps + k] * sin(psi);
-                w->impact = box_gaps_norm(dx, dy);
+                w->impact = gap_checks_impact_speed(w, row, j, k);
             }
         }
     }
