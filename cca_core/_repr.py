@@ -35,7 +35,7 @@ def _short(value: Any) -> str:
     if isinstance(value, FunctionType):
         return value.__qualname__
     if isinstance(value, float):
-        return f"{value:.6g}"
+        return f"{value:.6g}" if abs(value) < 1e6 else f"{value:.12g}"  # a time since 1970 has a fraction
     if isinstance(value, np.ndarray) and value.ndim != 1:
         size = " x ".join(str(n) for n in value.shape)
         return f"array of {size}" if size else _short(value.item())

@@ -82,8 +82,8 @@ def oversteer_text(vehicle: VehicleParams, region: StabilityRegion) -> str:
     return (
         f"the vehicle oversteers (C_f l_f > C_r l_r): above its critical speed, "
         f"{math.sqrt(vehicle.wheelbase / -gradient):.1f} m/s at {region.mass[1]:g} times the mass and "
-        f"{region.friction[0]:g} times the friction, only the steering keeps it stable; lower the speeds "
-        f"if they exceed it"
+        f"{region.friction[0]:g} times the friction, only the steering keeps "
+        f"it stable"
     )
 
 

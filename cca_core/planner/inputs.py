@@ -146,7 +146,8 @@ def warn_of_foreign_gains(vehicle: VehicleParams) -> None:
 def _warn_once_of_gains(*_: float) -> None:
     warnings.warn(
         "no steering gains were designed for this vehicle, so the shipped ones of a preset steer it (the "
-        "feedforward is its own); pass controller=PreviewController(vehicle, design_gains(vehicle))",
+        "feedforward is its own; if design_gains finds none, its error names a region= that has some); pass "
+        "controller=PreviewController(vehicle, design_gains(vehicle))",
         stacklevel=4,
     )
 

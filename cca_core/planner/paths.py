@@ -91,9 +91,11 @@ def return_paths(around: Surroundings) -> list[LateralPath]:
     """Return paths back to the route: in comfort, hard, and after holding the offset for a while."""
     state, limits, v = around.lateral, around.limits, max(around.v, 2.0)
     x: Array = state.base + np.arange(float(BEHIND + AHEAD)) - around.s
+    in_curve = abs(around.road.path.curvature_at(around.s)) * v * v
     paths = []
     for level, a_y in ((Level.COMFORT, limits.a_y), (Level.HARD, limits.a_y_hard)):
-        d, length = blend(state.offset, state.slope, state.bend, a_y, v, x)
+        rest = max(a_y - in_curve, 0.5 * a_y)
+        d, length = blend(state.offset, state.slope, state.bend, rest, v, x)
         paths.append((level, length, d))
     road, half = around.road, 0.5 * around.vehicle.width + 0.1
     for fraction in (0.3, 0.6, 1.0):

@@ -93,8 +93,9 @@ def numbers_of(
         "risk_until": settings.cost.horizon, "grip": limits.grip, "standstill_gap": speed.standstill_gap,
         "time_gap": speed.time_gap, "approach_rate": speed.approach_rate, "jerk": speed.jerk,
         "jerk_emergency": speed.jerk_emergency, "lag": certificate.lag, "look": certificate.look_time,
-        "blocking_gap": settings.lead.blocking_gap, "opening_speed": settings.lead.opening_speed,
-        "creep_time": settings.lead.creep_time,
+        # what a plan may not come close to is in its way, at equal limits too
+        "blocking_gap": max(settings.lead.blocking_gap, certificate.touch) + 1e-6,
+        "opening_speed": settings.lead.opening_speed, "creep_time": settings.lead.creep_time,
         "b_firm": settings.lead.firm_braking / speed.b_comfort * limits.b_comfort,
         "rear_braking": settings.rear_braking,
         "rear_reaction": 0.0 if settings.keeps_motion else settings.rear_reaction_time,

@@ -1,5 +1,7 @@
 """Replay of a log: the controller on the recorded messages and detections."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from cca_core._checks import Array
@@ -27,7 +29,9 @@ def replay(log: Log, *, planner: EgoController | None = None) -> Array:
         commands, bit for bit, if the run used the default too. A recorded run did so if its planner was made
         with nothing but the values that `Recorder` reads, and given neither `radio` nor `VehicleState.t`.
     """
-    scenario = log.scenario
+    scenario, is_recorded = log.scenario, log.remotes is not None
+    if is_recorded and scenario.ego_type == "sensor":  # its own loop stated the awareness range
+        scenario = replace(scenario, ego_type="v2v")
     controller = planner or make_controller(scenario)
     perception = Perception(scenario)
     messages: list[list[bytes]] = [[] for _ in log.t]

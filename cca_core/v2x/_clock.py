@@ -20,10 +20,12 @@ _SLEW = 0.05  # rate at which the correction follows the offset [s/s]
 class _Marks:
     """Last second marks of one sender: times of reception, and reception minus mark."""
 
-    __slots__ = ("delays", "lowest", "mark")
+    __slots__ = ("ahead", "delays", "latest", "lowest", "mark")
 
     def __init__(self) -> None:
         self.mark: float | None = None
+        self.ahead = 0.0  # by which its clock is ahead of the others [s], 0 if it is not
+        self.latest: deque[float] = deque(maxlen=_RECENT)  # delays of all messages, out of order or not [s]
         self.lowest = math.inf  # of the delays, up to the next estimate that of `low` [s]
         self.delays: deque[tuple[float, float]] = deque(maxlen=100)
 
@@ -64,6 +66,7 @@ class SenderClocks:
             for marks in self._senders.values():
                 shifted = [(t_received + step, delay + step) for t_received, delay in marks.delays]
                 marks.delays = deque(shifted, maxlen=marks.delays.maxlen)
+                marks.latest = deque([delay + step for delay in marks.latest], maxlen=_RECENT)
                 marks.lowest += step
         self._t = t
         if abs(t - self._t_estimated) >= _INTERVAL:
@@ -76,14 +79,32 @@ class SenderClocks:
             if len(self._senders) >= _MAX_SENDERS:
                 return
             marks = self._senders[sender] = _Marks()
-        # an earlier mark comes from a late or replayed message, an equal one is not new
-        elif marks.mark is not None and (mark - marks.mark + 30.0) % 60.0 <= 30.0:
-            return
-        marks.mark = mark
         base = self.correction
         delay = (t - mark - base + 30.0) % 60.0 - 30.0 + base
+        marks.latest.append(delay)
+        # an earlier mark comes from a late or replayed message, an equal one is not new
+        if marks.mark is not None and (mark - marks.mark + 30.0) % 60.0 <= 30.0:
+            return
+        marks.mark = mark
         marks.delays.append((t, delay))
         marks.lowest = min(marks.lowest, delay)
+
+    def ahead(self, sender: str) -> float:
+        """Return by how much the clock of one sender is ahead [s]; 0 if any of its last messages disagrees.
+
+        No latency makes a message come from the future. Its youngest messages then have the age `latency`.
+        """
+        marks = self._senders.get(sender)
+        return 0.0 if marks is None else marks.ahead
+
+    def late_sender(self, t: float) -> tuple[str, float] | None:
+        """Return a sender heard lately all of whose messages are too old, and their least age [s]."""
+        for sender, marks in self._senders.items():
+            is_known = len(marks.latest) >= _MIN_MARKS and t - marks.delays[-1][0] < 1.0
+            late = min(marks.latest) - self.correction if is_known else 0.0
+            if late > self._checks.age_limit:
+                return sender, late
+        return None
 
     def error(self, sender: str, age: float) -> float:
         """Return how far the time of a sender's message may be off that has an apparent age [s].
@@ -125,6 +146,10 @@ class SenderClocks:
             self.offset = _median([self._senders[s].lowest for s in agreeing] or [step], expected)
             self._follow(self.offset, elapsed)
         self.n_agreeing = sum(map(self._is_acceptable, recent.values()))
+        for sender, low in recent.items():
+            marks = self._senders[sender]
+            is_ahead = max(marks.latest) - self.correction < -self._checks.clock_error
+            marks.ahead = self._latency - (low - self.correction) if is_ahead else 0.0
 
     def _is_acceptable(self, delay: float) -> bool:
         """Return whether a message with a delay passes the checks of its time."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 from cca_core.path.local_frame import LocalFrame
 from cca_core.v2x._association import explains, may_be_same_body, position_at
 from cca_core.v2x._clock import SenderClocks
+from cca_core.v2x._plain import unusable_value
 from cca_core.v2x._projection import projector
 from cca_core.v2x._reported_motion import (
     MAX_UNREPORTED_REVERSING,
@@ -59,8 +60,8 @@ class Intake:
         t = t_received - clocks.correction
         measured = t - self.settings.untimed_age
         if timed and mark is not None:
-            measured = mark + 60.0 * round((t - mark) / 60.0)
-        if bsm.latitude_deg is None or bsm.longitude_deg is None:
+            measured = mark + 60.0 * round((t - mark) / 60.0) - clocks.ahead(bsm.id)
+        if bsm.latitude_deg is None or bsm.longitude_deg is None or unusable_value(bsm):
             return "unusable"
         position = self._project(bsm.latitude_deg, bsm.longitude_deg)
         if not abs(position[0]) + abs(position[1]) <= MAX_COORDINATE:

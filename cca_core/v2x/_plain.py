@@ -1,5 +1,6 @@
 """Messages from callers: values of any type to Python's own types."""
 
+import math
 import operator
 from collections.abc import Set
 from dataclasses import replace
@@ -9,7 +10,7 @@ from cca_core._checks import shown
 from cca_core.errors import InputError
 from cca_core.v2x.message import Bsm, PositionalAccuracy
 
-__all__ = ["plain_bsm", "read_count", "read_number"]
+__all__ = ["plain_bsm", "read_count", "read_number", "unusable_value"]
 
 _TRACKED = (
     "sec_mark", "latitude_deg", "longitude_deg", "elevation", "speed", "psi", "a_x", "r", "width", "length",
@@ -40,6 +41,27 @@ def plain_bsm(bsm: Bsm) -> Bsm:
     if major is not None and type(major) is not float:
         changed["accuracy"] = PositionalAccuracy(semi_major=read_number("semi_major", major))
     return replace(bsm, **changed) if changed else bsm
+
+
+def unusable_value(bsm: Bsm) -> str:
+    """Return which value of a message keeps it from being tracked; empty if none is missing or out of range.
+
+    The largest code of a speed means that or more: no speed of a road vehicle.
+    """
+    for name, limit in (("latitude_deg", 90.0), ("longitude_deg", 180.0)):
+        value = getattr(bsm, name)
+        if value is None:
+            return f"{name} is missing"
+        if not abs(value) <= limit:
+            return f"{name} must be within +-{limit:g} deg, was {value:g}"
+    mark = bsm.sec_mark
+    if mark is not None and not 0.0 <= mark < 61.0:
+        return f"sec_mark must be within the minute, 0 to 60.999 s, was {mark:g}"
+    for name in ("speed", "psi"):
+        value = getattr(bsm, name)
+        if value is not None and not math.isfinite(value):
+            return f"{name} must be finite, was {value:g}"
+    return ""
 
 
 def read_number(name: str, value: Any) -> float:

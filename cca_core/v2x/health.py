@@ -93,7 +93,11 @@ class MessageRates:
 
 
 def health_of(
-    counts: Counter[str], t: float, is_saturated: bool, clock: tuple[float | None, float, int, int]
+    counts: Counter[str],
+    t: float,
+    is_saturated: bool,
+    clock: tuple[float | None, float, int, int],
+    late_sender: tuple[str, float] | None,
 ) -> TrackerHealth:
     """Return the health of a radio from the counts of a second and its clock."""
     offset, correction, n_senders, n_agreeing = clock
@@ -108,6 +112,8 @@ def health_of(
         reason = "more senders than tracks"
     elif n_senders and 2 * n_agreeing <= n_senders:
         reason = f"clocks of {n_senders - n_agreeing} of {n_senders} senders disagree"
+    elif late_sender is not None:
+        reason = f"all messages of {late_sender[0]} are {late_sender[1]:.1f} s old, or its clock is behind"
     return TrackerHealth(
         t=t, received=float(received), accepted=float(accepted), rejected=rejected, clock_offset=offset,
         clock_correction=correction, clock_senders=n_senders, reason=reason,

@@ -1,5 +1,6 @@
 """Tracker: messages in, dead-reckoned vehicles out, with one track for each sender."""
 
+import math
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
 
@@ -8,7 +9,7 @@ from cca_core.errors import InputError
 from cca_core.path.local_frame import LocalFrame
 from cca_core.v2x._intake import Intake
 from cca_core.v2x._own_messages import EgoMotion
-from cca_core.v2x._plain import plain_bsm
+from cca_core.v2x._plain import plain_bsm, unusable_value
 from cca_core.v2x._tracks import is_expired
 from cca_core.v2x.bsm import Bsm, decode_frame
 from cca_core.v2x.health import MessageRates, TrackerHealth, health_of
@@ -114,9 +115,9 @@ class Tracker:
     def health(self, t: float) -> TrackerHealth:
         """Return what was received, accepted and rejected in the last second, and whether to trust the radio.
 
-        The radio cannot be trusted if messages arrive and none is accepted, if it is saturated, or if half of
-        the senders or more disagree about the time. The absence of a vehicle then proves nothing: pass
-        `TrackerHealth.awareness_range` to the planner.
+        The radio cannot be trusted if messages arrive and none is accepted, if it is saturated, if half of
+        the senders or more disagree about the time, or if all messages of a sender are too old. The absence
+        of a vehicle then proves nothing: pass `TrackerHealth.awareness_range` to the planner.
 
         Parameters
         ----------
@@ -135,7 +136,8 @@ class Tracker:
         """
         t, clocks = check_real("t", t), self._intake.clocks
         clock = clocks.offset, clocks.correction, clocks.n_senders, clocks.n_agreeing
-        return health_of(self._rates.last_second(t), t, self.is_saturated(t), clock)
+        late = clocks.late_sender(t) if self.settings.plausibility.replay else None
+        return health_of(self._rates.last_second(t), t, self.is_saturated(t), clock, late)
 
     def update(self, data: bytes | bytearray | str | Bsm, t_received: float) -> UpdateResult:
         """Process a message.
@@ -163,8 +165,10 @@ class Tracker:
         self._intake.clocks.tick(t)
         try:
             result = self._process_data(data, t)
-        except (InputError, TypeError, ValueError, OverflowError):
-            result = UpdateResult(accepted=False, kind="unreadable", id="", t=t, message="")
+        except (InputError, TypeError, ValueError, OverflowError) as error:
+            result = UpdateResult(
+                accepted=False, kind="unreadable", id="", t=t, message="", detail=str(error)
+            )  # fmt: skip
         self.counts[result.kind] += 1
         self._rates.add(result.kind, t)
         if not result.accepted and result.kind not in UNCOUNTED_KINDS:
@@ -182,8 +186,22 @@ class Tracker:
             bsm = decode_frame(frame)
         kind = self._intake.process(bsm, t, self.own_ids)
         return UpdateResult(
-            accepted=kind in ACCEPTED_KINDS, kind=kind, id=str(bsm.id), t=t, signed=bsm.signed
-        )
+            accepted=kind in ACCEPTED_KINDS, kind=kind, id=str(bsm.id), t=t, signed=bsm.signed,
+            detail=self._detail(kind, bsm, t),
+        )  # fmt: skip
+
+    def _detail(self, kind: str, bsm: Bsm, t: float) -> str:
+        """Return what is wrong with a message, if its kind does not say it."""
+        if kind == "unusable":
+            moves = bsm.speed is not None and bsm.psi is not None
+            return unusable_value(bsm) or (
+                "position, speed or size is not that of a road vehicle" if moves
+                else "speed or heading is missing, and not known from positions yet"
+            )  # fmt: skip
+        if kind not in ("future", "replay") or bsm.sec_mark is None:
+            return ""
+        age = math.remainder(t - self._intake.clocks.correction - bsm.sec_mark, 60.0)
+        return f"measured {abs(age):.2f} s {'before' if age > 0.0 else 'after'} its reception"
 
     def vehicles(
         self, t: float, ego: VehicleState | None = None, names: Mapping[str, str] | None = None

@@ -36,6 +36,9 @@ class UpdateResult:
         unreadable.
     signed : str or None
         ``"unverified"`` if the message came in signed data: the signature was not checked. None without.
+    detail : str
+        What is wrong with a message that is ``"unreadable"`` or ``"unusable"``, and by how much the time of
+        one is off that is from the ``"future"`` or a ``"replay"``; else empty.
     """
 
     accepted: bool
@@ -44,5 +47,6 @@ class UpdateResult:
     t: float
     message: str = "BSM"
     signed: str | None = None
+    detail: str = ""
 
     __repr__ = short_repr

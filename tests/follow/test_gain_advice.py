@@ -153,7 +153,7 @@ def test_oversteer_is_stated_with_critical_speed(vehicle: VehicleParams) -> None
 
 def test_oversteering_car_gets_gains_and_warning() -> None:
     with pytest.warns(
-        UserWarning, match=r"^the vehicle oversteers .* 21\.2 m/s .* lower the speeds"
+        UserWarning, match=r"^the vehicle oversteers .* 21\.2 m/s .* only the steering"
     ) as caught:
         design_gains(OVERSTEER, [5.0, 10.0])
     assert len(caught) == 1

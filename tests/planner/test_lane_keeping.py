@@ -10,7 +10,15 @@ from hypothesis import strategies as st
 
 from cca_core import Command, Lane, Path, Planner, RemoteVehicle, Road, VehicleState, fit_path
 from cca_core.planner.last_known import dead_reckoned
-from tests.support.planner_drives import ALL_KNOWN, CAR, ClosedLoop, WobblingVehicle, straight
+from cca_core.sim import SingleTrackPlant
+from tests.support.planner_drives import (
+    ALL_KNOWN,
+    CAR,
+    ClosedLoop,
+    ScriptedVehicle,
+    WobblingVehicle,
+    straight,
+)
 
 LANES = (Lane(d=0.0), Lane(d=3.5, direction=-1))
 V, CYCLE, GAP, START = 18.0, 0.1, 200.0, 20.0
@@ -75,3 +83,33 @@ def test_car_that_leaves_its_lane_is_answered_at_once(v_d: float, loss: float) -
 def drift(t: float, v_d: float) -> tuple[float, float]:
     """Offset and angle of a car that moves to the ego's lane from a time on."""
     return (3.5, 0.0) if t < 0.0 else (max(3.5 - v_d * t, 0.0), math.asin(v_d / V))
+
+
+@pytest.mark.parametrize("gap", [0.2999, 0.3, 0.3 + 1e-9, 0.3 - 1e-12, 0.3001])
+@pytest.mark.parametrize("speed", [0.0, 5.0])
+def test_what_is_as_far_aside_as_a_limit_is_passed(gap: float, speed: float) -> None:
+    """A gap at which a plan counts as too close is also one at which the vehicle is evaded."""
+    planner = Planner(CAR, Road(straight(), LANES), cruise_speed=14.0, evasion=ALL_KNOWN)
+    bike = ScriptedVehicle("bike", 100.0, -(0.5 * CAR.width + gap + 0.35), speed, length=1.8, width=0.7)
+    run = ClosedLoop(planner, [bike], 20.0, v=14.0)
+    assert run.gaps["bike"] > 0.25
+    assert min(run.v) > 10.0
+    assert run.x[-1] > bike.x
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("off", [0.5, -0.5])
+def test_return_in_a_bend_leaves_grip_to_the_bend(side: float, off: float) -> None:
+    """The lateral acceleration of the return comes on top of that of the bend."""
+    radius, v = 100.0, 15.0
+    path = bend(side * radius)
+    planner = Planner(CAR, Road(path, LANES), cruise_speed=v)
+    (x, y), psi = path.to_cartesian(20.0, off).tolist(), float(path.heading(20.0))
+    plant = SingleTrackPlant(CAR, VehicleState(x=x, y=y, psi=psi, v_x=v, r=side * v / radius))
+    a_y = []
+    for k in range(250):
+        command = planner.step(0.02 * k, plant.state, [])
+        plant.step(command.delta, command.a_x, 0.02)
+        a_y.append(plant.a_y)
+    assert abs(float(path.project((plant.state.x, plant.state.y))[1])) < 0.15
+    assert max(map(abs, a_y)) < v * v / radius + 1.5

@@ -292,3 +292,16 @@ def test_ego_type_follows_from_the_sources_unless_given(
     for t in (0.0, DT):
         recorder.add(t, state, remotes, planner.step(t, state, remotes))
     assert recorder.log().scenario.ego_type == expected
+
+
+def test_replay_of_a_loop_with_a_sensor_alone_gives_its_commands(route: Path) -> None:
+    """The planner knew what the loop stated, not what a simulated ego with a sensor knows."""
+    planner, recorder = planner_on(route), Recorder(planner_on(route))
+    for k in range(200):
+        t = DT * k
+        state = State(x=20.0 + 10.0 * t, y=0.0, psi=0.0, v_x=10.0)
+        seen = [RemoteVehicle(id="van", x=90.0, y=-0.5, psi=0.0, v_x=0.0, source="sensor")]
+        recorder.add(t, state, seen, planner.step(t, state, seen))
+    log = recorder.log()
+    assert log.scenario.ego_type == "sensor"
+    assert replay(log).tobytes() == log.command.tobytes()
