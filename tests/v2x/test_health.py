@@ -209,7 +209,7 @@ def test_one_wrong_sender_moves_estimate_by_nothing(lead: float, offset: float, 
 
 @pytest.mark.parametrize("lead", [0.25, 0.3, 0.5, 1.0, 5.0, 18.0, 25.0])
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
-def test_sender_whose_clock_is_ahead_is_seen_within_its_bound(lead: float, jitter: float) -> None:
+def test_sender_with_clock_ahead_is_within_its_bound(lead: float, jitter: float) -> None:
     """No latency explains it, so its messages are timed by their reception."""
     tracker, random = Tracker(FRAME), np.random.default_rng(1)
     for begin in np.arange(0.0, 8.0, 0.1):
@@ -225,7 +225,7 @@ def test_sender_whose_clock_is_ahead_is_seen_within_its_bound(lead: float, jitte
 
 
 @pytest.mark.parametrize("lead", [-1.5, -3.0, -18.0])
-def test_sender_whose_messages_are_all_too_old_is_a_reason_for_distrust(lead: float) -> None:
+def test_sender_with_old_messages_alone_is_not_trusted(lead: float) -> None:
     """Its vehicle is there, but not known where."""
     tracker = Tracker(FRAME)
     now = receive(tracker, lambda t: 0.0, 3.0, (0.0, 0.0, 0.0, lead))
@@ -251,7 +251,7 @@ def test_sender_whose_messages_are_all_too_old_is_a_reason_for_distrust(lead: fl
         ({"sec_mark": 58.0}, "replay", "measured 3.10 s before its reception"),
     ],
 )  # fmt: skip
-def test_rejected_message_says_what_is_wrong(changed: dict[str, Any], kind: str, detail: str) -> None:
+def test_rejected_message_names_its_fault(changed: dict[str, Any], kind: str, detail: str) -> None:
     valid = Bsm(
         msg_count=0, id="00000001", sec_mark=1.0, latitude_deg=45.0, longitude_deg=14.0, speed=1.0, psi=0.0
     )
