@@ -156,10 +156,12 @@ def check_nominal(
                 margin = gap - asked
                 which = j
                 when = k
-            if gap < 0.0 and k < hit:
-                hit = k
-                which = j
-                w.impact = impact_speed(w, row, j, k)
+            if gap < 0.0 and (k < hit or w.impact == 0.0):
+                impact = impact_speed(w, row, j, k)
+                if impact > 0.0 or hit == steps:  # bodies that draw apart count if nothing else does
+                    hit = k
+                    which = j
+                    w.impact = impact
     w.min_margin = margin
     w.gap = closest
     w.which = which

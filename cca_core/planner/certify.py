@@ -178,32 +178,36 @@ class Certifier:
 
         What it comes to without that is at stake, and costs: less if it comes later.
         """
-        work, foresight = self._scene.workspace, self._settings.foresight
-        plan.severity, plan.at_stake = self._severity(plan, plan.row, clearance)
+        plan.severity, plan.at_stake, patience = self._severity(plan, plan.row, clearance)
         if plan.severity >= _IMPACT:
-            patience = 1.0 - math.exp(-float(TIMES[min(work.when, len(TIMES) - 1)]) / foresight)
             self._roll(plan, plan.branch)
-            plan.severity = min(plan.severity, self._severity(plan, _TAIL, clearance)[0])
-            plan.patience = patience if plan.severity >= _IMPACT else 1.0
+            severity, _, then = self._severity(plan, _TAIL, clearance)
+            plan.severity, plan.patience = min(plan.severity, severity), max(patience, then)
 
-    def _severity(self, plan: Plan, row: int, clearance: float) -> tuple[float, float]:
-        """Return how bad a motion is, by its impact or the gap that lacks, and its later impact."""
+    def _severity(self, plan: Plan, row: int, clearance: float) -> tuple[float, float, float]:
+        """Return how bad a motion is, its later impact, and the part of comfort that counts.
+
+        It is as bad as its impact and the overlap, or as the gap that lacks.
+        """
         work, settings = self._scene.workspace, self._settings
         check_gaps(
             work, row, plan.path_row, settings.touch, settings.touch, clearance, settings.duty_delay, 0.0
         )
-        if work.gap < -self._doubt(work.which):
+        apart, bound = self._doubt(work.which)
+        overlap = -work.gap - apart
+        if overlap > 0.0:
             # a later impact is less certain: others and the ego can still react; a shallow one may be a miss
-            share = min(-work.gap / settings.full_overlap, 1.0)
             t_impact = float(TIMES[min(work.when, len(TIMES) - 1)])
             left, stake = (
                 math.exp(-t / settings.foresight) for t in (self._time_left(work.which, t_impact), t_impact)
             )
-            impact = share * work.impact**2
-            return _IMPACT + left * (impact - work.gap), stake * impact
+            impact = min(overlap / settings.full_overlap, 1.0) * work.impact**2
+            if -work.gap <= bound:  # perhaps the bound alone is touched
+                return _IMPACT + left * impact, stake * impact, 1.0
+            return _IMPACT + left * (impact + overlap), stake * impact, 1.0 - left
         lack = max(-work.min_margin, 0.01)
         plan.exposure = self._exposure(plan)
-        return float(min(lack + self._settings.exposure * plan.exposure, 0.9)), 0.0
+        return float(min(lack + self._settings.exposure * plan.exposure, 0.9)), 0.0, 1.0
 
     def _time_left(self, j: int, t_impact: float) -> float:
         """Return when a vehicle ahead is met at the present speeds [s]: the same for all plans."""
@@ -214,12 +218,13 @@ class Certifier:
             return t_impact
         return gap / closing
 
-    def _doubt(self, j: int) -> float:
-        """Overlap with the uncertainty bound of a vehicle up to which the bodies themselves are apart [m]."""
+    def _doubt(self, j: int) -> tuple[float, float]:
+        """Overlaps with a vehicle's uncertainty bound up to which the bodies are, and may be, apart [m]."""
         vehicles = self._around.traffic.vehicles
         if not 0 <= j < len(vehicles):
-            return 0.0
-        return 2.0 * min(vehicles[j].remote.sigma_along, vehicles[j].remote.sigma_across)
+            return 0.0, 0.0
+        bounds = 2.0 * vehicles[j].remote.sigma_along, 2.0 * vehicles[j].remote.sigma_across
+        return min(bounds), max(bounds)
 
     def _grade_by_braking(self, plan: Plan, *, out_now: bool) -> None:
         limits, response = self._around.limits, self._response

@@ -107,8 +107,9 @@ def _key(plan: Plan, around: Surroundings) -> tuple[float, float]:
     The nearer an impact that cannot be avoided, the less time and comfort count.
     """
     tier = Grade.RESPONSE.tier if _goes_on(plan, around) else plan.grade.tier
-    change = plan.costs.change
-    return tier, plan.peril + change + plan.patience * (plan.cost - change)
+    costs = plan.costs
+    saved = (1.0 - plan.patience) * (costs.progress + costs.speed + costs.comfort)
+    return tier, plan.peril + plan.cost - saved
 
 
 def _goes_on(plan: Plan, around: Surroundings) -> bool:

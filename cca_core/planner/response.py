@@ -75,6 +75,7 @@ class ProperResponse:
     def _leads(self) -> list[FrenetVehicle]:
         """Return the vehicles ahead of the ego that are in its way across the road."""
         around, traffic = self._around, self._around.traffic
-        reach = traffic.half_w + 0.5 * around.vehicle.width + around.settings.lead.blocking_gap
+        gap = max(around.settings.lead.blocking_gap, self._settings.touch)
+        reach = traffic.half_w + 0.5 * around.vehicle.width + gap
         blocks = (traffic.s[:, 0] >= around.s) & (np.abs(traffic.d[:, 0] - around.lateral.offset) <= reach)
         return [traffic.vehicles[j] for j in np.flatnonzero(blocks).tolist()]

@@ -113,7 +113,7 @@ class LeadSettings:
     Parameters
     ----------
     blocking_gap : float
-        Lateral gap to the path below which a vehicle is in its way [m].
+        Lateral gap to the path below which a vehicle is in its way [m], at least `CertificateSettings.touch`.
     passing_distance : float
         Distance kept, beyond the standstill gap, behind a single vehicle that comes to rest next to a clear
         lane, so that it can be passed from standstill [m].

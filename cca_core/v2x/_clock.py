@@ -14,18 +14,22 @@ _MAX_SENDERS = 64  # enough for a median
 _RECENT, _MIN_MARKS, _MIN_SPAN = 8, 4, 0.3  # marks that show a step of the clock, and their least span [s]
 _SET_BACK = 0.5  # step of the reception time that is a clock set back [s]
 _MAX_LATENCY = 0.6  # a larger delay is an offset of the clock [s]
+_PROVEN = 2.0  # time without a timely message after which a sender's clock is ahead [s]
+_LATE = 0.5  # and after which its messages are too old [s]
 _SLEW = 0.05  # rate at which the correction follows the offset [s/s]
 
 
 class _Marks:
     """Last second marks of one sender: times of reception, and reception minus mark."""
 
-    __slots__ = ("ahead", "delays", "latest", "lowest", "mark")
+    __slots__ = ("ahead", "begun", "delay", "delays", "heard", "lowest", "mark", "timely")
 
     def __init__(self) -> None:
         self.mark: float | None = None
         self.ahead = 0.0  # by which its clock is ahead of the others [s], 0 if it is not
-        self.latest: deque[float] = deque(maxlen=_RECENT)  # delays of all messages, out of order or not [s]
+        # of the usable messages, in order or not: the last delay, and the times of reception of the first
+        # one, the last one and the last one whose delay was acceptable [s]
+        self.delay, self.begun, self.heard, self.timely = 0.0, math.inf, -math.inf, -math.inf
         self.lowest = math.inf  # of the delays, up to the next estimate that of `low` [s]
         self.delays: deque[tuple[float, float]] = deque(maxlen=100)
 
@@ -66,7 +70,8 @@ class SenderClocks:
             for marks in self._senders.values():
                 shifted = [(t_received + step, delay + step) for t_received, delay in marks.delays]
                 marks.delays = deque(shifted, maxlen=marks.delays.maxlen)
-                marks.latest = deque([delay + step for delay in marks.latest], maxlen=_RECENT)
+                marks.delay, marks.begun = marks.delay + step, marks.begun + step
+                marks.heard, marks.timely = marks.heard + step, marks.timely + step
                 marks.lowest += step
         self._t = t
         if abs(t - self._t_estimated) >= _INTERVAL:
@@ -79,32 +84,41 @@ class SenderClocks:
             if len(self._senders) >= _MAX_SENDERS:
                 return
             marks = self._senders[sender] = _Marks()
-        base = self.correction
-        delay = (t - mark - base + 30.0) % 60.0 - 30.0 + base
-        marks.latest.append(delay)
         # an earlier mark comes from a late or replayed message, an equal one is not new
-        if marks.mark is not None and (mark - marks.mark + 30.0) % 60.0 <= 30.0:
+        elif marks.mark is not None and (mark - marks.mark + 30.0) % 60.0 <= 30.0:
             return
         marks.mark = mark
+        delay = self._delay(mark, t)
         marks.delays.append((t, delay))
         marks.lowest = min(marks.lowest, delay)
 
-    def ahead(self, sender: str) -> float:
-        """Return by how much the clock of one sender is ahead [s]; 0 if any of its last messages disagrees.
+    def ahead(self, sender: str, mark: float, t: float) -> float:
+        """Take a usable message into account; return by how much the clock of its sender is ahead [s].
 
-        No latency makes a message come from the future. Its youngest messages then have the age `latency`.
+        No latency makes a message come from the future. The sender's youngest messages then have the age
+        `latency`. A single timely message shows that others forge its marks, or that its clock was set.
         """
         marks = self._senders.get(sender)
-        return 0.0 if marks is None else marks.ahead
+        if marks is None:
+            return 0.0
+        marks.delay = self._delay(mark, t)
+        marks.begun, marks.heard = min(marks.begun, t), t
+        if self._is_acceptable(marks.delay):
+            marks.timely, marks.ahead = t, 0.0
+        return marks.ahead
 
     def late_sender(self, t: float) -> tuple[str, float] | None:
-        """Return a sender heard lately all of whose messages are too old, and their least age [s]."""
+        """Return a sender whose usable messages are all too old, and the age of the last one [s]."""
         for sender, marks in self._senders.items():
-            is_known = len(marks.latest) >= _MIN_MARKS and t - marks.delays[-1][0] < 1.0
-            late = min(marks.latest) - self.correction if is_known else 0.0
-            if late > self._checks.age_limit:
-                return sender, late
+            age = marks.delay - self.correction
+            is_late = age > self._checks.age_limit and t - marks.heard < 1.0
+            if is_late and marks.heard - max(marks.begun, marks.timely) > _LATE:
+                return sender, age
         return None
+
+    def _delay(self, mark: float, t: float) -> float:
+        """Return the time of reception minus a mark, in the minute nearest to the correction [s]."""
+        return (t - mark - self.correction + 30.0) % 60.0 - 30.0 + self.correction
 
     def error(self, sender: str, age: float) -> float:
         """Return how far the time of a sender's message may be off that has an apparent age [s].
@@ -115,6 +129,8 @@ class SenderClocks:
         """
         marks, limit = self._senders.get(sender), -self._checks.clock_error
         youngest = recent = age
+        if marks is not None and marks.ahead:
+            return max(age, _MAX_LATENCY - self._latency)
         if marks is not None:
             youngest = min(age, marks.lowest - self.correction)
             last = (delay - self.correction for _, delay in list(marks.delays)[-_RECENT:])
@@ -147,9 +163,9 @@ class SenderClocks:
             self._follow(self.offset, elapsed)
         self.n_agreeing = sum(map(self._is_acceptable, recent.values()))
         for sender, low in recent.items():
-            marks = self._senders[sender]
-            is_ahead = max(marks.latest) - self.correction < -self._checks.clock_error
-            marks.ahead = self._latency - (low - self.correction) if is_ahead else 0.0
+            marks, age = self._senders[sender], low - self.correction
+            is_ahead = age < -self._checks.clock_error and t - marks.timely > _PROVEN
+            marks.ahead = self._latency - age if is_ahead else 0.0
 
     def _is_acceptable(self, delay: float) -> bool:
         """Return whether a message with a delay passes the checks of its time."""

@@ -41,6 +41,7 @@ class Intake:
     def __init__(self, frame: LocalFrame, settings: TrackerSettings, height: float | None) -> None:
         self.settings, self.tracks = settings, Tracks(settings)
         self.clocks = SenderClocks(settings.plausibility, settings.untimed_age)
+        self.age = 0.0  # of the last message when it was received [s]
         self.t_full = -math.inf  # when a sender was last rejected for want of capacity
         self.ego: tuple[float, float] | None = None
         self._project, self._height = projector(frame), height
@@ -60,12 +61,15 @@ class Intake:
         t = t_received - clocks.correction
         measured = t - self.settings.untimed_age
         if timed and mark is not None:
-            measured = mark + 60.0 * round((t - mark) / 60.0) - clocks.ahead(bsm.id)
+            measured = mark + 60.0 * round((t - mark) / 60.0)
         if bsm.latitude_deg is None or bsm.longitude_deg is None or unusable_value(bsm):
             return "unusable"
         position = self._project(bsm.latitude_deg, bsm.longitude_deg)
         if not abs(position[0]) + abs(position[1]) <= MAX_COORDINATE:
             return "unusable"
+        if timed and mark is not None:
+            measured -= clocks.ahead(bsm.id, mark, t_received)
+        self.age = t - measured
         track = self._nearest_body(bsm.id, measured, position)
         order = ""
         if track is not None:

@@ -1,6 +1,5 @@
 """Tracker: messages in, dead-reckoned vehicles out, with one track for each sender."""
 
-import math
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
 
@@ -187,10 +186,10 @@ class Tracker:
         kind = self._intake.process(bsm, t, self.own_ids)
         return UpdateResult(
             accepted=kind in ACCEPTED_KINDS, kind=kind, id=str(bsm.id), t=t, signed=bsm.signed,
-            detail=self._detail(kind, bsm, t),
+            detail=self._detail(kind, bsm),
         )  # fmt: skip
 
-    def _detail(self, kind: str, bsm: Bsm, t: float) -> str:
+    def _detail(self, kind: str, bsm: Bsm) -> str:
         """Return what is wrong with a message, if its kind does not say it."""
         if kind == "unusable":
             moves = bsm.speed is not None and bsm.psi is not None
@@ -198,9 +197,9 @@ class Tracker:
                 "position, speed or size is not that of a road vehicle" if moves
                 else "speed or heading is missing, and not known from positions yet"
             )  # fmt: skip
-        if kind not in ("future", "replay") or bsm.sec_mark is None:
+        if kind not in ("future", "replay"):
             return ""
-        age = math.remainder(t - self._intake.clocks.correction - bsm.sec_mark, 60.0)
+        age = self._intake.age
         return f"measured {abs(age):.2f} s {'before' if age > 0.0 else 'after'} its reception"
 
     def vehicles(

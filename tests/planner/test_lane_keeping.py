@@ -97,8 +97,7 @@ def test_what_is_as_far_aside_as_a_limit_is_passed(gap: float, speed: float) -> 
     assert run.x[-1] > bike.x
 
 
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize("off", [0.5, -0.5])
+@pytest.mark.parametrize(("side", "off"), [(-1.0, 0.5), (1.0, -0.5)])
 def test_return_in_a_bend_leaves_grip_to_the_bend(side: float, off: float) -> None:
     """The lateral acceleration of the return comes on top of that of the bend."""
     radius, v = 100.0, 15.0

@@ -4114,10 +4114,13 @@ void cca_check_nominal(Scene *w, int row, int p, double touch, double met, doubl
                 which = j;
                 when = k;
             }
-            if (gap < 0.0 && k < hit) {
-                hit = k;
-                which = j;
-                w->impact = gap_checks_impact_speed(w, row, j, k);
+            if (gap < 0.0 && (k < hit || w->impact == 0.0)) {
+                double impact = gap_checks_impact_speed(w, row, j, k);
+                if (impact > 0.0 || hit == steps) {
+                    hit = k;
+                    which = j;
+                    w->impact = impact;
+                }
             }
         }
     }

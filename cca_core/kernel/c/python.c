@@ -2407,7 +2407,7 @@ static int fill(PyObject *module)
 {
     PyObject *structures = PyDict_New();
     int failed = structures == NULL || PyModule_AddObjectRef(module, "structures", structures) < 0;
-    failed = failed || PyModule_AddStringConstant(module, "digest", "1bdc44dd9972411d10c99f5f9833619a482d45353ad40a0c37448ada2f13e483") < 0;
+    failed = failed || PyModule_AddStringConstant(module, "digest", "3bdfad8143b12f7091c0188125505858a8e1381048ba949317de04a3b44a82e7") < 0;
     failed = failed || PyModule_AddStringConstant(module, "c_digest", TEXT_OF(CCA_C_DIGEST)) < 0;
     failed = failed || lend_describe(structures, "Equilibrium", 1, sizeof(Equilibrium)) < 0;
     failed = failed || lend_describe(structures, "BandWork", 2, sizeof(BandWork)) < 0;
