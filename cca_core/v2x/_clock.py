@@ -22,14 +22,14 @@ _SLEW = 0.05  # rate at which the correction follows the offset [s/s]
 class _Marks:
     """Last second marks of one sender: times of reception, and reception minus mark."""
 
-    __slots__ = ("ahead", "begun", "delay", "delays", "heard", "lowest", "mark", "timely")
+    __slots__ = ("ahead", "begun", "delay", "delays", "lowest", "mark", "received", "timely")
 
     def __init__(self) -> None:
         self.mark: float | None = None
         self.ahead = 0.0  # by which its clock is ahead of the others [s], 0 if it is not
         # of the usable messages, in order or not: the last delay, and the times of reception of the first
         # one, the last one and the last one whose delay was acceptable [s]
-        self.delay, self.begun, self.heard, self.timely = 0.0, math.inf, -math.inf, -math.inf
+        self.delay, self.begun, self.received, self.timely = 0.0, math.inf, -math.inf, -math.inf
         self.lowest = math.inf  # of the delays, up to the next estimate that of `low` [s]
         self.delays: deque[tuple[float, float]] = deque(maxlen=100)
 
@@ -71,7 +71,7 @@ class SenderClocks:
                 shifted = [(t_received + step, delay + step) for t_received, delay in marks.delays]
                 marks.delays = deque(shifted, maxlen=marks.delays.maxlen)
                 marks.delay, marks.begun = marks.delay + step, marks.begun + step
-                marks.heard, marks.timely = marks.heard + step, marks.timely + step
+                marks.received, marks.timely = marks.received + step, marks.timely + step
                 marks.lowest += step
         self._t = t
         if abs(t - self._t_estimated) >= _INTERVAL:
@@ -102,7 +102,7 @@ class SenderClocks:
         if marks is None:
             return 0.0
         marks.delay = self._delay(mark, t)
-        marks.begun, marks.heard = min(marks.begun, t), t
+        marks.begun, marks.received = min(marks.begun, t), t
         if self._is_acceptable(marks.delay):
             marks.timely, marks.ahead = t, 0.0
         return marks.ahead
@@ -111,8 +111,8 @@ class SenderClocks:
         """Return a sender whose usable messages are all too old, and the age of the last one [s]."""
         for sender, marks in self._senders.items():
             age = marks.delay - self.correction
-            is_late = age > self._checks.age_limit and t - marks.heard < 1.0
-            if is_late and marks.heard - max(marks.begun, marks.timely) > _LATE:
+            is_late = age > self._checks.age_limit and t - marks.received < 1.0
+            if is_late and marks.received - max(marks.begun, marks.timely) > _LATE:
                 return sender, age
         return None
 
