@@ -201,7 +201,7 @@ class Certifier:
             left, stake = (
                 math.exp(-t / settings.foresight) for t in (self._time_left(work.which, t_impact), t_impact)
             )
-            impact = min(overlap / settings.full_overlap, 1.0) * work.impact**2
+            impact = min(-work.gap / settings.full_overlap, 1.0) * work.impact**2
             if -work.gap <= bound:  # perhaps the bound alone is touched
                 return _IMPACT + left * impact, stake * impact, 1.0
             return _IMPACT + left * (impact + overlap), stake * impact, 1.0 - left
