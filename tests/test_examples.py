@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 NEEDED = {"drive_in_sumo": "libsumo", "drive_in_highway_env": "highway_env"}
-LESS = {"paper_scenarios": ["--only", "curbside"], "run_a_study": ["--runs", "3"]}  # of a minute and more
+LESS = {"paper_scenarios": ["--only", "eebl"], "run_a_study": ["--runs", "2"]}  # of a minute and more
 EXAMPLES = sorted((Path(__file__).resolve().parents[1] / "examples").glob("*.py"))
 
 

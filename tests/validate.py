@@ -192,13 +192,14 @@ def rows_of_page() -> dict[str, dict[str, Any]]:
     return rows
 
 
-def inputs(file: Path) -> set[Path]:
+@cache
+def inputs(file: Path) -> frozenset[Path]:
     """What a test file depends on: its package, what these import, directly or not, and files next to that.
 
     One that compares both forms of kernels depends on those that it imports, not on the other kernels.
     """
     if file.parent == TESTS:  # it may look at everything
-        return {ROOT / name for name in git("ls-files").split()} - written_files()
+        return frozenset({ROOT / name for name in git("ls-files").split()} - written_files())
     found: set[Path] = set()
     package = ROOT / "cca_core" / file.relative_to(TESTS).parts[0]
     waiting = {file, *(p / "conftest.py" for p in (TESTS, file.parent))}
@@ -210,7 +211,7 @@ def inputs(file: Path) -> set[Path]:
         waiting = {used for one in waiting if one.suffix == ".py" for used in uses(one)} - found
     folders = {p.parent for p in found} - {ROOT / "cca_core", TESTS, TESTS / "support"}
     others = {p for folder in folders for p in folder.iterdir() if p.is_file()}
-    return found | {p for p in others if p.suffix not in (".py", ".so")}
+    return frozenset(found | {p for p in others if p.suffix not in (".py", ".so")})
 
 
 @cache
@@ -265,8 +266,14 @@ def digest_of(file: Path) -> str:
 
 def digest(files: Iterable[Path], *, exact: bool = False) -> str:
     """Digest of the contents of files; of Python only the code unless it is exact."""
-    contents = (file.read_bytes() if exact else code_of(file) for file in sorted(files))
+    contents = (contents_of(file, exact) for file in sorted(files))
     return hashlib.sha256(b"\0".join(contents)).hexdigest()[:12]
+
+
+@cache
+def contents_of(file: Path, exact: bool) -> bytes:
+    """Contents of a file; of Python only the code unless it is exact."""
+    return file.read_bytes() if exact else code_of(file)
 
 
 def run_file(name: str) -> dict[str, int]:

@@ -178,21 +178,17 @@ def test_demo_without_matplotlib_names_the_extra(tmp_path: Path) -> None:
 
 
 @pytest.mark.requires("matplotlib")
-def test_report_of_stored_logs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_logs_of_demo_are_reported_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     assert main(["demo", "--only", "eebl", "--out", str(out)]) == 0
-    table = capsys.readouterr().out
+    table, error = capsys.readouterr()
+    assert "driving" not in error  # no progress without a terminal
     assert (out / "report.html").is_file()
     logs = sorted(map(str, out.glob("*single_track.npz")))
     assert main(["report", *logs, "--out", str(tmp_path / "again" / "page.html")]) == 0
     assert "The ego collides in" in table
     assert "The ego collides in" in capsys.readouterr().out
     assert (tmp_path / "again" / "page.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
-
-
-def test_progress_is_silent_without_terminal(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    main(["demo", "--only", "eebl", "--out", str(tmp_path)])
-    assert "driving" not in capsys.readouterr().err
 
 
 def test_unknown_scenario_of_demo_lists_names(capsys: pytest.CaptureFixture[str]) -> None:

@@ -106,6 +106,6 @@ def test_band_in_c_equals_python(count: int) -> None:
 
 
 @needs_c
-@pytest.mark.parametrize("count", [QUICK // 4, pytest.param(FULL, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [QUICK // 10, pytest.param(FULL, marks=pytest.mark.slow)])
 def test_equilibrium_in_c_equals_python(count: int) -> None:
     check_forms(find_equilibria, sample_bounds, count)

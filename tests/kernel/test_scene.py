@@ -156,7 +156,7 @@ SAMPLERS: dict[str, tuple[Callable[..., Any], Callable[[Random], tuple[Any, ...]
 
 @needs_c
 @pytest.mark.parametrize("name", SAMPLERS)
-@pytest.mark.parametrize("count", [QUICK, pytest.param(MANY, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [QUICK // 4, pytest.param(MANY, marks=pytest.mark.slow)])
 def test_scene_in_c_equals_python(name: str, count: int) -> None:
     function, sampler = SAMPLERS[name]
     check_forms(function, sampler, count)

@@ -9,6 +9,7 @@ from cca_core.errors import InfeasibleError
 from cca_core.path import LocalFrame, Path, clean_route, fit_path, read_waypoints
 from tests.support.drives import drive_at_curve_speed
 from tests.support.gps_tracks import KINDS, recorded
+from tests.support.sweeps import sweep
 
 
 def assert_drivable(path: Path) -> None:
@@ -18,7 +19,7 @@ def assert_drivable(path: Path) -> None:
     assert run.peak <= 1.5
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("noise", sweep(0.3, 0.0, 1.0))
 @pytest.mark.parametrize("kind", KINDS)
 def test_track_of_kind_is_driven(kind: str, noise: float) -> None:
     parts = clean_route(recorded(kind, 0, noise)).parts
@@ -39,7 +40,7 @@ def test_track_is_driven_or_refused(kind: str, noise: float, seed: int) -> None:
         assert_drivable(path)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", sweep(*range(10), quick=3))
 def test_noisy_copy_of_recorded_drive_is_driven(seed: int, data_dir: FilePath) -> None:
     """The recorded drive with noise of 0.2 to 2 m, lost fixes, an outlier and a stop."""
     file = data_dir / "gps" / "around-visnjan-with-car.gpx"

@@ -6,13 +6,14 @@ from cca_core import Lane, Planner, Road, VehicleState
 from cca_core.path import fit_path
 from cca_core.sim import SingleTrackPlant
 from tests.support.planner_drives import CAR
+from tests.support.sweeps import sweep
 
 END = 300.0
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["right", "left"])
 @pytest.mark.parametrize(
-    ("distance", "v"), [(22.0, 9.6), (15.0, 5.0), (40.0, 20.0), (80.0, 25.0), (30.0, 2.0)]
+    ("distance", "v"), sweep((22.0, 9.6), (80.0, 25.0), (15.0, 5.0), (40.0, 20.0), (30.0, 2.0), quick=2)
 )
 def test_late_request_leaves_lane_before_its_end(distance: float, v: float, side: float) -> None:
     ending = sorted((-1.75 * side, -5.25 * side))

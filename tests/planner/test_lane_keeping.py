@@ -19,6 +19,7 @@ from tests.support.planner_drives import (
     WobblingVehicle,
     straight,
 )
+from tests.support.sweeps import sweep
 
 LANES = (Lane(d=0.0), Lane(d=3.5, direction=-1))
 V, CYCLE, GAP, START = 18.0, 0.1, 200.0, 20.0
@@ -85,7 +86,7 @@ def drift(t: float, v_d: float) -> tuple[float, float]:
     return (3.5, 0.0) if t < 0.0 else (max(3.5 - v_d * t, 0.0), math.asin(v_d / V))
 
 
-@pytest.mark.parametrize("gap", [0.2999, 0.3, 0.3 + 1e-9, 0.3 - 1e-12, 0.3001])
+@pytest.mark.parametrize("gap", sweep(0.3, 0.2999, 0.3 + 1e-9, 0.3 - 1e-12, 0.3001))
 @pytest.mark.parametrize("speed", [0.0, 5.0])
 def test_what_is_as_far_aside_as_a_limit_is_passed(gap: float, speed: float) -> None:
     """A gap at which a plan counts as too close is also one at which the vehicle is evaded."""

@@ -8,6 +8,7 @@ import pytest
 from cca_core import Lane, Planner, RemoteVehicle, Road, VehicleState
 from cca_core.planner import EvasionSettings
 from tests.support.planner_drives import CAR, CYCLE, ClosedLoop, ScriptedVehicle, straight
+from tests.support.sweeps import sweep
 
 LANES = (-3.5, 0.0, 3.5)
 ROAD = Road(straight(3000.0), tuple(Lane(d=d) for d in LANES))
@@ -87,7 +88,7 @@ def assert_safe(world: World) -> None:
     assert max(world.run.y) + 0.5 * CAR.width < 5.3
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", sweep(0, 1, 2))
 def test_changes_in_traffic_are_safe(seed: int) -> None:
     assert_safe(World(seed, 30.0))
 

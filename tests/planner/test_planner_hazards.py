@@ -27,6 +27,7 @@ from tests.support.planner_drives import (
     make_planner,
     straight,
 )
+from tests.support.sweeps import sweep
 
 
 class TestHazards:
@@ -55,7 +56,7 @@ class TestHazards:
         truck = ScriptedVehicle("X", 150.0, 6.2, 0.0, psi=math.pi / 2.0, length=12.0, width=2.5)
         assert ClosedLoop(make_planner(), [truck], 20.0).collided_with is None
 
-    @pytest.mark.parametrize("gap", [75.0, 90.0, 110.0])
+    @pytest.mark.parametrize("gap", sweep(90.0, 75.0, 110.0))
     @pytest.mark.parametrize("radius", [8.0, 14.0, 25.0])
     @pytest.mark.parametrize("speed", [4.0, 5.0])
     def test_car_that_turns_in_far_ahead_is_not_braked_for_hard(
@@ -121,7 +122,7 @@ class TestHazards:
 
     @pytest.mark.parametrize("gap", [180.0, 220.0])
     @pytest.mark.parametrize("speed", [12.0, 18.0])
-    @pytest.mark.parametrize("begin", [3.0, 4.0])
+    @pytest.mark.parametrize("begin", sweep(3.0, 4.0))
     @pytest.mark.parametrize("shoulder", [False, True])
     def test_oncoming_overtaker_can_return_to_its_lane(
         self, gap: float, speed: float, begin: float, shoulder: bool
@@ -135,7 +136,7 @@ class TestHazards:
 
     @pytest.mark.parametrize("gap", [180.0, 220.0])
     @pytest.mark.parametrize("speed", [12.0, 18.0])
-    @pytest.mark.parametrize("begin", [3.0, 4.0])
+    @pytest.mark.parametrize("begin", sweep(3.0, 4.0))
     def test_oncoming_vehicle_can_return_across_a_lane(self, gap: float, speed: float, begin: float) -> None:
         """The lane between them is clear, but not to be evaded into."""
         lanes = Lane(d=0.0), Lane(d=3.5), Lane(d=7.0, direction=-1)
@@ -206,7 +207,7 @@ class TestHazards:
         assert run.gaps["L"] > 0.5
         assert run.gaps["R"] > 0.5
 
-    @pytest.mark.parametrize("begin", [4.2, 4.6, 5.0, 5.5])
+    @pytest.mark.parametrize("begin", sweep(4.2, 5.5, 4.6, 5.0, quick=2))
     def test_lead_braking_during_maneuver_is_not_hit(self, begin: float) -> None:
         lead = ScriptedVehicle("R", 70.0, 0.0, 12.0, a=lambda t: -7.0 if t >= begin else 0.0)
         run = ClosedLoop(make_planner(), [lead], 18.0)
@@ -294,7 +295,7 @@ def test_steady_traffic_is_never_hit(
     assert run.collided_with is None
 
 
-@pytest.mark.parametrize("v_x", [15.0, 20.0, 28.0])
+@pytest.mark.parametrize("v_x", sweep(20.0, 15.0, 28.0))
 @pytest.mark.parametrize("d", [0.0, 0.3, -0.5])
 def test_replanning_past_parked_car_keeps_side_and_shape(v_x: float, d: float) -> None:
     """Replanned ten times a second: the side stays, d(s) moves by millimeters, no curve tightens."""
@@ -343,7 +344,7 @@ class TestPassingLane:
         planner = Planner(CAR, Road(straight(3000.0), self.LANES), cruise_speed=33.0)
         return ClosedLoop(planner, [*trucks, *others], 16.0, v=33.0)
 
-    @pytest.mark.parametrize("t", [6.0, 6.4, 6.8, 7.2])
+    @pytest.mark.parametrize("t", sweep(6.0, 6.4, 6.8, 7.2))
     @pytest.mark.parametrize("behind", [30.0, 60.0])
     def test_ego_brakes_in_passing_lane(self, t: float, behind: float) -> None:
         run = self.drive(t, behind)
@@ -373,7 +374,7 @@ class TestStoppedLead:
         return ClosedLoop(planner, [lead, *others], 45.0, v=v)
 
     @pytest.mark.parametrize("v", [8.0, 14.0])
-    @pytest.mark.parametrize("braking", [2.0, 3.0, 4.0])
+    @pytest.mark.parametrize("braking", sweep(4.0, 2.0, 3.0))
     def test_lead_that_stops_is_passed(self, v: float, braking: float) -> None:
         """The next lane is occupied while it stops. The ego keeps the distance that it needs to pull out."""
         lead = ScriptedVehicle("R", 2.0 + 1.2 * v + 4.5, 0.0, v, a=lambda t: -braking if t > 3.0 else 0.0)
@@ -384,14 +385,16 @@ class TestStoppedLead:
         assert run.x[-1] > lead.x + 100.0
         assert min(command.a_x for command in run.commands) > -4.0
 
-    @pytest.mark.parametrize("gap", [5.0, 5.5, 6.5, 8.0, 10.0])
+    @pytest.mark.parametrize("gap", sweep(5.0, 10.0, 5.5, 6.5, 8.0, quick=2))
     def test_ego_pulls_out_from_standstill(self, gap: float) -> None:
         run = self.drive(ScriptedVehicle("R", gap + 4.5, 0.0, 0.0), 0.0)
         assert run.collided_with is None
         assert run.gaps["R"] > 0.3
         assert run.x[-1] > 200.0
 
-    @pytest.mark.parametrize(("gap", "v"), [(5.0, 2.0), (6.0, 3.0), (8.0, 4.0), (10.0, 5.0), (12.0, 6.0)])
+    @pytest.mark.parametrize(
+        ("gap", "v"), sweep((5.0, 2.0), (12.0, 6.0), (6.0, 3.0), (8.0, 4.0), (10.0, 5.0), quick=2)
+    )
     def test_later_pass_is_no_reason_to_brake_hard(self, gap: float, v: float) -> None:
         lead = ScriptedVehicle("R", gap + 4.5, 0.0, 0.7, a=lambda t: -0.7)
         queue = [ScriptedVehicle(f"Q{i}", -6.0 - 9.0 * i, 3.5, v) for i in range(3)]

@@ -23,6 +23,7 @@ from tests.support.planner_drives import (
     make_planner,
     straight,
 )
+from tests.support.sweeps import sweep
 
 CHANGE = 3.0  # time of a change [s]
 STEERING_STEP = 2e-3  # of a maneuver without a change, in a cycle: 1.3e-3 [rad]
@@ -77,7 +78,7 @@ def assert_smooth(run: ClosedLoop, *, steering: float = STEERING_STEP) -> None:
     assert {c.status for c in run.commands} == {Status.OK}
 
 
-@pytest.mark.parametrize("time", [0.0, CHANGE, 4.74])
+@pytest.mark.parametrize("time", sweep(CHANGE, 0.0, 4.74))
 @pytest.mark.parametrize(
     "same",
     [
@@ -143,7 +144,7 @@ def test_other_cruise_speed_is_met_in_comfort(cruise: float, v: float) -> None:
     assert run.v[-1] == pytest.approx(cruise, abs=0.15)
 
 
-@pytest.mark.parametrize("time", [1.7, 3.0, 4.7, 6.0, 7.6])
+@pytest.mark.parametrize("time", sweep(3.0, 6.0, 1.7, 4.7, 7.6, quick=2))
 @pytest.mark.parametrize(
     ("road", "y"),
     [

@@ -17,6 +17,7 @@ from cca_core.sim.commonroad.lanelets import find_route
 from cca_core.sim.commonroad.read import read_commonroad
 from cca_core.sim.commonroad.scenario import CommonRoadScenario
 from tests.support.commonroad_files import BOX, REGION, ROAD, document, goal, moving, problem, state, written
+from tests.support.sweeps import sweep
 
 PLANTS = ["single_track", pytest.param("multi_body", marks=pytest.mark.requires("vehiclemodels"))]
 
@@ -26,7 +27,7 @@ def scenario_of(folder: Path, *inner: str) -> CommonRoadScenario:
 
 
 @pytest.mark.parametrize("plant", PLANTS)
-@pytest.mark.parametrize(("window", "cruise"), [((80, 100), 15.0), ((110, 120), 12.5), ((70, 75), 20.0)])
+@pytest.mark.parametrize(("window", "cruise"), sweep(((80, 100), 15.0), ((110, 120), 12.5), ((70, 75), 20.0)))
 def test_goal_on_empty_road_is_reached_in_time(
     tmp_path: Path, plant: str, window: tuple[int, int], cruise: float
 ) -> None:

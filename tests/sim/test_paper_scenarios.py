@@ -21,9 +21,10 @@ from cca_core.sim import (
 )
 from cca_core.sim.study.parameters import sample_scenario
 from tests.support.paper_runs import simulated
+from tests.support.sweeps import sweep
 
 SEEDS = (1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, 4, 5)))
-MULTI_BODY = pytest.param("multi_body", marks=pytest.mark.requires("vehiclemodels"))
+MULTI_BODY = pytest.param("multi_body", marks=[pytest.mark.requires("vehiclemodels"), pytest.mark.slow])
 WITHOUT = [
     ("eebl", "A", "yellow"), ("ima", "left-turn", "red"), ("ima", "crossing", "red"),
     ("curbside", "fast", "red"), ("curbside", "slow", "red"),
@@ -64,7 +65,7 @@ def test_no_collision_with_v2v(name: str, case: str, seed: int) -> None:
 
 
 @pytest.mark.requires("vehiclemodels")
-@pytest.mark.parametrize(("name", "case"), WITH)
+@pytest.mark.parametrize(("name", "case"), sweep(*WITH, quick=2))
 def test_no_collision_with_v2v_multi_body(name: str, case: str) -> None:
     log = simulated(name, case, "v2v", plant="multi_body")
     assert log.gaps().min() >= 1.0
@@ -100,7 +101,7 @@ def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
         pytest.param("curbside", 21, 602, id="no-space-next-to-bound"),
         # position errors place red outside the lane
         pytest.param("curbside", 3, 646, id="position-error-1", marks=pytest.mark.slow),
-        pytest.param("curbside", 5, 1392, id="position-error-2"),
+        pytest.param("curbside", 5, 1392, id="position-error-2", marks=pytest.mark.slow),
         # a visible lead vehicle sends nothing, R1 is behind
         pytest.param("maneuver", 4, 3, id="silent-lead-1"),
         pytest.param("maneuver", 4, 46, id="silent-lead-2", marks=pytest.mark.slow),
@@ -116,14 +117,14 @@ def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
         pytest.param("ima", 27, 1299, id="continue-instead-of-brake-2", marks=pytest.mark.slow),
         pytest.param("ima", 27, 1635, id="continue-instead-of-brake-3", marks=pytest.mark.slow),
         pytest.param("eebl", 9, 445, id="full-braking-just-helps"),
-        pytest.param("eebl", 29, 542, id="all-grip-just-helps"),
+        pytest.param("eebl", 29, 542, id="all-grip-just-helps", marks=pytest.mark.slow),
         pytest.param("eebl", 29, 1512, id="full-braking-without-delay"),
         pytest.param("maneuver", 8, 64, id="vehicle-alongside-leaves-view", marks=pytest.mark.slow),
         pytest.param("maneuver", 9, 511, id="brake-release-ahead-of-R2", marks=pytest.mark.slow),
         # abort behind a slower vehicle that is already behind; braking ahead of A, stale behind
         pytest.param("maneuver", 21, 106, id="abort-or-brake-ahead-of-A-1", marks=pytest.mark.slow),
         pytest.param("maneuver", 21, 125, id="abort-or-brake-ahead-of-A-2", marks=pytest.mark.slow),
-        pytest.param("maneuver", 21, 1221, id="abort-or-brake-ahead-of-A-3"),
+        pytest.param("maneuver", 21, 1221, id="abort-or-brake-ahead-of-A-3", marks=pytest.mark.slow),
         # R2 stale for seconds, 100 m ahead: full braking for its bound, ahead of R1
         pytest.param("maneuver", 22, 858, id="stale-lead-far-ahead-1", marks=pytest.mark.slow),
         pytest.param("maneuver", 22, 1650, id="stale-lead-far-ahead-2", marks=pytest.mark.slow),
@@ -132,11 +133,11 @@ def test_full_braking_for_late_crossing_vehicle(index: int) -> None:
         pytest.param("maneuver", 24, 370, id="slow-return-ahead-of-R1", marks=pytest.mark.slow),
         pytest.param("maneuver", 8, 423, id="stale-A-dead-reckoned-into-lane", marks=pytest.mark.slow),
         # after the pass of R1 it braked for the gap to A, 500 m ahead, which it would meet back in its lane
-        pytest.param("maneuver", 29, 1699, id="gap-to-A-back-in-lane"),
+        pytest.param("maneuver", 29, 1699, id="gap-to-A-back-in-lane", marks=pytest.mark.slow),
         # it followed A, whose bound came near the lane: the pass was given up and taken up again
-        pytest.param("maneuver", 30, 118, id="follows-oncoming-A-in-next-lane"),
+        pytest.param("maneuver", 30, 118, id="follows-oncoming-A-in-next-lane", marks=pytest.mark.slow),
         # the bound of A, with a position error of 1.3 m, reached into the lane to which the ego returned
-        pytest.param("maneuver", 31, 392, id="bound-of-A-in-ego-lane"),
+        pytest.param("maneuver", 31, 392, id="bound-of-A-in-ego-lane", marks=pytest.mark.slow),
     ],
 )
 def test_collision_regressions(name: str, seed: int, index: int) -> None:

@@ -23,7 +23,7 @@ from cca_core.sim.study.sampling import STUDY_SCENARIOS
 from cca_core.sim.study.store import Store
 
 SHORT = ParameterRanges(scenario="eebl", loss=(0.0, 0.3))
-SMALL = {"eebl": 8, "ima": 5, "curbside": 5, "maneuver": 1}
+SMALL = {"eebl": 4, "ima": 2, "curbside": 2, "maneuver": 1}  # `make validate` drives the whole studies
 
 
 @pytest.mark.parametrize(
@@ -172,7 +172,7 @@ class TestRunStudy:
             table.collided("cat")
 
 
-RUNS = 4
+RUNS = 3
 SCRIPT = f"""
 import sys
 from cca_core.sim.study.study import Study, run_study
@@ -272,4 +272,4 @@ class TestSmallStudy:
         assert not table.overlapping.any()
         assert not any("internal error" in row["v2v_last_decision"] for row in table.rows)
         if name == "eebl":
-            assert table.rate("driver").n_events >= 4
+            assert table.rate("driver").n_events >= 2

@@ -41,6 +41,7 @@ from tests.support.attack_runs import (
     teleporting,
     without_attack,
 )
+from tests.support.sweeps import sweep
 
 
 @pytest.mark.parametrize("reals", [(), (ALONGSIDE,), (FAST,)])
@@ -101,7 +102,7 @@ def test_frozen_sender(reals: tuple[Real, ...], which: int, position_only: bool)
     assert sum(run.tracker.counts[name] for name in names) > 30
 
 
-@pytest.mark.parametrize("until", [2.0, 3.0, 6.0, math.inf])
+@pytest.mark.parametrize("until", sweep(math.inf, 2.0, 3.0, 6.0))
 @pytest.mark.parametrize("brakes_at", [1.0, 1.3, 2.5])
 def test_frozen_lead_brakes_to_standstill(brakes_at: float, until: float) -> None:
     """Only the position is frozen: the reported speed shows that it brakes and where it stops."""
