@@ -6,7 +6,6 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from scipy.stats import binomtest
 
 from cca_core._checks import Mask, check_real
 from cca_core._optional import require_extra
@@ -63,6 +62,8 @@ def estimate_rate(n_events: int, n: int, *, confidence: float = 0.95) -> Rate:
     confidence = check_real("confidence", confidence, gt=0.0, le=1.0 - 1e-12)
     low, high, bound = 0.0, 1.0, 1.0
     if n:
+        from scipy.stats import binomtest  # slow to import
+
         low, high = binomtest(n_events, n).proportion_ci(confidence, method="exact")
         _, bound = binomtest(n_events, n, alternative="less").proportion_ci(confidence, method="exact")
     return Rate(
