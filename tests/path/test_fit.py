@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from cca_core.errors import InputError
 from cca_core.path import fit_path, interpolate_path
 from cca_core.path.path import Path
+from tests.support.sweeps import sweep
 
 
 def winding(n: int = 120, noise: float = 0.0, seed: int = 0) -> np.ndarray:
@@ -191,7 +192,7 @@ def test_closed_circle_is_periodic(sign: float, repeat_first: bool) -> None:
     assert float(path.curvature(0.0)) == pytest.approx(float(path.curvature(path.length)), abs=1e-6)
 
 
-@pytest.mark.parametrize("tolerance", [0.4, 1.0])
+@pytest.mark.parametrize("tolerance", sweep(0.4, 1.0))
 @pytest.mark.parametrize("seed", [5, 29, 45, 47])
 def test_closed_circuit_is_smooth_at_lap_end(seed: int, tolerance: float) -> None:
     """A closed road that is no circle, with noise: it 'ends where it starts, same heading and curvature'."""

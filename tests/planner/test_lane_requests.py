@@ -23,6 +23,7 @@ from tests.support.planner_drives import (
     make_planner,
     straight,
 )
+from tests.support.sweeps import sweep
 
 THREE_LANES = (Lane(d=-3.5), Lane(d=0.0), Lane(d=3.5))
 REQUEST = 1.0  # time of the first request [s]
@@ -85,7 +86,7 @@ def test_free_lane_becomes_ego_lane(d: float) -> None:
     assert change.reasons[-1].startswith("keeping lane")
 
 
-@pytest.mark.parametrize("at", [1.5, 2.0, 3.0])
+@pytest.mark.parametrize("at", sweep(2.0, 1.5, 3.0))
 @pytest.mark.parametrize("jump", [-0.8, -0.5, 0.5, 0.8])
 def test_change_goes_on_after_a_jump_of_position(at: float, jump: float) -> None:
     """The ego is off its path then, and the change goes on from where it is."""
@@ -117,7 +118,7 @@ def test_request_without_change_gives_same_bits() -> None:
     assert [(c.delta, c.a_x) for c in plain.run.commands] == [(c.delta, c.a_x) for c in asked.run.commands]
 
 
-@pytest.mark.parametrize(("gap", "v"), [(0.0, 20.0), (0.0, 17.0), (-2.0, 22.0), (-12.0, 20.0)])
+@pytest.mark.parametrize(("gap", "v"), sweep((0.0, 17.0), (-12.0, 20.0), (0.0, 20.0), (-2.0, 22.0), quick=2))
 def test_vehicle_alongside_is_waited_for(gap: float, v: float) -> None:
     change = Change(ScriptedVehicle("R2", gap, 3.5, v), seconds=40.0)
     change.assert_smooth()

@@ -30,6 +30,7 @@ from cca_core.plot.style import COLORS, COLUMN_WIDTH, ROLE_COLORS, TEXT, VEHICLE
 from cca_core.report import report_figures
 from cca_core.sim import Log, paper_scenarios
 from tests.support.paper_runs import Run
+from tests.support.sweeps import sweep
 
 pytestmark = pytest.mark.requires("matplotlib")
 
@@ -86,7 +87,7 @@ def texts_on_bodies(figure: Figure) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("name", GROUPS)
+@pytest.mark.parametrize("name", sweep("eebl", "case_3", "ima", "curbside", quick=2))
 def test_no_text_is_cut_off_or_on_another(run: Run, name: str) -> None:
     for figure in report_figures([run(*each) for each in GROUPS[name]]):
         assert faults(figure.figure) == [], figure.name

@@ -32,6 +32,7 @@ from cca_core.report import (
 )
 from cca_core.report.overview import words_used
 from cca_core.sim import Log, Recorder, SingleTrackPlant, save_log
+from tests.support.sweeps import sweep
 
 pytestmark = pytest.mark.requires("matplotlib")
 
@@ -89,7 +90,7 @@ def test_recorded_run_has_each_figure(passed: Log, collided: Log, name: str) -> 
 
 
 @pytest.mark.parametrize(
-    "steps", [[1.5] * 6, [0.3, 0.01, 2.0, 0.1], [0.02]], ids=["slow", "irregular", "two"]
+    "steps", sweep([0.3, 0.01, 2.0, 0.1], [1.5] * 6, [0.02]), ids=["irregular", "slow", "two"]
 )
 def test_slow_and_irregular_loop_has_each_figure(steps: list[float]) -> None:
     road = Road(interpolate_path([[0.0, 0.0], [500.0, 0.0]]), [Lane(d=0.0), Lane(d=3.5)])

@@ -11,6 +11,7 @@ import pytest
 from cca_core.rig import COMMAND_MESSAGES, Frame, KitState
 from cca_core.sim import Scenario, paper_scenarios, simulate
 from tests.support.rig_world import RigWorld
+from tests.support.sweeps import sweep
 
 pytestmark = pytest.mark.requires("cantools")
 SCENARIOS = {(s.name, s.case, s.ego_type): s for s in paper_scenarios()}
@@ -266,7 +267,7 @@ def test_step_of_system_clock_changes_nothing(step: float) -> None:
     assert [row.actuation for row in stepped.plant.rows] == [row.actuation for row in plain.plant.rows]
 
 
-@pytest.mark.parametrize("offset", [-5.0, 5.0, -0.3])
+@pytest.mark.parametrize("offset", sweep(-5.0, 5.0, -0.3))
 def test_wrong_clock_at_start_is_corrected_from_messages(offset: float) -> None:
     world = RigWorld(EEBL, utc_offset=offset)
     world.run()

@@ -10,6 +10,7 @@ import pytest
 from cca_core import Action, Command, Decision, RemoteVehicle, VehicleState
 from cca_core.sim import EEBL_CASES, Scenario, eebl, make_planner, simulate
 from tests.support.paper_runs import gap, simulated
+from tests.support.sweeps import sweep
 
 SEEDS = (1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, 4, 5)))
 SEEDS_AND_PLANTS = [
@@ -103,7 +104,9 @@ def test_connected_ego_alone_helps() -> None:
 
 @pytest.mark.parametrize(
     ("delay", "planner", "full"),
-    [(0.0, 4.45, 9.4), (0.1, 4.22, 6.4), (0.2, 2.38, 3.5), (0.3, 0.59, 0.6), (0.4, -4.06, -4.1)],
+    sweep(
+        (0.1, 4.22, 6.4), (0.4, -4.06, -4.1), (0.0, 4.45, 9.4), (0.2, 2.38, 3.5), (0.3, 0.59, 0.6), quick=2
+    ),
 )
 def test_sensor_delay_decides_collision(delay: float, planner: float, full: float) -> None:
     """The table of the simulation page: gap at standstill [m], or minus the collision speed [m/s]."""

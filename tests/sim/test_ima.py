@@ -5,6 +5,7 @@ import pytest
 
 from cca_core.sim import ima, simulate
 from tests.support.paper_runs import simulated
+from tests.support.sweeps import sweep
 
 SEEDS = (1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 3, 4, 5)))
 
@@ -45,7 +46,7 @@ def test_van_does_not_occlude_red() -> None:
     assert not log.summary()["collided"]
 
 
-@pytest.mark.parametrize("offset", [-0.6, -0.3, 0.3, 0.6])
+@pytest.mark.parametrize("offset", sweep(-0.6, 0.6, -0.3, 0.3, quick=2))
 def test_outcome_does_not_depend_on_arrival_time(offset: float) -> None:
     assert simulate(ima(ego_type="driver", offset=offset)).summary()["collided_with"] == "red"
     assert simulate(ima(offset=offset)).gaps().min() > 1.0

@@ -12,6 +12,7 @@ from cca_core.errors import InputError
 from cca_core.path import Path
 from cca_core.sim import OVERTAKING_CASES, Log, make_planner, overtaking, simulate
 from tests.support.lead_only import LeadOnly
+from tests.support.sweeps import sweep
 
 Run = Callable[..., Log]
 ROADS = ("straight", "curved")
@@ -227,7 +228,7 @@ def test_gap_acceptance_changes_second_maneuver_only(run: Run) -> None:
         assert np.array_equal(with_zone.ego[:same], without.ego[:same])
 
 
-@pytest.mark.parametrize("shift", [-8.0, 8.0])
+@pytest.mark.parametrize("shift", sweep(-8.0, 8.0))
 @pytest.mark.parametrize("case", ["2", "3"])
 def test_collision_does_not_depend_on_start_of_car_a(
     road: Callable[[str], Path], case: str, shift: float

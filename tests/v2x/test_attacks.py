@@ -45,7 +45,7 @@ from tests.support.sweeps import sweep
 
 
 @pytest.mark.parametrize("reals", [(), (ALONGSIDE,), (FAST,)])
-@pytest.mark.parametrize(("distance", "v"), [(60.0, 0.0), (40.0, 10.0), (25.0, 0.0)])
+@pytest.mark.parametrize(("distance", "v"), sweep((60.0, 0.0), (40.0, 10.0), (25.0, 0.0)))
 def test_ghost_ahead(distance: float, v: float, reals: tuple[Real, ...]) -> None:
     """The ego brakes, and changes lane only if the lane is clear: when the real car is far ahead."""
     run = drive(reals, ghost_ahead(distance, v))
@@ -115,7 +115,7 @@ def test_frozen_lead_brakes_to_standstill(brakes_at: float, until: float) -> Non
 
 
 @pytest.mark.parametrize("reals", WORLDS)
-@pytest.mark.parametrize("delay", [0.1, 0.5, 2.0])
+@pytest.mark.parametrize("delay", sweep(0.5, 0.1, 2.0))
 def test_replay(delay: float, reals: tuple[Real, ...]) -> None:
     """Old frames of tracked senders change nothing."""
     run, clean = drive(reals, replay(delay)), without_attack(reals)
