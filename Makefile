@@ -39,7 +39,7 @@ rig: .venv/rig.stamp
 
 # the documentation runs the notebooks
 test: .venv/kernel.stamp
-	@echo "make test: about 6 minutes on two processors"
+	@echo "make test: about 8 minutes on two processors"
 	@$(call editable,[all])
 	$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint docs
 	$(ONE_THREAD) $(BIN)/python -m pytest --numprocesses auto --doctest-modules cca_core tests
