@@ -183,6 +183,18 @@ def test_other_clone_resumes_from_the_page(monkeypatch: pytest.MonkeyPatch) -> N
     assert validate.progress_of("eebl") == (0, None)
 
 
+def test_older_result_does_not_hide_that_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(validate, "commit", lambda: "abcdef0")
+    suite = validate.Suite()
+    name = "tests/test_ncap.py"
+    row = {"tests": 2, "skipped": 0, "failed": 0, "seconds": 1, "code": suite.files[name]}
+    suite.rows = {name: row}
+    validate.write_page(suite)
+    suite.rows = {name: row | {"code": "0" * 12, "failed": 1}}
+    suite.save()
+    assert validate.Suite().passed == {name: row}
+
+
 def test_page_counts_files_without_result() -> None:
     suite = validate.Suite()
     row = {"tests": 2, "skipped": 0, "failed": 0, "seconds": 1}

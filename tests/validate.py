@@ -125,7 +125,11 @@ class Suite:
     @property
     def present(self) -> dict[str, dict[str, Any]]:
         """Results with the present sources."""
-        return {name: row for name, row in self.rows.items() if row["code"] == self.files.get(name)}
+        return self.with_present(self.rows)
+
+    def with_present(self, rows: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        """Choose the results with the present sources."""
+        return {name: row for name, row in rows.items() if row["code"] == self.files.get(name)}
 
     @property
     def missing(self) -> list[str]:
@@ -161,7 +165,9 @@ class Suite:
 
     def stored(self) -> dict[str, dict[str, Any]]:
         """Results of all runs up to now, here or in the clone in which the page was written."""
-        return rows_of_page() | (json.loads(self.memory.read_text()) if self.memory.exists() else {})
+        page = rows_of_page()
+        memory = json.loads(self.memory.read_text()) if self.memory.exists() else {}
+        return page | memory | self.with_present(page) | self.with_present(memory)
 
     def save(self) -> None:
         """Write the results, whole or not at all."""

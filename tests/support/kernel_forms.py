@@ -1,20 +1,21 @@
 """A kernel in Python, in C and on strict memory: the same inputs, the same bits.
 
-A test makes a sampler that returns the arguments of one call, drawn from a generator. Arrays are NumPy's, a
+A test makes a sampler that returns the arguments of one call, arguments from a generator. Arrays are NumPy's, a
 workspace is a `Filled`. What is not filled holds other garbage in each draw, the same in both forms, and no
 kernel may read it: strict memory notices.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from functools import cache
+from typing import Annotated, Any, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 import pytest
 
 from cca_core import kernel
 from cca_core.kernel import bind
-from cca_core.kernel.memory import lend, shape_of
+from cca_core.kernel.memory import Lent, lend, shape_of
 from cca_core.kernel.types import Ints
 
 needs_c = pytest.mark.skipif(
@@ -40,14 +41,14 @@ def check_forms(function: Callable[..., Any], sampler: Sampler, count: int = QUI
     forms = {form: bind(function, form) for form in ("python", "c")}
     for k in range(count):
         calls = []
+        arguments = sampler(np.random.default_rng((seed, k)))
         for form, call in forms.items():
-            given = [prepare(each, form, seed + k) for each in sampler(np.random.default_rng((seed, k)))]
+            given = [prepare(each, form, seed + k) for each in arguments]
             calls.append((call(*(what for what, _ in given)), [state(w, a) for w, a in given]))
         python, compiled = calls
         assert same(python, compiled), f"draw {k} of seed {seed}: {python} in Python, {compiled} in C"
         if k < STRICT:
-            given = [strict(each) for each in sampler(np.random.default_rng((seed, k)))]
-            result = function(*given)
+            result = function(*(strict(each) for each in arguments))
             assert same(result, python[0]), f"draw {k} of seed {seed}: {result} on strict memory"
 
 
@@ -58,10 +59,13 @@ def prepare(given: Any, form: str, seed: int) -> tuple[Any, dict[str, Any]]:
         return copy, {"": copy}
     if not isinstance(given, Filled):
         return given, {}
-    lent = lend(given.owner, form, **given.sizes)
-    garbage = np.random.default_rng(seed)
+    lent: Lent[Any] = lend(given.owner, form, **given.sizes)
+    size = sum(array.size for array in lent.arrays.values())
+    garbage = np.random.default_rng(seed).integers(-9, 9, size, dtype=np.int8)  # at once: that is much faster
+    end = 0
     for array in lent.arrays.values():
-        array[...] = garbage.integers(-9, 9, array.shape)
+        end += array.size
+        array[...] = garbage[end - array.size : end].reshape(array.shape)
     for name, value in given.values.items():
         if name in lent.arrays:
             lent.arrays[name][...] = value
@@ -74,8 +78,15 @@ def state(argument: Any, arrays: dict[str, Any]) -> dict[str, Any]:
     """Return all that a call may have changed."""
     if not arrays or "" in arrays:
         return arrays
-    names = get_type_hints(type(argument)) or {f[0]: None for f in type(argument)._fields_[0][1]._fields_}
+    names = names_of(argument.__class__)
     return {name: arrays[name] if name in arrays else getattr(argument, name) for name in names}
+
+
+@cache
+def names_of(owner: Hashable) -> tuple[str, ...]:
+    """Return the fields of a workspace, of its class in Python or of its structure in C."""
+    hints = get_type_hints(owner)
+    return tuple(hints or (each[0] for each in cast(Any, owner)._fields_[0][1]._fields_))
 
 
 def same(a: Any, b: Any) -> bool:
@@ -84,8 +95,12 @@ def same(a: Any, b: Any) -> bool:
         return a.keys() == b.keys() and all(same(a[name], b[name]) for name in a)
     if isinstance(a, tuple | list):
         return len(a) == len(b) and all(map(same, a, b))
-    if isinstance(a, float | np.ndarray) and np.asarray(a).dtype == np.float64:
-        a, b = np.atleast_1d(a), np.atleast_1d(b)
+    if type(a) is int:
+        return bool(a == b)
+    a, b = np.atleast_1d(a), np.atleast_1d(b)
+    if a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes():
+        return True
+    if a.dtype == np.float64:
         rest = ~np.isnan(a)
         return np.array_equal(rest, ~np.isnan(b)) and np.array_equal(
             a[rest].view(np.int64), b[rest].view(np.int64)
