@@ -1,8 +1,8 @@
 """A kernel in Python, in C and on strict memory: the same inputs, the same bits.
 
-A test makes a sampler that returns the arguments of one call, arguments from a generator. Arrays are NumPy's, a
-workspace is a `Filled`. What is not filled holds other garbage in each draw, the same in both forms, and no
-kernel may read it: strict memory notices.
+A test makes a sampler that returns the arguments of one call, random ones from a generator. Arrays are
+NumPy's, a workspace is a `Filled`. What is not filled holds other garbage in each case, the same in both
+forms, and no kernel may read it: strict memory notices.
 """
 
 from collections.abc import Callable, Hashable, Mapping
