@@ -26,6 +26,7 @@ class RejectionKind(Enum):
     CLEARANCE = "too close to {vehicle_id}"
     ROAD_EDGE = "no space within the road"
     CURVATURE = "path too sharp"
+    COST = "not worth it"
     LATERAL_OFFSET = "path too far from the route"
     NOT_CONVERGED = "no path found"
 
@@ -49,6 +50,7 @@ _FIGURES = {
     RejectionKind.TOO_FAST: _Figures("{value:.1f} m/s, limit {limit:.1f} m/s", 1),
     RejectionKind.ROUTE_ENDS: _Figures("in {limit:.0f} m, needs {value:.0f} m", 0),
     RejectionKind.LANE_ENDS: _Figures("in {limit:.0f} m, needs {value:.0f} m", 0),
+    RejectionKind.COST: _Figures("costs {value:.1f} s, saves {limit:.1f} s", 1),
     RejectionKind.CLEARANCE: _Figures("{value:.2f} m, needs {limit:.2f} m", 2, -1),
     RejectionKind.LATERAL_OFFSET: _Figures("{value:.0f} m, limit {limit:.0f} m", 0),
 }

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,6 +60,7 @@ def blocking_rows(around: Surroundings, overtaken: frozenset[str]) -> list[int]:
 
 def maneuver_paths(
     around: Surroundings,
+    rollout: "Rollout",
     levels: Sequence[Level],
     last: LateralPath | None,
     max_speed: float,
@@ -68,7 +69,8 @@ def maneuver_paths(
 
     A decision bends at most 60 bands: for each of 3 groups, 2 sides and 2 corridors (the ego lane, or with
     the adjacent one) there is a comfortable, a hard and a narrow one; the narrow one is tried twice, and so
-    is the comfortable one at walking pace.
+    is the comfortable one at walking pace. A comfortable one that is sharp because the ego speeds up has a
+    calm one as well.
     """
     traffic, road = around.traffic, around.road
     rows = blocking_rows(around, frozenset() if last is None else last.overtaken)
@@ -103,6 +105,10 @@ def maneuver_paths(
                             rejections.append(found)
                     else:
                         paths.append(found)
+                        calm = None if last is not None else rollout.calm_motion(found)
+                        slower = None if calm is None else plan_path(calm, group, side, corridor, level, None)
+                        if isinstance(slower, LateralPath):
+                            paths.append(slower)
                         break
     return paths, rejections
 
@@ -214,6 +220,23 @@ class Rollout:
         limit_path(self.scene.workspace, i, a_y)
         self.n_paths += 1
         return i
+
+    def calm_motion(self, path: LateralPath) -> Surroundings | None:
+        """Return the motion that speeds up where a comfortable path is not sharp; None if it nowhere is."""
+        around, rows = self.around, self.scene.arrays
+        if path.level is not Level.COMFORT or around.creeps or self.is_full:
+            return None
+        stations, added = path.stations[1:-1], np.diff(path.d, 2)
+        turn = np.where(np.abs(added) > 1e-5, np.abs(added + rows["kappa"][1:-1]), 0.0)
+        needed = turn * np.interp(stations, around.free_s, around.free_v) ** 2
+        now = float((turn * around.v**2)[stations > around.s].max(initial=0.0))
+        a_y = max(around.settings.cost.sharp_from * around.limits.a_y, now)
+        if not needed.max() > a_y:
+            return None
+        i = self.add_path(path, a_y)
+        plan = self.drive(path, i, Profile("free", follows=False))
+        self.n_paths -= 1  # the next path replaces it
+        return replace(around, free_s=plan.s + around.lateral.base, free_v=plan.v, free_row=plan.row, a_y=a_y)
 
     def add(self, path: LateralPath, i: int, profile: Profile, kept: Array | None = None) -> Plan | None:
         """Drive a path with a profile; None if the scene is full."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from cca_core._checks import Array
-from cca_core.decide import Rejection
+from cca_core.decide import Rejection, RejectionKind
 from cca_core.kernel.scene import TOLERANCE
 from cca_core.planner.actuate import safe_stop, since
 from cca_core.planner.assumptions import Assumptions
@@ -145,7 +145,7 @@ class Deliberation:
             if self._rollout.is_full:
                 return
             comfort = limits.a_y if self._around.creeps else limits.a_y_limit
-            row = self._rollout.add_path(path, comfort if is_comfortable else limits.a_y_max)
+            row = self._rollout.add_path(path, min(path.a_y, comfort if is_comfortable else limits.a_y_max))
         keeps = path.is_last or (self._last_path is None and not path.kind.is_evasive)
         found = profiles(
             path, len(self._stops), limits.b_comfort, limits.b_max,
@@ -169,7 +169,7 @@ class Deliberation:
             ongoing = None if self._around.lateral.is_lost or last.to_lane is not None else last
         v_target = math.sqrt(max(float(np.interp(observation.s, *self._profile)), 0.0))
         max_speed = v_target - self._setup.settings.min_speed_advantage
-        found, why = maneuver_paths(self._around, levels, ongoing, max_speed)
+        found, why = maneuver_paths(self._around, self._rollout, levels, ongoing, max_speed)
         self._rejections += why
         for path in found:
             self._add(path, None)
@@ -200,15 +200,25 @@ class Deliberation:
             certificate = self._certifier.certificate(best)
             assumptions = self._assumptions if best.grade <= Grade.FULL else None
         limited_by, yields_to = self._limit_of(best)
-        rejected = (p.rejection for p in self._plans if p.rejection is not None and p.cost < best.cost)
+        rejected = [p.rejection for p in self._plans if p.rejection is not None and p.cost < best.cost]
         return DrivenPlan(
             t=observation.t, path=path, reference=reference, profile=best.profile, s=best.s + self._base,
             v=best.v.copy(), a=best.a.copy(), a_0=self._state.a_x, limited_by=limited_by,
             certificate=certificate, yields_to=yields_to,
-            free_a=float(self._free.a[3]), rejections=(*self._rejections, *rejected), safe_stop=stop,
-            costs=best.costs, impact_id=best.impact_id or self._cause_of(best), assumptions=assumptions,
-            waiting=waiting_for(self._wish, self._plans, best),
+            free_a=float(self._free.a[3]), rejections=(*self._rejections, *rejected, *self._dear(best)),
+            safe_stop=stop, costs=best.costs, impact_id=best.impact_id or self._cause_of(best),
+            assumptions=assumptions, waiting=waiting_for(self._wish, self._plans, best),
         )  # fmt: skip
+
+    def _dear(self, best: Plan) -> list[Rejection]:
+        """Return that the cheapest pass costs more than it saves, if the ego stays behind for that."""
+        passes = [p for p in self._plans if p.path.kind.is_evasive and p.path.to_lane is None]
+        cheapest = min(passes, key=lambda p: p.cost, default=best)
+        if best.path.kind is not PathKind.ROUTE or cheapest.cost <= best.cost:
+            return []
+        lost, still = (p.costs.progress + p.costs.speed + p.costs.safe_end for p in (best, cheapest))
+        spent = cheapest.cost - still - (best.cost - lost)
+        return [Rejection(kind=RejectionKind.COST, side=cheapest.path.side, value=spent, limit=lost - still)]
 
     def _valid_time(self) -> float:
         """Return the time until the last certified plan must brake, if another decision precedes that [s].

@@ -14,7 +14,7 @@ from cca_core.geometry import QUINTIC_PEAK, Boxes
 from cca_core.path import Lane
 from cca_core.planner.paths import LateralState, Surroundings
 from cca_core.planner.records import LateralPath, Level, PathKind
-from cca_core.planner.scene import FREE_ROW, TIMES, obstacles_of, span_of
+from cca_core.planner.scene import TIMES, obstacles_of, span_of
 from cca_core.planner.stretch import AHEAD, narrowed
 
 _MAX_NODES = 140  # of a band
@@ -105,7 +105,7 @@ def _bend_path(
         kind=PathKind.LEFT if side == "left" else PathKind.RIGHT, base=state.base,
         d=_on_grid(band, stations, spacing, around.lateral, ongoing=ongoing), level=level, band=band,
         begin=float(window.start if last is None else last.begin), end=float(stations[-1]),
-        overtaken=frozenset(around.traffic.ids[j] for j in group), clearance=window.clearance,
+        overtaken=frozenset(around.traffic.ids[j] for j in group), clearance=window.clearance, a_y=around.a_y,
     )  # fmt: skip
 
 
@@ -176,7 +176,7 @@ def _window(
         gap = float(traffic.s[group[0], 0] - around.s)
         return Rejection(kind=RejectionKind.NO_SPACE, side=side, vehicle_id=first_id, distance=gap)
     ttc = settings.last_resort.min_ttc if narrow else settings.min_ttc
-    spans = [span_of(traffic.scene.workspace, FREE_ROW, j, clearance, ttc) for j in group]
+    spans = [span_of(traffic.scene.workspace, around.free_row, j, clearance, ttc) for j in group]
     first, stop = base + min(s[0] for s in spans), base + max(s[1] for s in spans)
     if not math.isfinite(stop):
         return Rejection(kind=RejectionKind.TOO_LONG, side=side, vehicle_id=first_id, limit=float(AHEAD))

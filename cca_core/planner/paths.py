@@ -12,6 +12,7 @@ from cca_core.path.interpolate import spline_through
 from cca_core.planner.limits import Limits
 from cca_core.planner.occupancy import Traffic
 from cca_core.planner.records import LaneWish, LateralPath, Level, PathKind
+from cca_core.planner.scene import FREE_ROW
 from cca_core.planner.settings import EvasionSettings
 from cca_core.planner.stretch import AHEAD, BEHIND
 from cca_core.vehicle import VehicleParams
@@ -55,6 +56,8 @@ class Surroundings:
     jerk_emergency: float
     free_s: Array  # the ego's motion if no vehicle limits it, at `TIMES`
     free_v: Array
+    free_row: int = FREE_ROW  # of that motion in the scene
+    a_y: float = math.inf  # lateral acceleration up to which it speeds up on a maneuver [m/s^2]
     wish: LaneWish | None = None
 
     @property

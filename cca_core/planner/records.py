@@ -67,6 +67,7 @@ class LateralPath:
     reference: Path | None = None
     is_last: bool = False
     gap: float = math.inf  # least gap to the others when it was chosen [m]
+    a_y: float = math.inf  # lateral acceleration up to which the ego speeds up on it [m/s^2]
     rest: float = 0.0  # lateral offset beyond the last station [m]
     to_lane: Lane | None = None  # in which it ends, if that is not the ego lane
     is_smooth: bool = False  # it begins where steering does not look yet
