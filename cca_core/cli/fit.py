@@ -20,6 +20,8 @@ __all__ = ["run"]
 _DEFAULT_LIMIT = 36.0  # where a map has none [m/s]
 _OTHER_MAPS = ".xml", ".osm"
 _STRAIGHT = 1e4  # radius from which a road is called straight [m]
+_TIGHT = 5.0  # radius below which hardly a car turns [m]
+_NOISY = 0.3  # noise from which the accuracy is worth a line [m]
 
 
 def run(given: argparse.Namespace) -> int:
@@ -117,7 +119,11 @@ def _print_facts(file: FilePath, path: Path, points: Waypoints, rms: float, clea
         _print("tolerance", f"{report.tolerance_text}{noise}")
         _print("max error", f"{report.max_deviation:.2f} m at s = {report.s_max_deviation:.0f} m")
     _print("rms error", f"{rms:.2f} m")
+    if report is not None and report.noise is not None and report.noise >= _NOISY:
+        _print("accuracy", f"in curves up to {3.0 * report.noise:.1f} m off, by the noise")
     _print("tightest curve", _tightest(path))
+    if path.min_radius < _TIGHT:
+        _print("warning", "a curve is tighter than cars turn; a larger --tolerance smooths noise")
     if report is not None and len(report.missed):
         _print("warning", f"{counted(len(report.missed), 'point')} farther away than the tolerance")
     if len(cleaning.reversals):

@@ -48,6 +48,8 @@ class FileScenario:
 def read_study(file: FilePath) -> Study:
     """Return the study in a file."""
     top = read_toml(file)
+    if "road" in top.content:
+        raise InputError(f'{file.name} is a scenario: name it in a study file, as scenario = "{file.name}"')
     top.check_keys(_TOP)
     ranges = top.table("ranges")
     bounds = {key: _bounds(ranges, key) for key in ranges.content}

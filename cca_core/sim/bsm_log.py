@@ -155,7 +155,10 @@ def _entries(text: str) -> Iterator[tuple[float | None, str]]:
     else:
         for line in lines:
             *before, digits = line.replace(",", " ").split() or [","]
-            yield (None if not before else _number(before[0])), digits
+            try:
+                yield (None if not before else _number(before[0])), digits
+            except InputError:  # no time and message: what cannot be read
+                yield None, line
 
 
 def _objects(text: str, lines: list[str]) -> Iterable[object]:

@@ -150,6 +150,17 @@ def test_cut_captures_never_raise(make: object, tmp_path: Path) -> None:
         assert main(["decode", str(file)]) in (0, 2)
 
 
+@pytest.mark.parametrize("line", ["this is not a message", "hello world", "abc,def", "2.5 zz", "<?xml?>"])
+def test_line_that_is_no_message_is_counted(
+    line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "log.txt"
+    file.write_text("\n".join([message(0).hex(), line, message(1).hex()]))
+    lines = decode(file, capsys)
+    assert "accepted: 2 (new 1, updated 1)" in lines
+    assert any("unreadable 1" in each for each in lines)
+
+
 def test_log_without_messages_has_code_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "letter.txt"
     file.write_text("Dear reader,\nthis is no log.\n")

@@ -55,6 +55,18 @@ def test_rms_error_is_that_of_the_noise(tmp_path: Path, capsys: pytest.CaptureFi
     assert found["tolerance"] == "3.00 m"
 
 
+def test_accuracy_follows_from_the_noise(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    angle = np.arange(0.0, 3.0, 0.02)
+    xy = 300.0 * np.column_stack((np.sin(angle), 1.0 - np.cos(angle)))
+    file = tmp_path / "drive.csv"
+    write_table(file, xy + 2.0 * np.random.default_rng(1).standard_normal(xy.shape))
+    assert main(["fit", str(file)]) == 0
+    found = facts(capsys.readouterr().out)
+    assert re.fullmatch(r"in curves up to [4-7]\.\d m off, by the noise", found["accuracy"])
+    assert main(["fit", str(file), "--tolerance", "1"]) == 0
+    assert "a curve is tighter than cars turn" in facts(capsys.readouterr().out)["warning"]
+
+
 def test_picture_has_the_name_of_the_route(
     circle: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

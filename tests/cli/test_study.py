@@ -165,6 +165,7 @@ WRONG = [
     (HEAD + '"road_users[1].v_x" = [1.0, 2.0]\n', "ranges.'road_users[1].v_x' must be a key of the scenario"),
     (HEAD + '"road_users.v_x" = [1.0, 2.0]\n', "ranges.'road_users.v_x' must be a key of the scenario"),
     (HEAD + '"a b" = [1.0, 2.0]\n', "ranges.'a b' must be a key of the scenario"),
+    ("[road]\n[ego]\nv_x = 20.0\n", "many.toml is a scenario: name it in a study file"),
 ]  # fmt: skip
 
 
