@@ -23,6 +23,7 @@ from cca_core.vehicle import STANDSTILL_SPEED
 
 _TAIL = N_ROWS - 1  # row of the braking tail
 _BISECTIONS = 3
+_SOFTER = 7  # decelerations below the full one that may end behind a crossing vehicle
 _SAME = 0.05  # difference of accelerations of the same motion [m/s^2]
 _ALL, _ADJACENT = 0, 1  # vehicles of a check
 _BETWEEN_STEPS = 0.1  # by which a fast vehicle comes nearer between two steps of a check [m]
@@ -303,10 +304,18 @@ class Certifier:
             safe = self._safe_branch(plan, (firm, comfortable), touch, clearance)
             plan.branch = safe or self._safe_branch(plan, (gentle,), touch, clearance) or goes_on
             return 0.0
-        if not self._is_safe(plan, here, touch, clearance):
-            plan.impact_id = plan.decides
-            return math.inf
         low, high = min(self._settings.comfortable_braking, 0.5 * limits.b_max), limits.b_max
+        if not self._is_safe(plan, here, touch, clearance):
+            decides = plan.decides
+            # where full braking ends in the way of a crossing vehicle, less of it may end behind that
+            softer = np.linspace(low, high, _SOFTER + 1)[:-1].tolist() if self._stops else []
+            ends = [(here._replace(braking=b), 0.0) for b in softer]
+            past = self._safe_branch(plan, ends, touch, clearance)
+            if past is not None:
+                plan.branch = past
+                return past.braking
+            plan.decides = plan.impact_id = decides
+            return math.inf
         if self._is_safe(plan, here._replace(braking=low), touch, clearance):
             plan.branch = here._replace(braking=low)
             return low
