@@ -24,7 +24,8 @@ _SAME_BODY = 0.3  # gap to a dead-reckoned body below which another id is that o
 class Known(NamedTuple):
     """Last report of a vehicle, since when it is known, and whether it was once in a complete list.
 
-    And its lateral offset and heading as last measured, without what is dead-reckoned since then.
+    And its lateral offset and heading as last measured, without what is dead-reckoned since then, and the
+    heading of the report before.
     """
 
     remote: RemoteVehicle
@@ -34,6 +35,7 @@ class Known(NamedTuple):
     d: float
     angle: float
     measured: float  # time of `d` and `angle`
+    before: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,12 +80,12 @@ def recall(
         last = known.get(remote.id)
         if last is None:
             known_since = _since(memory.former, remote, t)
-            now[remote.id] = Known(remote, t, known_since, not blind, n.d, n.angle, t)
+            now[remote.id] = Known(remote, t, known_since, not blind, n.d, n.angle, t, n.angle)
             continue
-        d, angle, measured = n.d, n.angle, t
+        d, angle, measured, before = n.d, n.angle, t, last.angle
         if _is_same_report(last, remote, t):  # it has only grown older
-            d, angle, measured = last.d, last.angle, last.measured
-        now[remote.id] = Known(remote, t, last.since, not blind or last.confirmed, d, angle, measured)
+            d, angle, measured, before = last[4:]
+        now[remote.id] = Known(remote, t, last.since, not blind or last.confirmed, d, angle, measured, before)
     memory = Memory(known=now, former=memory.former, blind_since=since, listen_until=listen_until)
     faults = []
     if not blind and memory.is_listening(t):

@@ -140,6 +140,9 @@ class CertificateSettings:
     side_offset : float
         Distance from the middle of its lane [m] up to which lateral speed is no lane change, because drivers
         correct their course within a lane, and a heading is known to one or two degrees.
+    heading_error : float
+        Angle to the route of two reports [rad] up to which lateral speed is no lane change: the error of a
+        heading, and of one report alone.
     return_speed : float
         Lateral speed with which an oncoming vehicle returns that drives in the middle of a wrong lane [m/s].
     acceleration_time, braking_time : float
@@ -169,6 +172,7 @@ class CertificateSettings:
     side_speed: float = 0.3
     side_angle: float = 0.1
     side_offset: float = 0.25
+    heading_error: float = 0.02
     return_speed: float = 1.5
     acceleration_time: float = 1.0
     braking_time: float = 4.0

@@ -31,7 +31,7 @@ def wished_mode(plan: DrivenPlan, mode: Mode, s: float, a_x: float, settings: De
     if path.kind.is_evasive and s < path.end:
         near = path.begin - s <= plan.v[0]
         waited = near and mode in (Mode.FOLLOW, Mode.EVADE_LEFT, Mode.EVADE_RIGHT)  # it speeds up to pass
-        if path.begin <= s or waited:
+        if path.has_begun(s) or waited:
             return Mode.EVADE_LEFT if path.kind is PathKind.LEFT else Mode.EVADE_RIGHT
         if mode is Mode.FOLLOW:
             return mode  # it follows until it passes

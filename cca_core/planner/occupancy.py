@@ -129,9 +129,9 @@ def _lateral_motion(
     has left the middle of its own, and to follow the road since it was measured.
     """
     certificate, known = settings.certificate, observation.memory.known.get(n.id)
-    d, angle = n.d, n.angle
+    d, angle, before = n.d, n.angle, n.angle
     if known is not None and abs(known.d - n.d) < _MAX_DRIFT:
-        d, angle = known.d, known.angle  # as measured, not as dead-reckoned since
+        d, angle, before = known.d, known.angle, known.before  # as measured, not as dead-reckoned since
     v_d = n.remote.v_x * math.sin(angle)
     turned = abs(math.sin(angle)) >= certificate.side_angle and abs(n.remote.v_x) > STANDSTILL_SPEED
     if abs(v_d) < certificate.side_speed and not turned:
@@ -142,7 +142,11 @@ def _lateral_motion(
     ahead = [x + n.added_width for lane in lanes if (x := (lane.d - n.d) * side) > 0.2 + n.added_width]
     reach = min(ahead) if ahead else 1.5 * abs(v_d)
     beyond = [(d - lane.d) * side for lane in lanes if abs(d - lane.d) <= 0.5 * lane.width]
-    keeps = not turned and bool(beyond) and min(beyond) < certificate.side_offset
+    # the error of one heading is no lateral motion
+    ahead_side = math.copysign(side, n.remote.v_x * side)
+    steady = min(ahead_side * math.sin(angle), ahead_side * math.sin(before))
+    moves = turned or steady > certificate.heading_error
+    keeps = not moves or (not turned and bool(beyond) and min(beyond) < certificate.side_offset)
     return (d if keeps else n.d), v_d, reach, not keeps
 
 

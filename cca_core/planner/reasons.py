@@ -188,7 +188,7 @@ def _follow(c: _Cycle) -> Decision | None:
     n = c.lead
     if n is None or not (c.mode in (Mode.FOLLOW, Mode.BRAKE) or c.brakes or c.stands) or c.holder is not n:
         return None
-    gap, is_parked = f"gap {c.gap(n):.0f} m{c.silence(n)}", abs(n.v_s) < _PARKED
+    gap, is_parked = f"gap {max(c.gap(n), 0.0):.0f} m{c.silence(n)}", abs(n.v_s) < _PARKED
     if c.stands:
         return c.decision(f"stopped behind {n.id}", gap, _alternative(c), n.id)
     if _brakes_hard(c):
@@ -286,7 +286,7 @@ def _brakes_hard(c: _Cycle) -> bool:
 
 
 def _starts_later(c: _Cycle) -> bool:
-    return c.plan.path.kind.is_evasive and c.s < c.plan.path.begin
+    return c.plan.path.kind.is_evasive and not c.plan.path.has_begun(c.s)
 
 
 def _alternative(c: _Cycle) -> str:

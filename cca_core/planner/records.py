@@ -17,6 +17,8 @@ from cca_core.planner.certificate import Certificate, Grade, SafeStop
 from cca_core.planner.last_known import Memory
 from cca_core.vehicle import VehicleState
 
+_OFF_ROUTE = 0.3  # offset from which the ego is off its route [m]
+
 
 class PathKind(Enum):
     """What a candidate path is for."""
@@ -91,6 +93,10 @@ class LateralPath:
     def offset_at(self, s: float) -> float:
         """Return the lateral offset at a station [m], 0 before the first one."""
         return float(np.interp(s, self.stations, self.d, left=0.0, right=self.rest))
+
+    def has_begun(self, s: float) -> bool:
+        """Return whether it, or a maneuver that it goes on from, is off the route at a station."""
+        return self.begin <= s or abs(self.offset_at(s)) > _OFF_ROUTE
 
     def on(self, base: int, n: int) -> Array:
         """Return the lateral offset on another stretch of the route; 0 before the first station."""

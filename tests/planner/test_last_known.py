@@ -234,7 +234,16 @@ def coasting(
     remote = car(50.0, v_x=10.0, a_x=-5.0, id="old")
     memory = Memory(
         known={
-            "old": Known(remote=remote, t=10.0, since=since, confirmed=True, d=0.0, angle=0.0, measured=10.0)
+            "old": Known(
+                remote=remote,
+                t=10.0,
+                since=since,
+                confirmed=True,
+                d=0.0,
+                angle=0.0,
+                measured=10.0,
+                before=0.0,
+            )
         }
     )
     found = recall(memory, 10.0 + elapsed, vehicles, (), DecisionSettings(), lost=False, blind=False)
