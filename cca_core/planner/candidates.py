@@ -224,7 +224,7 @@ class Rollout:
     def calm_motion(self, path: LateralPath) -> Surroundings | None:
         """Return the motion that speeds up where a comfortable path is not sharp; None if it nowhere is."""
         around, rows = self.around, self.scene.arrays
-        if path.level is not Level.COMFORT or around.creeps or self.is_full:
+        if path.level is not Level.COMFORT or around.creeps or self.is_full or self.n_rows >= N_ROWS - 1:
             return None
         stations, added = path.stations[1:-1], np.diff(path.d, 2)
         turn = np.where(np.abs(added) > 1e-5, np.abs(added + rows["kappa"][1:-1]), 0.0)

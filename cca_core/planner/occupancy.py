@@ -143,8 +143,7 @@ def _lateral_motion(
     reach = min(ahead) if ahead else 1.5 * abs(v_d)
     beyond = [(d - lane.d) * side for lane in lanes if abs(d - lane.d) <= 0.5 * lane.width]
     # the error of one heading is no lateral motion
-    ahead_side = math.copysign(side, n.remote.v_x * side)
-    steady = min(ahead_side * math.sin(angle), ahead_side * math.sin(before))
+    steady = min(math.copysign(1.0, n.remote.v_x) * side * math.sin(each) for each in (angle, before))
     moves = turned or steady > certificate.heading_error
     keeps = not moves or (not turned and bool(beyond) and min(beyond) < certificate.side_offset)
     return (d if keeps else n.d), v_d, reach, not keeps

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from cca_core.planner.modes import ACTIONS, advance, wished_mode
@@ -11,6 +12,7 @@ from tests.support.driven_plan import ROUTE, plan
 
 SETTINGS = DecisionSettings()
 EVASIVE = replace(ROUTE, kind=PathKind.LEFT, begin=30.0, end=90.0)
+GOES_ON = replace(EVASIVE, d=np.full(len(ROUTE.d), 3.2))  # from an earlier maneuver
 BEGUN = PlannerState(s=0.0)
 
 
@@ -30,6 +32,7 @@ BEGUN = PlannerState(s=0.0)
         (plan(replace(EVASIVE, kind=PathKind.RIGHT)), Mode.KEEP, 31.0, Mode.EVADE_RIGHT),
         (plan(replace(EVASIVE, kind=PathKind.RETURN)), Mode.EVADE_LEFT, 31.0, Mode.RETURN),
         (plan(EVASIVE), Mode.EVADE_LEFT, 90.0, Mode.KEEP),
+        (plan(GOES_ON), Mode.KEEP, 20.0, Mode.EVADE_LEFT),
     ],
 )
 def test_wished_mode_follows_from_plan(driven: DrivenPlan, mode: Mode, s: float, expected: Mode) -> None:

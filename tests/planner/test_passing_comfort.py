@@ -1,10 +1,15 @@
 """A slow lead is passed from the gap at which it is followed, in comfort; if not, the reason says why."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from cca_core import RemoteVehicle
+from cca_core.planner.candidates import Rollout
+from cca_core.planner.records import Level
+from cca_core.planner.scene import N_ROWS
 from tests.support.planner_drives import ClosedLoop, ScriptedVehicle, make_planner
 from tests.support.sweeps import sweep
 
@@ -54,3 +59,13 @@ def test_pass_that_is_not_worth_it_is_named(v: float, gain: float) -> None:
     reason = run.commands[-1].decision.reason
     assert reason.startswith("following R")
     assert "not passing on the left: not worth it (costs " in reason
+
+
+def test_full_scene_has_no_calm_motion() -> None:
+    """There is no row for it; one beyond the last is not memory of the scene."""
+    around: Any = SimpleNamespace(creeps=False)
+    path: Any = SimpleNamespace(level=Level.COMFORT)
+    scene: Any = SimpleNamespace(arrays={})
+    rollout = Rollout(scene, around)
+    rollout.n_rows = N_ROWS - 1
+    assert rollout.calm_motion(path) is None
